@@ -1,0 +1,106 @@
+//! The files of the checkout that are, or are about to be, under version control.
+
+use std::path::Path;
+use std::process::Command;
+
+/// A file of the checkout.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceFile {
+    /// Path from the root, with forward slashes.
+    pub path: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+impl SourceFile {
+    /// The content, if it is UTF-8.
+    pub fn text(&self) -> Option<&str> {
+        std::str::from_utf8(&self.bytes).ok()
+    }
+
+    /// Whether the name ends in `.extension`.
+    pub fn has_extension(&self, extension: &str) -> bool {
+        Path::new(&self.path).extension().is_some_and(|own| own == extension)
+    }
+
+    /// A file of a test.
+    #[cfg(test)]
+    pub fn of_text(path: &str, text: &str) -> Self {
+        Self { path: path.to_owned(), bytes: text.as_bytes().to_vec() }
+    }
+}
+
+/// All files below `root` that git tracks or would add, in the order of their paths.
+///
+/// Ignored files (build products, plans written while trying things) are left out.
+///
+/// # Errors
+/// If git is missing, `root` is no checkout, or a file cannot be read.
+pub fn read_files(root: &Path) -> Result<Vec<SourceFile>, String> {
+    let listing = git_in(root)
+        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+        .output()
+        .map_err(|error| format!("git does not run ({error}); tidy asks it which files belong here"))?;
+    if !listing.status.success() {
+        let reason = String::from_utf8_lossy(&listing.stderr);
+        return Err(format!("`git ls-files` failed in {}: {}", root.display(), reason.trim()));
+    }
+    let mut paths: Vec<String> = listing
+        .stdout
+        .split(|byte| *byte == 0)
+        .filter(|path| !path.is_empty())
+        .map(|path| String::from_utf8_lossy(path).into_owned())
+        .collect();
+    paths.sort();
+    paths.dedup();
+    paths
+        .into_iter()
+        // A deleted file stays listed until the deletion is staged.
+        .filter(|path| root.join(path).is_file())
+        .map(|path| match std::fs::read(root.join(&path)) {
+            Ok(bytes) => Ok(SourceFile { path, bytes }),
+            Err(error) => Err(format!("{path}: {error}")),
+        })
+        .collect()
+}
+
+/// Git at `root`, blind to the repository that a hook around this run may have named.
+fn git_in(root: &Path) -> Command {
+    let mut git = Command::new("git");
+    git.current_dir(root);
+    for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX"] {
+        git.env_remove(name);
+    }
+    git
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_without_git_is_an_error_that_names_it() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let message = read_files(folder.path()).expect_err("no checkout");
+        assert!(message.contains(&folder.path().display().to_string()), "{message}");
+    }
+
+    #[test]
+    fn new_files_are_seen_and_ignored_files_are_not() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let git = |words: &[&str]| git_in(folder.path()).args(words).output().expect("git");
+        git(&["init", "--quiet"]);
+        for (name, text) in [(".gitignore", "built/\n"), ("new.rs", "//! New.\n"), ("gone.rs", "")] {
+            std::fs::write(folder.path().join(name), text).expect("write");
+        }
+        std::fs::create_dir(folder.path().join("built")).expect("folder");
+        std::fs::write(folder.path().join("built/product"), "x").expect("write");
+        git(&["add", "gone.rs"]);
+        std::fs::remove_file(folder.path().join("gone.rs")).expect("remove");
+
+        let files = read_files(folder.path()).expect("files");
+        let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+        assert_eq!(paths, [".gitignore", "new.rs"]);
+        assert_eq!(files[1].text(), Some("//! New.\n"));
+    }
+}

@@ -1,0 +1,107 @@
+//! What a contributor runs: `cargo xtask tidy` and `cargo xtask test`.
+//!
+//! Exit codes: 0 done, 1 a check failed, 2 not runnable as asked (unknown word, no git, wrong
+//! `CRANNY_DATA`).
+
+mod checkout;
+mod member;
+mod problem;
+mod released_data;
+mod step;
+mod test;
+mod tidy;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Tasks of a Cranny contributor
+
+Usage: cargo xtask <TASK>
+
+Tasks:
+  test           everything a change must pass: format, lints, tidy, tests, doc tests, pages
+  tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
+                 machine paths, files of others
+  tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
+  help           this text
+
+Environment:
+  CRANNY_DATA          folder of the paper's released data (it holds `jogramop`); unset: the tests
+                       that need it are skipped, and one line says so
+  CRANNY_REQUIRE_ALL   1: whatever lacks its data or its tool fails instead of being skipped
+
+Examples:
+  cargo xtask test
+  CRANNY_DATA=../shared/data cargo xtask test
+  CRANNY_DATA=../shared/data CRANNY_REQUIRE_ALL=1 cargo xtask test
+  cargo xtask tidy --write
+
+Exit codes: 0 done, 1 a check failed, 2 not runnable as asked";
+
+/// What the command line asks for.
+#[derive(Debug, PartialEq, Eq)]
+enum Task {
+    Help,
+    Tidy { generated: tidy::Generated },
+    Test,
+}
+
+/// The task that `words` name, or what is wrong with them.
+fn task_of(words: &[&str]) -> Result<Task, String> {
+    match words {
+        [] => Err("no task given".to_owned()),
+        ["help" | "--help" | "-h", ..] => Ok(Task::Help),
+        [_, rest @ ..] if rest.iter().any(|word| matches!(*word, "--help" | "-h")) => Ok(Task::Help),
+        ["tidy"] => Ok(Task::Tidy { generated: tidy::Generated::Compare }),
+        ["tidy", "--write"] => Ok(Task::Tidy { generated: tidy::Generated::Write }),
+        ["test"] => Ok(Task::Test),
+        ["tidy" | "test", rest @ ..] => Err(format!("`{}` does not take `{}`", words[0], rest.join(" "))),
+        [unknown, ..] => Err(format!("there is no task `{unknown}`")),
+    }
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let outcome = match task_of(&words) {
+        Ok(Task::Help) => {
+            println!("{HELP}");
+            Ok(true)
+        }
+        Ok(Task::Tidy { generated }) => tidy::run(generated),
+        Ok(Task::Test) => test::run(),
+        Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_task_is_found_by_its_name() {
+        assert_eq!(task_of(&["test"]), Ok(Task::Test));
+        assert_eq!(task_of(&["tidy"]), Ok(Task::Tidy { generated: tidy::Generated::Compare }));
+        assert_eq!(task_of(&["tidy", "--write"]), Ok(Task::Tidy { generated: tidy::Generated::Write }));
+        assert_eq!(task_of(&["help"]), Ok(Task::Help));
+        assert_eq!(task_of(&["tidy", "--help"]), Ok(Task::Help));
+    }
+
+    #[test]
+    fn an_unknown_word_is_named_and_not_run() {
+        for words in [&["tset"][..], &["test", "--fast"], &["tidy", "--wirte"], &[]] {
+            let message = task_of(words).expect_err("not a task");
+            if let Some(word) = words.last() {
+                assert!(message.contains(word), "{message}");
+            }
+        }
+    }
+}

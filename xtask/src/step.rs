@@ -1,0 +1,185 @@
+//! Steps of a test run: a name, what it needs, what it does.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use crate::released_data::{DATA, REQUIRE_ALL};
+
+/// What a run knows about its surroundings.
+#[derive(Debug, Clone)]
+pub struct Surroundings {
+    /// Root of the checkout; steps run there.
+    pub root: PathBuf,
+    /// Absolute path of the released data, if there is one.
+    pub data: Option<PathBuf>,
+    /// Whether a step that lacks its tool fails instead of being skipped.
+    pub all_required: bool,
+}
+
+impl Surroundings {
+    /// A cargo command at the root, with the data folder in its environment.
+    pub fn cargo(&self, words: &[&str]) -> Command {
+        // The cargo that runs this task, so that nested runs use the same toolchain.
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+        self.command(cargo, words)
+    }
+
+    /// Any command at the root, with the data folder in its environment.
+    pub fn command(&self, program: impl Into<OsString>, words: &[&str]) -> Command {
+        let mut command = Command::new(program.into());
+        command.args(words).current_dir(&self.root).env_remove(DATA).env_remove(REQUIRE_ALL);
+        if let Some(data) = &self.data {
+            command.env(DATA, data);
+        }
+        if self.all_required {
+            command.env(REQUIRE_ALL, "1");
+        }
+        command
+    }
+
+    /// Whether `cargo <words>` runs and succeeds, its output thrown away.
+    pub fn cargo_answers(&self, words: &[&str]) -> bool {
+        self.cargo(words).output().is_ok_and(|output| output.status.success())
+    }
+}
+
+/// Whether a step can run here.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Readiness {
+    /// It can.
+    Ready,
+    /// It cannot; the text says what is missing and how to get it.
+    Missing(String),
+}
+
+/// One step of a run.
+pub struct Step {
+    /// A noun or two.
+    pub name: &'static str,
+    /// Whether its tools are here.
+    pub needs: fn(&Surroundings) -> Readiness,
+    /// Does it; the error says what failed.
+    pub action: fn(&Surroundings) -> Result<(), String>,
+}
+
+/// A step that could not run, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Skipped {
+    /// Name of the step.
+    pub name: &'static str,
+    /// What is missing.
+    pub missing: String,
+}
+
+/// How a run of steps went.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Record {
+    /// Steps that passed, in order.
+    pub passed: Vec<&'static str>,
+    /// Steps that were skipped.
+    pub skipped: Vec<Skipped>,
+    /// The step that failed; none after it ran.
+    pub failed: Option<&'static str>,
+}
+
+/// Runs `steps` in order and stops at the first that fails, printing name and time of each.
+pub fn run_all(steps: &[Step], surroundings: &Surroundings) -> Record {
+    let mut record = Record::default();
+    for step in steps {
+        let outcome = match (step.needs)(surroundings) {
+            Readiness::Missing(missing) if !surroundings.all_required => {
+                eprintln!("SKIPPED: {} ({missing})", step.name);
+                record.skipped.push(Skipped { name: step.name, missing });
+                continue;
+            }
+            Readiness::Missing(missing) => Err(missing),
+            Readiness::Ready => {
+                println!("==> {}", step.name);
+                let start = Instant::now();
+                let outcome = (step.action)(surroundings);
+                println!("<== {}: {:.1} s", step.name, start.elapsed().as_secs_f64());
+                outcome
+            }
+        };
+        match outcome {
+            Ok(()) => record.passed.push(step.name),
+            Err(reason) => {
+                eprintln!("FAILED: {} ({reason})", step.name);
+                record.failed = Some(step.name);
+                break;
+            }
+        }
+    }
+    record
+}
+
+/// Runs `command` with its output shown.
+///
+/// # Errors
+/// If it does not start or does not succeed.
+pub fn succeed(mut command: Command) -> Result<(), String> {
+    let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
+    let words: Vec<_> =
+        std::iter::once(program).chain(command.get_args()).map(|word| word.to_string_lossy()).collect();
+    let line = words.join(" ");
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{line}`: {status}")),
+        Err(error) => Err(format!("`{line}` does not start: {error}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PASSES: Step = Step { name: "passes", needs: |_| Readiness::Ready, action: |_| Ok(()) };
+    const FAILS: Step =
+        Step { name: "fails", needs: |_| Readiness::Ready, action: |_| Err("as it should".to_owned()) };
+    const LACKS: Step = Step {
+        name: "lacks",
+        needs: |_| Readiness::Missing("its tool".to_owned()),
+        action: |_| unreachable!("a step without its tool must not run"),
+    };
+
+    fn surroundings(all_required: bool) -> Surroundings {
+        Surroundings { root: PathBuf::from("."), data: None, all_required }
+    }
+
+    #[test]
+    fn the_first_failure_ends_the_run() {
+        let record = run_all(&[PASSES, FAILS, PASSES], &surroundings(false));
+        assert_eq!(record.passed, ["passes"]);
+        assert_eq!(record.failed, Some("fails"));
+    }
+
+    #[test]
+    fn a_step_without_its_tool_is_skipped() {
+        let record = run_all(&[LACKS, PASSES], &surroundings(false));
+        assert_eq!(record.passed, ["passes"]);
+        assert_eq!(record.skipped, [Skipped { name: "lacks", missing: "its tool".to_owned() }]);
+        assert_eq!(record.failed, None);
+    }
+
+    #[test]
+    fn a_step_without_its_tool_fails_where_all_is_required() {
+        let record = run_all(&[LACKS, PASSES], &surroundings(true));
+        assert_eq!(record, Record { failed: Some("lacks"), ..Record::default() });
+    }
+
+    #[test]
+    fn commands_see_the_data_folder_only_if_there_is_one() {
+        let value_of = |surroundings: &Surroundings, name: &str| {
+            let command = surroundings.cargo(&["--version"]);
+            let found = command.get_envs().find(|(key, _)| *key == name);
+            found.and_then(|(_, value)| value.map(OsString::from))
+        };
+        let with = Surroundings { data: Some("data".into()), ..surroundings(true) };
+        assert_eq!(value_of(&with, "CRANNY_DATA"), Some("data".into()));
+        assert_eq!(value_of(&with, "CRANNY_REQUIRE_ALL"), Some("1".into()));
+        assert_eq!(value_of(&surroundings(false), "CRANNY_DATA"), None);
+        assert_eq!(value_of(&surroundings(false), "CRANNY_REQUIRE_ALL"), None);
+    }
+}

@@ -1,0 +1,127 @@
+//! Everything a change must pass, in the order in which it fails soonest.
+
+use std::time::Instant;
+
+use crate::member;
+use crate::released_data;
+use crate::step::{self, Readiness, Record, Step, Surroundings};
+use crate::tidy;
+
+/// The steps. One that needs a tool of its own says so in `needs`.
+const STEPS: [Step; 6] = [
+    Step {
+        name: "format",
+        needs: |here| component(here, "fmt", "rustfmt"),
+        action: |here| step::succeed(here.cargo(&["fmt", "--all", "--check"])),
+    },
+    Step {
+        name: "lints",
+        needs: |here| component(here, "clippy", "clippy"),
+        action: |here| {
+            let words = ["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"];
+            step::succeed(here.cargo(&words))
+        },
+    },
+    Step { name: "tidy", needs: |_| Readiness::Ready, action: |_| tidy_step() },
+    Step { name: "tests", needs: |_| Readiness::Ready, action: tests },
+    Step {
+        name: "doc tests",
+        needs: |_| Readiness::Ready,
+        action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
+    },
+    Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
+];
+
+/// Whether all steps passed.
+///
+/// # Errors
+/// If the run cannot begin: no workspace here, or the released data are missing where they must not be.
+pub fn run() -> Result<bool, String> {
+    let start = Instant::now();
+    let data = released_data::folder()?;
+    let (root, _) = member::read_workspace()?;
+    let here = Surroundings { root, data, all_required: released_data::all_required() };
+
+    if here.data.is_none() {
+        eprintln!("{}", released_data::SKIPPED);
+    }
+    let record = step::run_all(&STEPS, &here);
+    if here.data.is_none() {
+        eprintln!("{}", released_data::SKIPPED);
+    }
+    println!("{}", summary(&record, &here, start.elapsed().as_secs_f64()));
+    Ok(record.failed.is_none())
+}
+
+/// One line: what passed, what did not run, what failed, and how long it took.
+fn summary(record: &Record, here: &Surroundings, seconds: f64) -> String {
+    let mut parts = vec![format!("passed: {}", listed(&record.passed))];
+    let mut skipped: Vec<&str> = record.skipped.iter().map(|skipped| skipped.name).collect();
+    if here.data.is_none() {
+        skipped.push("tests on released data");
+    }
+    parts.push(format!("skipped: {}", listed(&skipped)));
+    if let Some(failed) = record.failed {
+        parts.push(format!("FAILED: {failed}"));
+    }
+    format!("xtask test: {} in {seconds:.1} s", parts.join("; "))
+}
+
+fn listed(names: &[&str]) -> String {
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+fn component(here: &Surroundings, command: &str, component: &str) -> Readiness {
+    if here.cargo_answers(&[command, "--version"]) {
+        Readiness::Ready
+    } else {
+        Readiness::Missing(format!("no `cargo {command}`: run `rustup component add {component}`"))
+    }
+}
+
+fn tidy_step() -> Result<(), String> {
+    if tidy::run(tidy::Generated::Compare)? { Ok(()) } else { Err("see above".to_owned()) }
+}
+
+fn tests(here: &Surroundings) -> Result<(), String> {
+    // nextest runs each test in a process of its own and is faster; cargo's own runner tests the same.
+    let words: &[&str] = if here.cargo_answers(&["nextest", "--version"]) {
+        &["nextest", "run", "--release", "--workspace"]
+    } else {
+        &["test", "--release", "--workspace", "--lib", "--bins", "--tests"]
+    };
+    step::succeed(here.cargo(words))
+}
+
+fn pages(here: &Surroundings) -> Result<(), String> {
+    let mut command = here.cargo(&["doc", "--release", "--no-deps", "--workspace"]);
+    command.env("RUSTDOCFLAGS", "-D warnings");
+    step::succeed(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::Skipped;
+
+    #[test]
+    fn the_summary_names_what_did_not_run() {
+        let here = Surroundings { root: ".".into(), data: None, all_required: false };
+        let record = Record {
+            passed: vec!["format"],
+            skipped: vec![Skipped { name: "lints", missing: "no clippy".to_owned() }],
+            failed: Some("tidy"),
+        };
+        assert_eq!(
+            summary(&record, &here, 1.25),
+            "xtask test: passed: format; skipped: lints, tests on released data; FAILED: tidy in 1.2 s"
+        );
+    }
+
+    #[test]
+    fn a_full_run_skips_nothing() {
+        let here = Surroundings { root: ".".into(), data: Some("data".into()), all_required: true };
+        let record = Record { passed: vec!["format", "tests"], ..Record::default() };
+        assert_eq!(summary(&record, &here, 2.0), "xtask test: passed: format, tests; skipped: none in 2.0 s");
+    }
+}

@@ -1,0 +1,67 @@
+//! The shape of the house: rules that a compiler does not hold.
+//!
+//! Each check is a pure function from crates and files to [`Problem`]s, in a file of its own, and is shown
+//! there to fail on a bad example.
+
+mod crate_table;
+mod file_length;
+mod floors;
+mod foreign_data;
+mod machine_paths;
+mod module_names;
+mod unsafe_code;
+
+use crate::checkout::{self, SourceFile};
+use crate::member::{self, Member};
+use crate::problem::Problem;
+use crate::released_data;
+
+/// What to do with the generated parts of pages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Generated {
+    /// Report a part that differs from what would be generated.
+    Compare,
+    /// Write it.
+    Write,
+}
+
+/// Whether the checkout is tidy; every problem is printed to stderr.
+///
+/// # Errors
+/// If cargo or git cannot describe the checkout, a page cannot be written, or `CRANNY_DATA` is wrong
+/// or missing where all is required.
+pub fn run(generated: Generated) -> Result<bool, String> {
+    let (root, members) = member::read_workspace()?;
+    if generated == Generated::Write {
+        crate_table::write(&root, &members)?;
+    }
+    let files = checkout::read_files(&root)?;
+    let data = released_data::folder()?;
+
+    let mut problems = problems_of(&members, &files);
+    match &data {
+        Some(folder) => problems.extend(foreign_data::check(&files, folder)?),
+        None => eprintln!("SKIPPED: tidy, comparison with the released data (set {})", released_data::DATA),
+    }
+    for problem in &problems {
+        eprintln!("{problem}");
+    }
+    match problems.len() {
+        0 => println!("tidy: {} crates and {} files in order", members.len(), files.len()),
+        count => eprintln!("tidy: {count} problem{}", if count == 1 { "" } else { "s" }),
+    }
+    Ok(problems.is_empty())
+}
+
+/// What the checks that need nothing but the checkout find.
+fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
+    [
+        floors::check(members),
+        crate_table::check(members, files),
+        module_names::check(files),
+        file_length::check(files),
+        unsafe_code::check(members, files),
+        machine_paths::check(files),
+    ]
+    .concat()
+}
