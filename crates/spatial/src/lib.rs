@@ -1,0 +1,29 @@
+//! The ground floor: poses, how far two of them differ, the tolerances that the whole project shares,
+//! trigonometry and random numbers that give the same bits on every machine.
+//!
+//! All lengths are metres, all angles radians. A transform is named target-from-source, so that inner
+//! names cancel: `world_from_gripper = world_from_object * object_from_gripper`.
+//!
+//! ## Limits
+//! Rotations are unit quaternions; there is no screw or dual-quaternion algebra here.
+
+mod difference;
+mod random;
+mod tolerance;
+mod trigonometry;
+
+pub use difference::PoseDifference;
+pub use random::Stream;
+pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, ROUNDING_M};
+pub use trigonometry::sin_cos;
+
+pub use nalgebra;
+
+/// A rigid transform of three-dimensional space, `target_from_source`.
+pub type Pose = nalgebra::Isometry3<f64>;
+/// A rotation of three-dimensional space.
+pub type Rotation = nalgebra::UnitQuaternion<f64>;
+/// A point, in metres.
+pub type Point = nalgebra::Point3<f64>;
+/// A direction or displacement, in metres where it is a displacement.
+pub type Vector = nalgebra::Vector3<f64>;
