@@ -1,0 +1,79 @@
+use cranny_spatial::{Point, Pose, Vector};
+
+/// A ball that contains a shape, in the shape's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its centre.
+    pub center: Point,
+    /// Its radius, in metres.
+    pub radius_m: f64,
+}
+
+/// A box along the axes of its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// The middle of the box.
+    pub center: Point,
+    /// Half its length along each axis, in metres.
+    pub half_extents: Vector,
+}
+
+impl Aabb {
+    /// The least box around `points`, grown by `margin_m` on every side.
+    ///
+    /// # Panics
+    /// If there is no point.
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a Point>, margin_m: f64) -> Self {
+        let mut points = points.into_iter();
+        let first = *points.next().expect("a box is built around at least one point");
+        let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        Self { center: nalgebra_center(&low, &high), half_extents: (high - low) * 0.5 }.grown(margin_m)
+    }
+
+    /// The box with every side moved outwards by `margin_m`.
+    #[must_use]
+    pub fn grown(mut self, margin_m: f64) -> Self {
+        self.half_extents.add_scalar_mut(margin_m);
+        self
+    }
+
+    /// A box along the axes of the target frame that contains this one.
+    #[must_use]
+    pub fn transformed(&self, target_from_box: &Pose) -> Self {
+        let rotation = target_from_box.rotation.to_rotation_matrix();
+        Self {
+            center: target_from_box * self.center,
+            half_extents: rotation.matrix().abs() * self.half_extents,
+        }
+    }
+
+    /// The corner with the least coordinates.
+    pub fn low(&self) -> Point {
+        self.center - self.half_extents
+    }
+
+    /// The corner with the greatest coordinates.
+    pub fn high(&self) -> Point {
+        self.center + self.half_extents
+    }
+
+    /// Whether `inner` lies wholly in this box.
+    pub fn contains(&self, inner: &Self) -> bool {
+        let gap = (inner.center - self.center).abs() + inner.half_extents - self.half_extents;
+        gap.max() <= 0.0
+    }
+
+    /// Whether the two boxes share a point.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        ((other.center - self.center).abs() - other.half_extents - self.half_extents).max() <= 0.0
+    }
+
+    /// Distance from `point` to the box, in metres; 0 inside.
+    pub fn distance_to(&self, point: &Point) -> f64 {
+        ((point - self.center).abs() - self.half_extents).sup(&Vector::zeros()).norm()
+    }
+}
+
+fn nalgebra_center(low: &Point, high: &Point) -> Point {
+    low + (high - low) * 0.5
+}

@@ -1,0 +1,95 @@
+use std::path::PathBuf;
+
+/// What can be wrong with a shape or a mesh file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A size is zero, negative, infinite or not a number.
+    #[error("{what} must be a positive finite number of metres, but is {value}")]
+    Size {
+        /// Which size of which shape.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+    },
+    /// A vertex has a coordinate that is infinite or not a number.
+    #[error("vertex {vertex} has a coordinate that is not a finite number: ({x}, {y}, {z})")]
+    NotFinite {
+        /// Index of the vertex, from 0.
+        vertex: usize,
+        /// x in metres.
+        x: f64,
+        /// y in metres.
+        y: f64,
+        /// z in metres.
+        z: f64,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
+    VertexIndex {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// The index it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// The points span no volume, so they have no convex hull.
+    #[error("{points} points span no volume, so they have no convex hull (are they all in one plane?)")]
+    FlatHull {
+        /// How many points were given.
+        points: usize,
+    },
+    /// A mesh that should be solid has a hole.
+    #[error(
+        "the mesh has a hole: {edges} of its edges belong to one triangle only, so it encloses no volume \
+         (close it, or take its convex hull)"
+    )]
+    Open {
+        /// How many edges lack their second triangle.
+        edges: usize,
+    },
+    /// There is no triangle.
+    #[error("the mesh has no triangles")]
+    Empty,
+    /// The file cannot be read.
+    #[error("{path}: cannot read the mesh: {source}", path = path.display())]
+    Read {
+        /// The mesh file.
+        path: PathBuf,
+        /// What the system or the parser says; a parser names the line.
+        source: std::io::Error,
+    },
+    /// The file's ending names no format that is read here.
+    #[error("{path}: unknown mesh format '{extension}' (known: obj, stl, dae, ply)", path = path.display())]
+    Format {
+        /// The mesh file.
+        path: PathBuf,
+        /// Its ending.
+        extension: String,
+    },
+    /// The file was read, but what it holds is no mesh.
+    #[error("{path}: {source}", path = path.display())]
+    Content {
+        /// The mesh file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<ShapeError>,
+    },
+}
+
+impl ShapeError {
+    /// The same fault, said of the file it was found in.
+    #[must_use]
+    pub fn in_file(self, path: &std::path::Path) -> Self {
+        match self {
+            Self::Read { .. } | Self::Format { .. } | Self::Content { .. } => self,
+            fault => Self::Content { path: path.to_owned(), source: Box::new(fault) },
+        }
+    }
+}
+
+/// A size, if it is one.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ShapeError> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(ShapeError::Size { what, value }) }
+}

@@ -1,0 +1,117 @@
+use std::collections::HashMap;
+
+use cranny_spatial::{Point, Vector};
+use parry3d_f64::bounding_volume::Aabb as ParryAabb;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
+
+use crate::convex::{Convex, Core};
+use crate::{Aabb, ShapeError, TriangleSoup, parry};
+
+/// A closed triangle mesh and the volume that it encloses.
+#[derive(Clone, Debug)]
+pub(crate) struct Mesh {
+    triangles: Vec<Convex>,
+    corners: Vec<[Point; 3]>,
+    tree: TriangleTree,
+    aabb: Aabb,
+}
+
+impl Mesh {
+    /// # Errors
+    /// The soup is empty, names a vertex that is not there, or has an edge without a second triangle.
+    pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        check_indices(soup)?;
+        check_closed(soup)?;
+        let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        let triangles = corners.iter().map(triangle).collect();
+        let tree = TriangleTree::new(&corners);
+        let aabb = Aabb::around(corners.iter().flatten(), 0.0);
+        Ok(Self { triangles, corners, tree, aabb })
+    }
+
+    pub fn aabb(&self) -> &Aabb {
+        &self.aabb
+    }
+
+    pub fn triangles(&self) -> &[Convex] {
+        &self.triangles
+    }
+
+    pub fn vertices(&self) -> impl Iterator<Item = &Point> {
+        self.corners.iter().flatten()
+    }
+
+    /// The triangles whose boxes meet `region`, which is given in the mesh's frame.
+    pub fn triangles_near(&self, region: &Aabb) -> Vec<u32> {
+        self.tree.near(region)
+    }
+
+    /// Whether the volume contains `point` (mesh frame), by the generalised winding number (Jacobson et
+    /// al. 2013), which needs no clean topology: bodies that touch or overlap are all full.
+    pub fn contains(&self, point: &Point) -> bool {
+        let solid_angle: f64 = self.corners.iter().map(|t| signed_solid_angle(t, point)).sum();
+        solid_angle.abs() > std::f64::consts::TAU
+    }
+}
+
+/// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983).
+fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner - eye);
+    let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+    let denominator = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+    2.0 * libm::atan2(a.dot(&b.cross(&c)), denominator)
+}
+
+fn triangle(corners: &[Point; 3]) -> Convex {
+    Convex::sharp(Core::Triangle(corners.map(|corner| parry::point(&corner))))
+}
+
+pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
+    if soup.triangles.is_empty() {
+        return Err(ShapeError::Empty);
+    }
+    for (triangle, corners) in soup.triangles.iter().enumerate() {
+        for &vertex in corners {
+            if vertex as usize >= soup.vertices.len() {
+                return Err(ShapeError::VertexIndex { triangle, vertex, vertices: soup.vertices.len() });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every edge is run through as often in one direction as in the other.
+fn check_closed(soup: &TriangleSoup) -> Result<(), ShapeError> {
+    let mut balance: HashMap<(u32, u32), i64> = HashMap::new();
+    for &[a, b, c] in &soup.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (key, sign) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
+            *balance.entry(key).or_default() += sign;
+        }
+    }
+    let edges = balance.values().filter(|&&sum| sum != 0).count();
+    if edges == 0 { Ok(()) } else { Err(ShapeError::Open { edges }) }
+}
+
+/// A bounding volume hierarchy over triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct TriangleTree {
+    tree: Bvh,
+}
+
+impl TriangleTree {
+    pub fn new(corners: &[[Point; 3]]) -> Self {
+        let leaves: Vec<ParryAabb> = corners.iter().map(|t| parry_box(&Aabb::around(t, 0.0))).collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves) }
+    }
+
+    /// Indices of the triangles whose boxes meet `region`, in a fixed order.
+    pub fn near(&self, region: &Aabb) -> Vec<u32> {
+        self.tree.intersect_aabb(&parry_box(region)).collect()
+    }
+}
+
+fn parry_box(aabb: &Aabb) -> ParryAabb {
+    let vector = |v: Vector| parry::vector(&v);
+    ParryAabb { mins: vector(aabb.low().coords), maxs: vector(aabb.high().coords) }
+}

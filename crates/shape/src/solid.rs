@@ -1,0 +1,207 @@
+use std::sync::Arc;
+
+use cranny_spatial::{Point, Pose, Vector};
+use parry3d_f64::transformation::try_convex_hull;
+
+use crate::convex::{Convex, Core};
+use crate::error::positive;
+use crate::mesh::Mesh;
+use crate::{Aabb, Ball, ShapeError, Surface, TriangleSoup, parry};
+
+/// A full body in its own frame. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    kind: Kind,
+    ball: Ball,
+    aabb: Aabb,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Kind {
+    Convex(Arc<Convex>),
+    Mesh(Arc<Mesh>),
+    /// All points with z ≤ 0.
+    HalfSpace,
+}
+
+impl Solid {
+    /// A cuboid centred at the origin.
+    ///
+    /// # Errors
+    /// [`ShapeError::Size`] unless all half extents (m) are positive and finite.
+    pub fn cuboid(half_extents: Vector) -> Result<Self, ShapeError> {
+        for extent in half_extents.iter() {
+            positive("each half extent of a cuboid", *extent)?;
+        }
+        Ok(Self::convex(Convex::sharp(Core::Cuboid { half_extents })))
+    }
+
+    /// A sphere centred at the origin.
+    ///
+    /// # Errors
+    /// [`ShapeError::Size`] unless the radius is positive and finite.
+    pub fn sphere(radius_m: f64) -> Result<Self, ShapeError> {
+        let radius_m = positive("the radius of a sphere", radius_m)?;
+        Ok(Self::convex(Convex { core: Core::Point, radius_m }))
+    }
+
+    /// A capsule along z, centred at the origin; `half_length_m` is that of its cylindrical part.
+    ///
+    /// # Errors
+    /// [`ShapeError::Size`] unless both sizes are positive and finite.
+    pub fn capsule(half_length_m: f64, radius_m: f64) -> Result<Self, ShapeError> {
+        let half_length = positive("the half length of a capsule", half_length_m)?;
+        let radius_m = positive("the radius of a capsule", radius_m)?;
+        Ok(Self::convex(Convex { core: Core::Segment { half_length }, radius_m }))
+    }
+
+    /// A cylinder along z, centred at the origin.
+    ///
+    /// # Errors
+    /// [`ShapeError::Size`] unless both sizes are positive and finite.
+    pub fn cylinder(half_length_m: f64, radius_m: f64) -> Result<Self, ShapeError> {
+        let half_length = positive("the half length of a cylinder", half_length_m)?;
+        let radius = positive("the radius of a cylinder", radius_m)?;
+        Ok(Self::convex(Convex::sharp(Core::Cylinder { half_length, radius })))
+    }
+
+    /// The convex hull of `points`.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`] or [`ShapeError::FlatHull`].
+    pub fn hull(points: &[Point]) -> Result<Self, ShapeError> {
+        for (vertex, p) in points.iter().enumerate() {
+            if !p.iter().all(|x| x.is_finite()) {
+                return Err(ShapeError::NotFinite { vertex, x: p.x, y: p.y, z: p.z });
+            }
+        }
+        let flat = ShapeError::FlatHull { points: points.len() };
+        let given: Vec<_> = points.iter().map(parry::point).collect();
+        let Ok((hull, faces)) = try_convex_hull(&given) else { return Err(flat) };
+        let volume: f64 = faces
+            .iter()
+            .map(|f| f.map(|v| hull[v as usize] - hull[0]))
+            .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
+            .sum();
+        /// A cube of 10 µm: what is smaller is a plane with rounding errors.
+        const LEAST_VOLUME_M3: f64 = 1e-15;
+        if volume.is_nan() || volume.abs() < LEAST_VOLUME_M3 {
+            return Err(flat);
+        }
+        // The library may merge nearly equal points; to contain all of them the hull keeps every given
+        // point that its facets leave outside.
+        let mut kept = hull.clone();
+        kept.extend(given.iter().filter(|&&p| {
+            faces.iter().any(|f| {
+                let [a, b, c] = f.map(|v| hull[v as usize]);
+                let normal = (b - a).cross(c - a);
+                normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
+            })
+        }));
+        Ok(Self::convex(Convex::sharp(Core::Hull(kept.into()))))
+    }
+
+    /// The volume that a closed triangle mesh encloses.
+    ///
+    /// # Errors
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], or [`ShapeError::Open`] for a mesh with a hole.
+    pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        let mesh = Mesh::new(soup)?;
+        let aabb = *mesh.aabb();
+        let ball = ball_around(aabb.center, mesh.vertices(), 0.0);
+        Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), ball, aabb })
+    }
+
+    /// The half-space z ≤ 0: a floor whose surface is the plane z = 0.
+    pub fn half_space() -> Self {
+        let everywhere = f64::INFINITY;
+        Self {
+            kind: Kind::HalfSpace,
+            ball: Ball { center: Point::origin(), radius_m: everywhere },
+            aabb: Aabb { center: Point::origin(), half_extents: Vector::repeat(everywhere) },
+        }
+    }
+
+    /// A ball that contains the solid; of infinite radius for a half-space.
+    pub fn ball(&self) -> &Ball {
+        &self.ball
+    }
+
+    /// The solid's box in its own frame; infinite for a half-space.
+    pub fn aabb(&self) -> &Aabb {
+        &self.aabb
+    }
+
+    /// Whether the solid is the half-space z ≤ 0.
+    pub fn is_half_space(&self) -> bool {
+        matches!(self.kind, Kind::HalfSpace)
+    }
+
+    /// The half extents (m) if the solid is a cuboid, as it was made.
+    pub fn as_cuboid(&self) -> Option<Vector> {
+        match &self.kind {
+            Kind::Convex(convex) => match convex.core {
+                Core::Cuboid { half_extents } => Some(half_extents),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Points and a radius (m): the solid lies in the union of the balls of that radius around the convex
+    /// hull of the points. `None` for a half-space.
+    pub fn bounding_points(&self) -> Option<(Vec<Point>, f64)> {
+        match &self.kind {
+            Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
+            Kind::Mesh(mesh) => Some((mesh.vertices().copied().collect(), 0.0)),
+            Kind::HalfSpace => None,
+        }
+    }
+
+    /// The least z of the solid after `target_from_solid`, in metres; minus infinity for a half-space.
+    pub fn lowest_z(&self, target_from_solid: &Pose) -> f64 {
+        match &self.kind {
+            Kind::Convex(convex) => lowest(convex, target_from_solid),
+            Kind::Mesh(mesh) => {
+                mesh.vertices().map(|v| (target_from_solid * v).z).fold(f64::INFINITY, f64::min)
+            }
+            Kind::HalfSpace => f64::NEG_INFINITY,
+        }
+    }
+
+    /// The triangles of the solid's box: what stands in for a link under the `paper` criterion.
+    ///
+    /// # Panics
+    /// If the solid is a half-space.
+    pub fn box_surface(&self) -> Surface {
+        assert!(!self.is_half_space(), "a half-space has no box");
+        let mut soup = Surface::cuboid_soup(&self.aabb.half_extents);
+        for vertex in &mut soup.vertices {
+            *vertex += self.aabb.center.coords;
+        }
+        Surface::of_cuboid(&soup)
+    }
+
+    pub(crate) fn kind(&self) -> &Kind {
+        &self.kind
+    }
+
+    fn convex(convex: Convex) -> Self {
+        let points = convex.bounding_points();
+        let aabb = Aabb::around(&points, convex.radius_m);
+        let ball = ball_around(aabb.center, points.iter(), convex.radius_m);
+        Self { kind: Kind::Convex(Arc::new(convex)), ball, aabb }
+    }
+}
+
+fn ball_around<'a>(center: Point, points: impl Iterator<Item = &'a Point>, radius_m: f64) -> Ball {
+    let reach = points.map(|p| (p - center).norm()).fold(0.0, f64::max);
+    Ball { center, radius_m: reach + radius_m }
+}
+
+fn lowest(convex: &Convex, target_from_solid: &Pose) -> f64 {
+    use parry3d_f64::shape::SupportMap;
+    let down = target_from_solid.rotation.inverse_transform_vector(&-Vector::z());
+    let support = parry::to_vector(convex.core.local_support_point(parry::vector(&down)));
+    (target_from_solid * Point::from(support)).z - convex.radius_m
+}

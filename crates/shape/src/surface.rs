@@ -1,0 +1,143 @@
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::mesh::{TriangleTree, check_indices};
+use crate::{Aabb, ShapeError, TriangleSoup};
+
+/// Triangles without an inside: two surfaces touch only where a triangle of one meets a triangle of the
+/// other. What the released planners check (DESIGN, `paper`).
+#[derive(Clone, Debug)]
+pub struct Surface {
+    corners: Vec<[Point; 3]>,
+    tree: TriangleTree,
+    aabb: Aabb,
+}
+
+/// Up to this many triangles a plain scan beats the tree.
+const SCAN_LIMIT: usize = 24;
+
+impl Surface {
+    /// The surface of a triangle soup, open or closed.
+    ///
+    /// # Errors
+    /// [`ShapeError::Empty`] or [`ShapeError::VertexIndex`].
+    pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        check_indices(soup)?;
+        Ok(Self::of_cuboid(soup))
+    }
+
+    pub(crate) fn of_cuboid(soup: &TriangleSoup) -> Self {
+        let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        let aabb = Aabb::around(corners.iter().flatten(), 0.0);
+        Self { tree: TriangleTree::new(&corners), corners, aabb }
+    }
+
+    /// The twelve triangles of a cuboid centred at the origin, normals outwards.
+    pub fn cuboid_soup(half_extents: &Vector) -> TriangleSoup {
+        let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
+        let corner = |i: u32| Vector::new(sign(i & 1), sign(i & 2), sign(i & 4)).component_mul(half_extents);
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        TriangleSoup {
+            vertices: (0..8).map(|i| corner(i).into()).collect(),
+            triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        }
+    }
+
+    /// The surface's box in its own frame.
+    pub fn aabb(&self) -> &Aabb {
+        &self.aabb
+    }
+
+    /// Whether a triangle of this surface meets one of `other`, both placed in a common frame.
+    pub fn touches(&self, common_from_self: &Pose, other: &Self, common_from_other: &Pose) -> bool {
+        let other_from_self = common_from_other.inv_mul(common_from_self);
+        let candidates = other.tree.near(&self.aabb.transformed(&other_from_self));
+        if candidates.is_empty() {
+            return false;
+        }
+        let self_from_other = other_from_self.inverse();
+        let rotation = self_from_other.rotation.to_rotation_matrix();
+        let shift = self_from_other.translation.vector;
+        candidates.iter().any(|&index| {
+            let moved = other.corners[index as usize].map(|c| Point::from(rotation * c.coords + shift));
+            self.meets_triangle(&moved)
+        })
+    }
+
+    fn meets_triangle(&self, triangle: &[Point; 3]) -> bool {
+        let region = Aabb::around(triangle, 0.0);
+        if !region.overlaps(&self.aabb) {
+            return false;
+        }
+        if self.corners.len() <= SCAN_LIMIT {
+            return self.corners.iter().any(|own| triangles_meet(own, triangle));
+        }
+        self.tree.near(&region).iter().any(|&index| triangles_meet(&self.corners[index as usize], triangle))
+    }
+}
+
+/// Whether two triangles share a point, by separating axes: the two normals, the nine products of edges,
+/// and the six in-plane edge normals that decide the coplanar case (Ericson 2005, §5.2).
+fn triangles_meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
+    let edges = |t: &[Point; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
+    let separates = |axis: &Vector| {
+        let reach = |t: &[Point; 3]| {
+            let [x, y, z] = t.map(|corner| axis.dot(&corner.coords));
+            (x.min(y).min(z), x.max(y).max(z))
+        };
+        let ((low_a, high_a), (low_b, high_b)) = (reach(a), reach(b));
+        low_a > high_b || low_b > high_a
+    };
+    let (edges_a, edges_b) = (edges(a), edges(b));
+    let (normal_a, normal_b) = (edges_a[0].cross(&edges_a[1]), edges_b[0].cross(&edges_b[1]));
+    if separates(&normal_a) || separates(&normal_b) {
+        return false;
+    }
+    if edges_a.iter().any(|ea| edges_b.iter().any(|eb| separates(&ea.cross(eb)))) {
+        return false;
+    }
+    !edges_a.iter().any(|e| separates(&normal_a.cross(e)))
+        && !edges_b.iter().any(|e| separates(&normal_b.cross(e)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_spatial::Stream;
+
+    /// Two triangles meet where an edge of one pierces the other: the oracle shares nothing with the axes.
+    fn edges_pierce(a: &[Point; 3], b: &[Point; 3]) -> bool {
+        let pierces = |edge: (Point, Point), t: &[Point; 3]| {
+            let volume = |p: &Point, q: &Point, r: &Point, s: &Point| (q - p).cross(&(r - p)).dot(&(s - p));
+            let (p, q) = edge;
+            let (above, below) = (volume(&t[0], &t[1], &t[2], &p), volume(&t[0], &t[1], &t[2], &q));
+            let sides = [0, 1, 2].map(|i| volume(&p, &q, &t[i], &t[(i + 1) % 3]));
+            above * below <= 0.0 && (sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0))
+        };
+        let any = |s: &[Point; 3], t: &[Point; 3]| (0..3).any(|i| pierces((s[i], s[(i + 1) % 3]), t));
+        any(a, b) || any(b, a)
+    }
+
+    #[test]
+    fn separating_axes_agree_with_piercing_edges() {
+        let mut random = Stream::new(3, 0);
+        let mut meeting = 0;
+        for _ in 0..20_000 {
+            let mut triangle =
+                || [0; 3].map(|_| Point::new(random.uniform(), random.uniform(), random.uniform()));
+            let (a, b) = (triangle(), triangle());
+            assert_eq!(triangles_meet(&a, &b), edges_pierce(&a, &b), "{a:?} {b:?}");
+            meeting += usize::from(triangles_meet(&a, &b));
+        }
+        assert!((1000..19_000).contains(&meeting), "{meeting}");
+    }
+
+    #[test]
+    fn a_box_inside_a_box_touches_nothing() {
+        let surface = |h: f64| Surface::new(&Surface::cuboid_soup(&Vector::repeat(h))).expect("a cuboid");
+        let (big, small) = (surface(1.0), surface(0.1));
+        let there = Pose::translation(0.95, 0.0, 0.0);
+        assert!(!small.touches(&Pose::identity(), &big, &Pose::identity()));
+        assert!(small.touches(&there, &big, &Pose::identity()));
+        assert!(big.touches(&Pose::identity(), &small, &there));
+    }
+}
