@@ -1,0 +1,279 @@
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_shape::{Solid, TriangleSoup};
+use cranny_spatial::Pose;
+
+use crate::joint_group::{Resolved, range, unknown_joint};
+use crate::kinematics::{LinkFrames, Motion, Step, Value};
+use crate::limits::{RateLimits, parse_rate_limits};
+use crate::link_pairs::{adjacent_pairs, disabled_pairs};
+use crate::tree::Tree;
+use crate::urdf::{Urdf, UrdfCollision, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLink};
+use crate::{
+    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkShape, MeshUse, Mover, Robot, RobotError,
+    RobotOptions, Srdf, TextSource, mesh_path,
+};
+
+impl Robot {
+    /// Builds a robot from the URDF file at `path`, with the SRDF and the `limits.yaml` beside it unless
+    /// `options` name others.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the files or the options: see [`RobotError`].
+    pub fn load(path: &Path, options: &RobotOptions) -> Result<Self, RobotError> {
+        let beside = |file: PathBuf| file.is_file().then_some(TextSource::Path(file));
+        let mut options = options.clone();
+        options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
+        options.limits = options.limits.or_else(|| beside(path.with_file_name("limits.yaml")));
+        let text = read(path)?;
+        Self::from_urdf_text(&text, &path.display().to_string(), path.parent(), &options)
+    }
+
+    /// Builds a robot from the text of a URDF. `source_name` is what errors call it; mesh names are
+    /// relative to `base_dir`.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); a mesh that is named relative to the URDF while `base_dir` is None is not
+    /// found.
+    pub fn from_urdf_text(
+        text: &str,
+        source_name: &str,
+        base_dir: Option<&Path>,
+        options: &RobotOptions,
+    ) -> Result<Self, RobotError> {
+        // 1. What the files say, and that it fits together.
+        let urdf = Urdf::parse(text, source_name)?;
+        let tree = Tree::of(&urdf)?;
+        let srdf = options.srdf.as_ref().map(|source| {
+            let (name, text) = content(source)?;
+            Srdf::parse(&text, &name)
+        });
+        let srdf = srdf.transpose()?;
+        let rates = options.limits.as_ref().map(|source| {
+            let (name, text) = content(source)?;
+            parse_rate_limits(&text, &name)
+        });
+        let rates = rates.transpose()?.unwrap_or_default();
+        for (name, rate) in &rates {
+            tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at.to_string(), name))?;
+        }
+        // 2. Which joints move, and how.
+        let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
+        let (movers, steps, rest) = motions(&urdf, &tree, &resolved);
+        // 3. Solids.
+        let solids = SolidSource { base_dir, options };
+        let mut links = Vec::with_capacity(tree.nodes.len());
+        for node in &tree.nodes {
+            let link = &urdf.links[node.link];
+            let collisions = link
+                .collisions
+                .iter()
+                .map(|collision| solids.shape(link, collision))
+                .collect::<Result<_, _>>()?;
+            links.push(Link {
+                name: link.name.clone(),
+                parent: node.above.map(|(above, _)| above),
+                collisions,
+            });
+        }
+        let limits = resolved
+            .group
+            .iter()
+            .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
+            .collect::<Result<_, _>>()?;
+        let on_way: Vec<usize> =
+            std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
+                .collect();
+        let srdf = srdf.unwrap_or_default();
+        Ok(Self {
+            name: urdf.name.clone(),
+            links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
+            adjacent_pairs: adjacent_pairs(&links),
+            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf)?,
+            group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
+            joint_names: resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect(),
+            joints: group_joints(&urdf, &tree, &resolved.group),
+            limits,
+            tip: resolved.tip,
+            tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),
+            links,
+            movers,
+            steps,
+            rest,
+        })
+    }
+}
+
+fn read(path: &Path) -> Result<String, RobotError> {
+    fs::read_to_string(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
+}
+
+fn content(source: &TextSource) -> Result<(String, String), RobotError> {
+    match source {
+        TextSource::Path(path) => Ok((path.display().to_string(), read(path)?)),
+        TextSource::Text { name, text } => Ok((name.clone(), text.clone())),
+    }
+}
+
+fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
+    let describe = |&joint: &usize| {
+        let described = &urdf.joints[joint];
+        let motion = described.motion.as_ref()?;
+        Some(GroupJoint {
+            name: described.name.clone(),
+            kind: kind_of(motion.kind),
+            child_link: tree.node_of_joint[joint],
+            axis_in_child: motion.axis_in_child,
+        })
+    };
+    group.iter().filter_map(describe).collect()
+}
+
+fn kind_of(kind: UrdfJointKind) -> JointKind {
+    match kind {
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointKind::Revolute,
+        UrdfJointKind::Prismatic => JointKind::Prismatic,
+    }
+}
+
+/// Per link what moves it, the steps of forward kinematics, and all poses at `q = 0`.
+fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
+    let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
+    let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()] };
+    let mut steps = Vec::new();
+    let at_zero = vec![0.0; resolved.group.len()];
+    for (link, node) in tree.nodes.iter().enumerate() {
+        let Some((parent, joint)) = node.above else { continue };
+        let described = &urdf.joints[joint];
+        let mut above = movers[parent].clone();
+        let motion = joint_motion(described, resolved, joint, link, &mut above);
+        let step = Step { link, parent, motion };
+        rest.root_from_link[link] = step.root_from_link(&rest.root_from_link[parent], &at_zero);
+        // What no joint of the group moves stays where it is at `q = 0`.
+        if !above.is_empty() {
+            steps.push(step);
+        }
+        movers.push(above);
+    }
+    (movers, steps, rest.root_from_link)
+}
+
+/// How `joint` moves `link`; adds to `movers` if a joint of the group has a part in it.
+fn joint_motion(
+    described: &UrdfJoint,
+    resolved: &Resolved,
+    joint: usize,
+    link: usize,
+    movers: &mut Vec<Mover>,
+) -> Motion {
+    let parent_from_joint = described.parent_from_joint;
+    let Some(motion) = &described.motion else {
+        return Motion::Rigid { parent_from_link: parent_from_joint };
+    };
+    let value = resolved.values[joint];
+    let kind = kind_of(motion.kind);
+    let build = |value: Value| match kind {
+        JointKind::Revolute => Motion::turn(value, &parent_from_joint, &motion.axis_in_child),
+        JointKind::Prismatic => Motion::slide(value, &parent_from_joint, &motion.axis_in_child),
+    };
+    if let Some((joint, multiplier)) = value.follows {
+        let axis_in_child = motion.axis_in_child;
+        movers.push(Mover { joint, multiplier, kind, child_link: link, axis_in_child });
+        return build(Value { joint, multiplier, offset: value.offset });
+    }
+    let held = build(Value { joint: 0, multiplier: 0.0, offset: value.offset });
+    let step = Step { link, parent: 0, motion: held };
+    Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[0.0]) }
+}
+
+fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {
+    let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
+    let motion = joint.motion.as_ref().ok_or_else(missing)?;
+    let velocity = motion.limits.as_ref().and_then(|limits| limits.velocity).ok_or_else(missing)?;
+    if velocity <= 0.0 {
+        return Err(RobotError::NotPositive {
+            at: joint.at.clone(),
+            element: format!("joint `{}`", joint.name),
+            attribute: "velocity",
+            value: velocity,
+        });
+    }
+    let (lower, upper) = range(motion);
+    let unit = match motion.kind {
+        UrdfJointKind::Prismatic => JointUnit::Metre,
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
+    };
+    let (acceleration, jerk) = rates.map_or((None, None), |rates| (rates.acceleration, rates.jerk));
+    Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
+}
+
+/// Where solids come from.
+struct SolidSource<'a> {
+    base_dir: Option<&'a Path>,
+    options: &'a RobotOptions,
+}
+
+impl SolidSource<'_> {
+    fn shape(&self, link: &UrdfLink, collision: &UrdfCollision) -> Result<LinkShape, RobotError> {
+        let mut soup = None;
+        let solid = match &collision.geometry {
+            UrdfGeometry::Cuboid { size } => Solid::cuboid(size * 0.5),
+            UrdfGeometry::Sphere { radius_m } => Solid::sphere(*radius_m),
+            UrdfGeometry::Cylinder { length_m, radius_m } => Solid::cylinder(0.5 * length_m, *radius_m),
+            UrdfGeometry::Capsule { length_m, radius_m } => Solid::capsule(0.5 * length_m, *radius_m),
+            UrdfGeometry::Mesh { filename, scale } => {
+                let path = self.find(link, collision, filename)?;
+                TriangleSoup::load(&path, *scale).and_then(|triangles| {
+                    let solid = match self.options.meshes {
+                        MeshUse::Hull => Solid::hull(&triangles.vertices),
+                        MeshUse::Solid => Solid::mesh(&triangles),
+                    };
+                    soup = Some(triangles);
+                    solid
+                })
+            }
+        };
+        let solid = solid.map_err(|reason| RobotError::Shape {
+            at: collision.at.clone(),
+            link: link.name.clone(),
+            reason: Box::new(reason),
+        })?;
+        Ok(LinkShape { link_from_shape: collision.link_from_shape, solid, soup })
+    }
+
+    fn find(&self, link: &UrdfLink, collision: &UrdfCollision, mesh: &str) -> Result<PathBuf, RobotError> {
+        let tried = mesh_path::candidates(mesh, self.base_dir, &self.options.packages);
+        match tried.iter().find(|path| path.is_file()) {
+            Some(path) => Ok(path.clone()),
+            None => Err(RobotError::MeshNotFound {
+                at: collision.at.clone(),
+                link: link.name.clone(),
+                mesh: mesh.to_owned(),
+                tried,
+            }),
+        }
+    }
+}
+
+/// The states that name every joint of the group.
+fn group_states(
+    urdf: &Urdf,
+    tree: &Tree,
+    srdf: &Srdf,
+    group: &[usize],
+) -> Result<Vec<(String, Vec<f64>)>, RobotError> {
+    let mut states = Vec::new();
+    for state in &srdf.group_states {
+        let mut values = HashMap::new();
+        for (name, value) in &state.values {
+            let place = || format!("{}: state `{}`", state.at, state.name);
+            let joint = tree.joint(name).ok_or_else(|| unknown_joint(urdf, place(), name))?;
+            values.insert(joint, *value);
+        }
+        let q: Option<Vec<f64>> = group.iter().map(|joint| values.get(joint).copied()).collect();
+        states.extend(q.map(|q| (state.name.clone(), q)));
+    }
+    Ok(states)
+}

@@ -1,0 +1,236 @@
+use cranny_spatial::{Pose, PoseDifference, Vector};
+
+use crate::{DampedInverse, Jacobian, LinkFrames, Robot, Twist};
+
+/// How inverse kinematics searches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IkSettings {
+    /// A solution's tip is at most this far from the target, in metres, above 0. Default 10⁻⁴: a tenth of
+    /// what `exact` allows, so that later rounding and smoothing have room.
+    pub translation_tolerance_m: f64,
+    /// A solution's tip is turned at most this far from the target, in radians, above 0. Default 10⁻³, for
+    /// the same reason.
+    pub rotation_tolerance_rad: f64,
+    /// Steps of one attempt. Default 30: on the Panda, attempts that succeed
+    /// need 7 on average, and those that need more than 30 are better begun anew.
+    pub max_iterations: usize,
+    /// Which part of the way back to the start configuration is taken with each step, as far as it does not
+    /// move the tip: from 0, free, to 1. Default 0.5.
+    pub pull: f64,
+}
+
+impl Default for IkSettings {
+    fn default() -> Self {
+        Self { translation_tolerance_m: 1e-4, rotation_tolerance_rad: 1e-3, max_iterations: 30, pull: 0.5 }
+    }
+}
+
+/// A configuration that brings the tip to a target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IkSolution {
+    /// The configuration, within limits.
+    pub q: Vec<f64>,
+    /// How far the tip is from the target, in metres.
+    pub translation_error_m: f64,
+    /// How far the tip is turned from the target, in radians.
+    pub rotation_error_rad: f64,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+/// One attempt from `start` to bring the tip to `root_from_tip`: see [`IkSolver::solve_from`]. A caller with
+/// many targets keeps an [`IkSolver`] instead.
+///
+/// # Panics
+/// If `start` does not hold one value for each joint of the group.
+pub fn solve_single(
+    robot: &Robot,
+    root_from_tip: &Pose,
+    start: &[f64],
+    settings: IkSettings,
+) -> Option<IkSolution> {
+    IkSolver::new(robot, settings).solve_from(root_from_tip, start)
+}
+
+/// Inverse kinematics by damped least squares, with the memory that attempts write to.
+#[derive(Clone, Debug)]
+pub struct IkSolver<'robot> {
+    robot: &'robot Robot,
+    settings: IkSettings,
+    frames: LinkFrames,
+    jacobian: Jacobian,
+    q: Vec<f64>,
+    step: Vec<f64>,
+    pull: Vec<f64>,
+    is_locked: Vec<bool>,
+}
+
+/// Where the tip is at most moved in one step of an attempt: linearisation holds no further. In metres.
+const MAX_STEP_M: f64 = 0.3;
+/// The same for its rotation, in radians.
+const MAX_STEP_RAD: f64 = 0.8;
+/// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011): strong far from the
+/// target, where a full step would overshoot, and gone near it, where Newton's steps converge quadratically.
+const DAMPING_PER_ERROR: f64 = 0.02;
+/// Keeps the factorisation positive definite at a singularity; below tolerances squared.
+const LEAST_DAMPING: f64 = 1e-7;
+/// An attempt ends when over this many steps …
+const PATIENCE: usize = 6;
+/// … the squared error has not fallen below this part of what it was.
+const LEAST_PROGRESS: f64 = 0.5;
+/// How often one step is computed anew because a joint met its limit.
+const LOCK_ROUNDS: usize = 3;
+
+impl<'robot> IkSolver<'robot> {
+    /// A solver for the tip of `robot`. This allocates; attempts do not, but for the solution they return.
+    pub fn new(robot: &'robot Robot, settings: IkSettings) -> Self {
+        let dof = robot.dof();
+        Self {
+            robot,
+            settings,
+            frames: robot.frames(),
+            jacobian: robot.empty_jacobian(),
+            q: vec![0.0; dof],
+            step: vec![0.0; dof],
+            pull: vec![0.0; dof],
+            is_locked: vec![false; dof],
+        }
+    }
+
+    /// The robot that this solves for.
+    pub fn robot(&self) -> &'robot Robot {
+        self.robot
+    }
+
+    /// One attempt from `start`, clamped into limits, to bring the tip to `root_from_tip`, pulled towards
+    /// `start` where that does not move the tip (Rudorfer et al. 2024, §V: their way to annotate grasps).
+    /// None if it got stuck, which does not prove that there is no solution.
+    ///
+    /// Law: forward kinematics of a solution differ from the target by the errors it names, which are within
+    /// tolerance (test `a_solution_reaches_its_target`).
+    ///
+    /// # Panics
+    /// If `start` does not hold one value for each joint of the group.
+    pub fn solve_from(&mut self, root_from_tip: &Pose, start: &[f64]) -> Option<IkSolution> {
+        self.q.copy_from_slice(start);
+        self.attempt(root_from_tip, self.settings.pull, Some(start))
+    }
+
+    /// One attempt from a random configuration, without a pull; `draw` writes the configuration.
+    pub(crate) fn solve_from_drawn(
+        &mut self,
+        root_from_tip: &Pose,
+        draw: impl FnOnce(&mut [f64]),
+    ) -> Option<IkSolution> {
+        draw(&mut self.q);
+        self.attempt(root_from_tip, 0.0, None)
+    }
+
+    /// Works from and on `self.q`.
+    ///
+    /// 1. Measure the error; done if within tolerance, lost if it no longer falls.
+    /// 2. Take the damped least-squares step, plus the pull's part that does not move the tip.
+    /// 3. If that leads a joint out of its limits, stop the joint there and compute the step of the others
+    ///    anew.
+    fn attempt(&mut self, root_from_tip: &Pose, pull: f64, home: Option<&[f64]>) -> Option<IkSolution> {
+        let (robot, settings) = (self.robot, self.settings);
+        for (value, limits) in self.q.iter_mut().zip(robot.limits()) {
+            *value = limits.clamp(*value);
+        }
+        let (mut reference, mut reference_at) = (f64::INFINITY, 0);
+        for iterations in 0..=settings.max_iterations {
+            // 1.
+            robot.tip_kinematics(&self.q, &mut self.frames);
+            let twist = twist_between(self.frames.link(robot.tip()), root_from_tip);
+            let (translation_error_m, rotation_error_rad) = (length(&twist, 0), length(&twist, 3));
+            if translation_error_m <= settings.translation_tolerance_m
+                && rotation_error_rad <= settings.rotation_tolerance_rad
+            {
+                let difference = PoseDifference::between(self.frames.link(robot.tip()), root_from_tip);
+                return Some(IkSolution {
+                    q: self.q.clone(),
+                    translation_error_m: difference.translation_m,
+                    rotation_error_rad: difference.rotation_rad,
+                    iterations,
+                });
+            }
+            let error = twist.norm_squared();
+            if error < LEAST_PROGRESS * reference {
+                (reference, reference_at) = (error, iterations);
+            } else if iterations >= reference_at + PATIENCE {
+                return None;
+            }
+            // 2. and 3.
+            robot.jacobian(&self.frames, robot.tip(), &mut self.jacobian);
+            let shrunk = shrink(twist, translation_error_m, rotation_error_rad);
+            // The pull fades with the error, or its own second-order motion of the tip would never let the
+            // error reach zero.
+            let fading = pull * error.sqrt().min(1.0);
+            self.step_within_limits(&shrunk, DAMPING_PER_ERROR * error + LEAST_DAMPING, fading, home)?;
+        }
+        None
+    }
+
+    fn step_within_limits(
+        &mut self,
+        twist: &Twist,
+        damping_squared: f64,
+        pull: f64,
+        home: Option<&[f64]>,
+    ) -> Option<()> {
+        self.is_locked.fill(false);
+        for _ in 0..LOCK_ROUNDS {
+            let inverse = DampedInverse::new(&self.jacobian, damping_squared.sqrt())?;
+            inverse.step(&self.jacobian, twist, &mut self.step);
+            if let Some(home) = home {
+                for (joint, value) in self.pull.iter_mut().enumerate() {
+                    *value = if self.is_locked[joint] { 0.0 } else { pull * (home[joint] - self.q[joint]) };
+                }
+                inverse.project_to_null_space(&self.jacobian, &mut self.pull);
+                self.step.iter_mut().zip(&self.pull).for_each(|(step, pull)| *step += pull);
+            }
+            // A joint at its limit that would go on is locked: without its column the others take over.
+            let mut is_free = true;
+            for (joint, limits) in self.robot.limits().iter().enumerate() {
+                let (value, step) = (self.q[joint], self.step[joint]);
+                let is_blocked =
+                    (value <= limits.lower && step < 0.0) || (value >= limits.upper && step > 0.0);
+                if is_blocked && !self.is_locked[joint] {
+                    self.is_locked[joint] = true;
+                    self.jacobian.column_mut(joint).fill(0.0);
+                    is_free = false;
+                }
+            }
+            if is_free {
+                break;
+            }
+        }
+        for ((value, step), limits) in self.q.iter_mut().zip(&self.step).zip(self.robot.limits()) {
+            *value = limits.clamp(*value + step);
+        }
+        Some(())
+    }
+}
+
+/// The motion in the root frame that takes `root_from_a` to `root_from_b`.
+fn twist_between(root_from_a: &Pose, root_from_b: &Pose) -> Twist {
+    let translation = root_from_b.translation.vector - root_from_a.translation.vector;
+    let turn = root_from_b.rotation * root_from_a.rotation.conjugate();
+    let imaginary = turn.imag();
+    let sine = imaginary.norm();
+    // Of a rotation's two quaternions the one with positive real part has the smaller angle.
+    let angle = 2.0 * libm::atan2(sine, turn.w.abs());
+    let rotation: Vector =
+        if sine > 0.0 { imaginary * (angle / sine).copysign(turn.w) } else { Vector::zeros() };
+    Twist::new(translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z)
+}
+
+fn length(twist: &Twist, first_row: usize) -> f64 {
+    twist.fixed_rows::<3>(first_row).norm()
+}
+
+/// Both parts of `twist`, shortened together so that neither is longer than a step may be.
+fn shrink(twist: Twist, translation_m: f64, rotation_rad: f64) -> Twist {
+    let excess = (translation_m / MAX_STEP_M).max(rotation_rad / MAX_STEP_RAD);
+    if excess > 1.0 { twist / excess } else { twist }
+}

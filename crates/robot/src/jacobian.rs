@@ -1,0 +1,117 @@
+use std::ops::AddAssign;
+
+use cranny_spatial::nalgebra::{Cholesky, Const, Matrix6, Matrix6xX, Vector6};
+
+use crate::{JointKind, LinkFrames, Robot};
+
+/// A geometric Jacobian, 6 × dof: rows 0–2 metres of the link's origin, rows 3–5 radians of its rotation,
+/// both in the root frame, per metre or radian of each joint.
+pub type Jacobian = Matrix6xX<f64>;
+
+/// A small motion of a frame in the root frame: translation of its origin (m), then rotation vector (rad).
+pub type Twist = Vector6<f64>;
+
+impl Robot {
+    /// A Jacobian of the right size, all zero.
+    pub fn empty_jacobian(&self) -> Jacobian {
+        Jacobian::zeros(self.dof())
+    }
+
+    /// Writes the geometric Jacobian of `link`, at its origin and in the root frame, for the configuration
+    /// that `frames` were computed at. Mimic joints count towards the joint that they follow.
+    ///
+    /// Law: `frames(q + δ) ≈ twist(jacobian · δ) applied to frames(q)`
+    /// (test `jacobian_is_the_derivative_of_the_pose`).
+    ///
+    /// # Panics
+    /// If `jacobian` or `frames` come from another robot, or `link` is no link.
+    pub fn jacobian(&self, frames: &LinkFrames, link: usize, jacobian: &mut Jacobian) {
+        assert_eq!(jacobian.ncols(), self.dof(), "one column for each joint of the group");
+        jacobian.fill(0.0);
+        let point_in_root = frames.link(link).translation.vector;
+        for mover in self.ancestors(link) {
+            let root_from_child = frames.link(mover.child_link);
+            let axis = (root_from_child.rotation * mover.axis_in_child) * mover.multiplier;
+            let mut column = jacobian.column_mut(mover.joint);
+            match mover.kind {
+                JointKind::Prismatic => column.fixed_rows_mut::<3>(0).add_assign(&axis),
+                JointKind::Revolute => {
+                    let arm = point_in_root - root_from_child.translation.vector;
+                    column.fixed_rows_mut::<3>(0).add_assign(&axis.cross(&arm));
+                    column.fixed_rows_mut::<3>(3).add_assign(&axis);
+                }
+            }
+        }
+    }
+}
+
+/// Writes to `step` the joint motion `Jᵀ(JJᵀ + λ²I)⁻¹ v` that follows the twist `v` best in the sense of
+/// damped least squares (Wampler 1986; Nakamura & Hanafusa 1986), λ = `damping`: with λ = 0 the
+/// pseudo-inverse's step. Returns whether there is one: with λ > 0 always, with λ = 0 not where J has lost
+/// rank; `step` is then left as it was.
+///
+/// # Panics
+/// If `step` does not hold one value per column.
+pub fn damped_pseudo_inverse_step(
+    jacobian: &Jacobian,
+    twist: &Twist,
+    damping: f64,
+    step: &mut [f64],
+) -> bool {
+    let Some(inverse) = DampedInverse::new(jacobian, damping) else { return false };
+    inverse.step(jacobian, twist, step);
+    true
+}
+
+/// `(JJᵀ + λ²I)⁻¹` of a Jacobian J, factorised once for several uses. All methods take the same J again.
+#[derive(Clone, Debug)]
+pub struct DampedInverse {
+    factors: Cholesky<f64, Const<6>>,
+}
+
+impl DampedInverse {
+    /// Factorises with λ = `damping`; None where `JJᵀ + λ²I` is not positive definite to rounding: never
+    /// for finite J and λ well above 10⁻⁷ of its entries.
+    pub fn new(jacobian: &Jacobian, damping: f64) -> Option<Self> {
+        let mut gram = Matrix6::from_diagonal_element(damping * damping);
+        // The factorisation reads the lower triangle only.
+        for column in jacobian.column_iter() {
+            for i in 0..6 {
+                let factor = column[i];
+                for k in i..6 {
+                    gram[(k, i)] += factor * column[k];
+                }
+            }
+        }
+        Some(Self { factors: gram.cholesky()? })
+    }
+
+    /// Writes `Jᵀ(JJᵀ + λ²I)⁻¹ v` to `step`.
+    ///
+    /// # Panics
+    /// If `step` does not hold one value per column.
+    pub fn step(&self, jacobian: &Jacobian, twist: &Twist, step: &mut [f64]) {
+        assert_eq!(step.len(), jacobian.ncols(), "one value for each column");
+        let weights = self.factors.solve(twist);
+        for (value, column) in step.iter_mut().zip(jacobian.column_iter()) {
+            *value = column.dot(&weights);
+        }
+    }
+
+    /// Replaces `motion` by its part that does not move the frame, `(I − J⁺J) motion`. With damping
+    /// J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` is not quite the pseudo-inverse, and a part of the order of λ² stays.
+    ///
+    /// # Panics
+    /// If `motion` does not hold one value per column.
+    pub fn project_to_null_space(&self, jacobian: &Jacobian, motion: &mut [f64]) {
+        assert_eq!(motion.len(), jacobian.ncols(), "one value for each column");
+        let mut twist = Twist::zeros();
+        for (&value, column) in motion.iter().zip(jacobian.column_iter()) {
+            twist.axpy(value, &column, 1.0);
+        }
+        let weights = self.factors.solve(&twist);
+        for (value, column) in motion.iter_mut().zip(jacobian.column_iter()) {
+            *value -= column.dot(&weights);
+        }
+    }
+}

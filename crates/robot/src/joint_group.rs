@@ -1,0 +1,310 @@
+use crate::tree::Tree;
+use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
+use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
+
+/// Which joints `q` stands for, what the others do, and which link reaches for grasps.
+pub(crate) struct Resolved {
+    /// Joints of the group, as indices into the file's joints.
+    pub(crate) group: Vec<usize>,
+    /// The tip, as a node of the tree.
+    pub(crate) tip: usize,
+    /// What the value of each joint of the file is.
+    pub(crate) values: Vec<JointValue>,
+}
+
+/// `value = multiplier · q[joint] + offset`, or `offset` alone.
+#[derive(Clone, Copy)]
+pub(crate) struct JointValue {
+    pub(crate) follows: Option<(usize, f64)>,
+    pub(crate) offset: f64,
+}
+
+impl Resolved {
+    pub(crate) fn new(
+        urdf: &Urdf,
+        tree: &Tree,
+        srdf: Option<&Srdf>,
+        options: &RobotOptions,
+    ) -> Result<Self, RobotError> {
+        let resolver = Resolver { urdf, tree, srdf, options };
+        resolver.check_names()?;
+        let named = resolver.named_group()?;
+        let tip = resolver.tip(named.as_deref())?;
+        let group = named.unwrap_or_else(|| resolver.root_to_tip(tip));
+        if group.is_empty() {
+            return Err(RobotError::EmptyGroup { file: urdf.file.clone() });
+        }
+        let mut values = Vec::with_capacity(urdf.joints.len());
+        for joint in 0..urdf.joints.len() {
+            values.push(resolver.value(joint, &group)?);
+        }
+        resolver.check_held(&values)?;
+        Ok(Self { group, tip, values })
+    }
+}
+
+/// The error for a `name` that is not in the file.
+pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotError {
+    let nearest = spelling::nearest(name, urdf.joints.iter().map(|joint| joint.name.as_str()));
+    RobotError::UnknownName { place, kind: "joint", name: name.to_owned(), nearest }
+}
+
+/// The error for a link `name` that is not in the file.
+pub(crate) fn unknown_link(urdf: &Urdf, place: String, name: &str) -> RobotError {
+    let nearest = spelling::nearest(name, urdf.links.iter().map(|link| link.name.as_str()));
+    RobotError::UnknownName { place, kind: "link", name: name.to_owned(), nearest }
+}
+
+struct Resolver<'a> {
+    urdf: &'a Urdf,
+    tree: &'a Tree,
+    srdf: Option<&'a Srdf>,
+    options: &'a RobotOptions,
+}
+
+impl Resolver<'_> {
+    /// Every joint that a mimic joint or the option `fixed` names exists; mimicry ends at a joint that does
+    /// not mimic; a held value is a number.
+    fn check_names(&self) -> Result<(), RobotError> {
+        for joint in &self.urdf.joints {
+            let mut follower = joint;
+            for followed in 0.. {
+                let Some(mimic) = follower.motion.as_ref().and_then(|motion| motion.mimic.as_ref()) else {
+                    break;
+                };
+                if followed > self.urdf.joints.len() {
+                    return Err(RobotError::MimicLoop { at: joint.at.clone(), joint: joint.name.clone() });
+                }
+                let place = || format!("{}: joint `{}` mimics another", follower.at, follower.name);
+                follower = &self.urdf.joints[self.known_joint(&mimic.master, place)?];
+            }
+        }
+        for (name, &value) in &self.options.fixed {
+            let index = self.known_joint(name, || format!("{}: joints held at a value", self.urdf.file))?;
+            let joint = &self.urdf.joints[index];
+            if joint.motion.is_none() {
+                return Err(not_free(joint, "held at a value", Hindrance::Fixed));
+            }
+            if !value.is_finite() {
+                return Err(not_free(joint, "held at a value", Hindrance::NotFinite { value }));
+            }
+        }
+        Ok(())
+    }
+
+    fn known_joint(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
+        self.tree.joint(name).ok_or_else(|| unknown_joint(self.urdf, place(), name))
+    }
+
+    fn known_link(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
+        self.tree.node(name).ok_or_else(|| unknown_link(self.urdf, place(), name))
+    }
+
+    /// Can move, and chooses its own value.
+    fn is_free(&self, joint: usize) -> bool {
+        let joint = &self.urdf.joints[joint];
+        joint.motion.as_ref().is_some_and(|motion| motion.mimic.is_none())
+    }
+
+    fn is_held(&self, joint: usize) -> bool {
+        self.options.fixed.contains_key(&self.urdf.joints[joint].name)
+    }
+
+    fn root_to_tip(&self, tip: usize) -> Vec<usize> {
+        let free = |&joint: &usize| self.is_free(joint) && !self.is_held(joint);
+        let mut joints: Vec<usize> = self.tree.joints_above(tip).filter(free).collect();
+        joints.reverse();
+        joints
+    }
+
+    fn named_group(&self) -> Result<Option<Vec<usize>>, RobotError> {
+        let group = match &self.options.group {
+            JointGroup::RootToTip => return Ok(None),
+            JointGroup::Joints(names) => self.joints_by_name(names)?,
+            JointGroup::Srdf(name) => {
+                let mut joints = Vec::new();
+                self.collect_group(self.srdf_group(name, "joint group")?, &mut Vec::new(), &mut joints)?;
+                joints.retain(|&joint| self.is_free(joint));
+                joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
+                joints.dedup();
+                joints
+            }
+        };
+        match group.iter().find(|&&joint| self.is_held(joint)) {
+            Some(&joint) => Err(not_free(&self.urdf.joints[joint], "held at a value", Hindrance::InGroup)),
+            None => Ok(Some(group)),
+        }
+    }
+
+    fn joints_by_name(&self, names: &[String]) -> Result<Vec<usize>, RobotError> {
+        let mut group = Vec::with_capacity(names.len());
+        for name in names {
+            let index = self.known_joint(name, || format!("{}: joint group", self.urdf.file))?;
+            let joint = &self.urdf.joints[index];
+            let hindrance = match &joint.motion {
+                None => Some(Hindrance::Fixed),
+                Some(UrdfMotion { mimic: Some(mimic), .. }) => {
+                    Some(Hindrance::Mimic { master: mimic.master.clone() })
+                }
+                Some(_) => None,
+            };
+            if let Some(hindrance) = hindrance {
+                return Err(not_free(joint, "moved", hindrance));
+            }
+            if group.contains(&index) {
+                return Err(RobotError::NamedTwice { joint: name.clone() });
+            }
+            group.push(index);
+        }
+        Ok(group)
+    }
+
+    fn srdf_group(&self, name: &str, place: &str) -> Result<&SrdfGroup, RobotError> {
+        self.srdf.and_then(|srdf| srdf.group(name)).ok_or_else(|| {
+            let known = self.srdf.iter().flat_map(|srdf| &srdf.groups).map(|group| group.name.as_str());
+            RobotError::UnknownName {
+                place: place.to_owned(),
+                kind: "SRDF group",
+                name: name.to_owned(),
+                nearest: spelling::nearest(name, known),
+            }
+        })
+    }
+
+    fn collect_group<'s>(
+        &'s self,
+        group: &'s SrdfGroup,
+        inside: &mut Vec<&'s str>,
+        joints: &mut Vec<usize>,
+    ) -> Result<(), RobotError> {
+        if inside.contains(&group.name.as_str()) {
+            return Err(RobotError::GroupLoop { at: group.at.clone(), group: group.name.clone() });
+        }
+        inside.push(&group.name);
+        let place = || format!("{}: group `{}`", group.at, group.name);
+        for (base, tip) in &group.chains {
+            let (base_node, tip_node) = (self.known_link(base, place)?, self.known_link(tip, place)?);
+            let chain = self.chain(base_node, tip_node).ok_or_else(|| {
+                let (at, base, tip) = (group.at.clone(), base.clone(), tip.clone());
+                RobotError::BrokenChain { at, base, tip }
+            })?;
+            joints.extend(chain);
+        }
+        for name in &group.joints {
+            joints.push(self.known_joint(name, place)?);
+        }
+        for name in &group.links {
+            let node = self.known_link(name, place)?;
+            joints.extend(self.tree.nodes[node].above.map(|(_, joint)| joint));
+        }
+        for name in &group.subgroups {
+            self.collect_group(self.srdf_group(name, &place())?, inside, joints)?;
+        }
+        inside.pop();
+        Ok(())
+    }
+
+    /// The joints between two links, if the second descends from the first.
+    fn chain(&self, base: usize, tip: usize) -> Option<Vec<usize>> {
+        let mut joints = Vec::new();
+        let mut node = tip;
+        while node != base {
+            let (above, joint) = self.tree.nodes[node].above?;
+            joints.push(joint);
+            node = above;
+        }
+        Some(joints)
+    }
+
+    fn tip(&self, group: Option<&[usize]>) -> Result<usize, RobotError> {
+        if let Some(tip) = &self.options.tip {
+            return self.known_link(tip, || format!("{}: tip", self.urdf.file));
+        }
+        if let JointGroup::Srdf(name) = &self.options.group
+            && let Some((_, tip)) = self.srdf_group(name, "joint group")?.chains.first()
+        {
+            return self.known_link(tip, || format!("group `{name}`"));
+        }
+        if let Some((srdf, end)) = self.srdf.and_then(|srdf| Some((srdf, srdf.end_effectors.first()?))) {
+            let place = || format!("{}: end effector `{}`", end.at, end.name);
+            let chain = srdf.group(&end.group).and_then(|group| group.chains.first());
+            return self.known_link(chain.map_or(&end.parent_link, |(_, tip)| tip), place);
+        }
+        let counts = |&joint: &usize| match group {
+            Some(group) => group.contains(&joint),
+            None => self.is_free(joint) && !self.is_held(joint),
+        };
+        let mut is_leaf = vec![true; self.tree.nodes.len()];
+        self.tree.nodes.iter().filter_map(|node| node.above).for_each(|(above, _)| is_leaf[above] = false);
+        let rank = |&node: &usize| {
+            let link = self.tree.nodes[node].link;
+            let is_bare = self.urdf.links[link].collisions.is_empty();
+            (self.tree.joints_above(node).filter(counts).count(), is_bare, link)
+        };
+        Ok((0..is_leaf.len()).filter(|&node| is_leaf[node]).max_by_key(rank).unwrap_or(0))
+    }
+
+    /// The value of a joint of the file, mimicry followed to its end (see [`check_names`](Self::check_names)).
+    fn value(&self, joint: usize, group: &[usize]) -> Result<JointValue, RobotError> {
+        let described = &self.urdf.joints[joint];
+        let Some(motion) = &described.motion else { return Ok(JointValue { follows: None, offset: 0.0 }) };
+        if let Some(mimic) = &motion.mimic {
+            let master = self.known_joint(&mimic.master, || described.at.to_string())?;
+            let value = self.value(master, group)?;
+            return Ok(JointValue {
+                // A joint that follows with factor 0 does not move.
+                follows: value
+                    .follows
+                    .map(|(index, factor)| (index, factor * mimic.multiplier))
+                    .filter(|&(_, factor)| factor != 0.0),
+                offset: value.offset * mimic.multiplier + mimic.offset,
+            });
+        }
+        if let Some(index) = group.iter().position(|&member| member == joint) {
+            return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0 });
+        }
+        let (lower, upper) = range(motion);
+        let held = self.options.fixed.get(&described.name).copied();
+        Ok(JointValue { follows: None, offset: held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper)) })
+    }
+
+    /// Held values lie within limits, and those of mimic joints agree with what they follow.
+    fn check_held(&self, values: &[JointValue]) -> Result<(), RobotError> {
+        for (name, &value) in &self.options.fixed {
+            let Some(index) = self.tree.joint(name) else { continue };
+            let joint = &self.urdf.joints[index];
+            let Some(motion) = &joint.motion else { continue };
+            let followed = values[index];
+            if let Some(mimic) = &motion.mimic {
+                let master = mimic.master.clone();
+                // Rounding of one product and one sum of metres or radians.
+                let agrees = followed.follows.is_none() && (followed.offset - value).abs() < 1e-12;
+                if !agrees {
+                    let hindrance = match followed.follows {
+                        Some(_) => Hindrance::Mimic { master },
+                        None => Hindrance::MimicValue { master, value: followed.offset },
+                    };
+                    return Err(not_free(joint, "held at a value", hindrance));
+                }
+            }
+            let (lower, upper) = range(motion);
+            if value < lower || value > upper {
+                let (at, joint) = (joint.at.clone(), joint.name.clone());
+                return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The limits of a movable joint.
+pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
+    match &motion.limits {
+        Some(limits) if motion.kind != UrdfJointKind::Continuous => (limits.lower, limits.upper),
+        _ => (-crate::CONTINUOUS_LIMIT_RAD, crate::CONTINUOUS_LIMIT_RAD),
+    }
+}
+
+fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: Hindrance) -> RobotError {
+    RobotError::NotFree { at: joint.at.clone(), joint: joint.name.clone(), wanted, hindrance }
+}

@@ -1,0 +1,147 @@
+use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+
+use crate::Robot;
+
+/// Where every link of a robot is: what [`Robot::forward_kinematics`] writes.
+#[derive(Clone, Debug)]
+pub struct LinkFrames {
+    pub(crate) root_from_link: Vec<Pose>,
+}
+
+impl LinkFrames {
+    /// The pose of the link with this index in the root frame, `root_from_link`.
+    ///
+    /// # Panics
+    /// If the robot that the frames were made for has no such link.
+    pub fn link(&self, index: usize) -> &Pose {
+        &self.root_from_link[index]
+    }
+
+    /// The poses of all links, in the order of [`Robot::links`].
+    pub fn all(&self) -> &[Pose] {
+        &self.root_from_link
+    }
+}
+
+impl Robot {
+    /// Frames for this robot, as at `q = 0` (which may lie outside its limits).
+    pub fn frames(&self) -> LinkFrames {
+        LinkFrames { root_from_link: self.rest.clone() }
+    }
+
+    /// Writes the pose of every link at `q` to `frames`. Every call starts afresh from `q`, so that errors
+    /// of rounding do not add up. Limits are not checked.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values, or `frames` come from another robot.
+    pub fn forward_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
+        assert_eq!(frames.root_from_link.len(), self.rest.len(), "frames of this robot");
+        self.follow(&self.steps, q, frames);
+    }
+
+    /// The same for the links from the root to the tip only; the other frames keep what they hold.
+    pub(crate) fn tip_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
+        self.follow(&self.tip_steps, q, frames);
+    }
+
+    fn follow(&self, steps: &[Step], q: &[f64], frames: &mut LinkFrames) {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let frames = &mut frames.root_from_link[..];
+        for step in steps {
+            frames[step.link] = step.root_from_link(&frames[step.parent], q);
+        }
+    }
+}
+
+/// How to get the pose of one link from that of its parent.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub(crate) link: usize,
+    pub(crate) parent: usize,
+    pub(crate) motion: Motion,
+}
+
+/// The motion of a joint, with all constants multiplied out beforehand.
+#[derive(Clone, Debug)]
+pub(crate) enum Motion {
+    Rigid {
+        parent_from_link: Pose,
+    },
+    Slide {
+        value: Value,
+        rotation: Rotation,
+        translation: Vector,
+        axis_in_parent: Vector,
+    },
+    Turn {
+        value: Value,
+        translation: Vector,
+        /// The rotation at value 0, and the same times a half turn: `cos(v/2) · at_zero + sin(v/2) ·
+        /// at_half_turn` is the rotation at value v.
+        at_zero: Quaternion<f64>,
+        at_half_turn: Quaternion<f64>,
+    },
+}
+
+/// `multiplier · q[joint] + offset`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Value {
+    pub(crate) joint: usize,
+    pub(crate) multiplier: f64,
+    pub(crate) offset: f64,
+}
+
+impl Value {
+    fn at(&self, q: &[f64]) -> f64 {
+        self.multiplier * q[self.joint] + self.offset
+    }
+}
+
+impl Motion {
+    /// A joint that slides along `axis` (in its own frame).
+    pub(crate) fn slide(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
+        Self::Slide {
+            value,
+            rotation: parent_from_joint.rotation,
+            translation: parent_from_joint.translation.vector,
+            axis_in_parent: parent_from_joint.rotation * axis,
+        }
+    }
+
+    /// A joint that turns about `axis` (in its own frame).
+    pub(crate) fn turn(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
+        let at_zero = parent_from_joint.rotation.into_inner();
+        Self::Turn {
+            value,
+            translation: parent_from_joint.translation.vector,
+            at_zero,
+            at_half_turn: at_zero * Quaternion::from_imag(*axis),
+        }
+    }
+}
+
+impl Step {
+    #[inline]
+    pub(crate) fn root_from_link(&self, root_from_parent: &Pose, q: &[f64]) -> Pose {
+        let within = |translation: Vector| {
+            root_from_parent.translation.vector + root_from_parent.rotation * translation
+        };
+        let (translation, rotation) = match &self.motion {
+            Motion::Rigid { parent_from_link } => (
+                within(parent_from_link.translation.vector),
+                root_from_parent.rotation * parent_from_link.rotation,
+            ),
+            Motion::Slide { value, rotation, translation, axis_in_parent } => {
+                (within(translation + axis_in_parent * value.at(q)), root_from_parent.rotation * rotation)
+            }
+            Motion::Turn { value, translation, at_zero, at_half_turn } => {
+                let (sine, cosine) = sin_cos(0.5 * value.at(q));
+                // A sum of two perpendicular unit quaternions, weighted by cosine and sine, has unit length.
+                let turned = Rotation::new_unchecked(at_zero * cosine + at_half_turn * sine);
+                (within(*translation), root_from_parent.rotation * turned)
+            }
+        };
+        Pose::from_parts(translation.into(), rotation)
+    }
+}

@@ -1,0 +1,60 @@
+//! Where the links are: a robot from its URDF, SRDF and `limits.yaml`, the pose of every link, Jacobians
+//! and inverse kinematics.
+//!
+//! [`Robot`] is immutable and shared between threads; what a computation writes to lives in a scratch value
+//! of the caller ([`LinkFrames`], [`Jacobian`], [`IkSolver`], [`IkSearch`]).
+//!
+//! ```
+//! use cranny_robot::{Robot, RobotOptions};
+//!
+//! let urdf = r#"<robot name="slide">
+//!   <link name="rail"/><link name="cart"/>
+//!   <joint name="drive" type="prismatic">
+//!     <parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
+//!     <limit lower="-1" upper="1" velocity="0.5" effort="1"/>
+//!   </joint>
+//! </robot>"#;
+//! let robot = Robot::from_urdf_text(urdf, "slide.urdf", None, &RobotOptions::default())?;
+//! let mut frames = robot.frames();
+//! robot.forward_kinematics(&[0.25], &mut frames);
+//! assert_eq!(frames.link(robot.tip()).translation.x, 0.25);
+//! # Ok::<(), cranny_robot::RobotError>(())
+//! ```
+//!
+//! All poses are `root_from_link`: the robot's root link is the planning frame. The order of `q` is the
+//! order of the joint group, [`Robot::joint_names`].
+//!
+//! ## Limits
+//! Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
+//! are revolute joints with limits of ±2π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, visual shapes,
+//! transmissions, safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and
+//! sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
+//! Inverse kinematics is numerical: it may miss a solution that exists, and proves nothing by finding none.
+
+mod assembly;
+mod error;
+mod ik_search;
+mod inverse_kinematics;
+mod jacobian;
+mod joint_group;
+mod kinematics;
+mod limits;
+mod link_pairs;
+mod mesh_path;
+mod model;
+mod options;
+mod spelling;
+mod srdf;
+mod tree;
+mod urdf;
+mod xml;
+
+pub use error::{Hindrance, Location, RobotError};
+pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
+pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver, solve_single};
+pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
+pub use kinematics::LinkFrames;
+pub use limits::{CONTINUOUS_LIMIT_RAD, JointLimits, JointUnit, LimitViolation};
+pub use model::{GroupJoint, JointKind, Link, LinkShape, Mover, Robot};
+pub use options::{JointGroup, MeshUse, RobotOptions, TextSource};
+pub use srdf::{EndEffector, GroupState, Srdf, SrdfGroup};

@@ -1,0 +1,112 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use crate::{Location, RobotError};
+
+/// The limits of a continuous joint are minus and plus this, in radians: one full turn either way, so that
+/// from any start in ±π every motion of up to half a turn stays inside, and cables are not wound up for ever.
+pub const CONTINUOUS_LIMIT_RAD: f64 = std::f64::consts::TAU;
+
+/// What a joint of the group may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimits {
+    /// Least value, in `unit`.
+    pub lower: f64,
+    /// Greatest value, in `unit`.
+    pub upper: f64,
+    /// Greatest speed, in `unit`/s, greater than zero.
+    pub velocity: f64,
+    /// Greatest acceleration, in `unit`/s², if known.
+    pub acceleration: Option<f64>,
+    /// Greatest jerk, in `unit`/s³, if known.
+    pub jerk: Option<f64>,
+    /// What its value is measured in.
+    pub unit: JointUnit,
+}
+
+impl JointLimits {
+    /// Whether `value` lies in [`lower`, `upper`]. A NaN does not.
+    pub fn contain(&self, value: f64) -> bool {
+        self.lower <= value && value <= self.upper
+    }
+
+    /// The value within the limits that is nearest to `value`.
+    pub fn clamp(&self, value: f64) -> f64 {
+        value.clamp(self.lower, self.upper)
+    }
+}
+
+/// What the value of a joint is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointUnit {
+    /// A prismatic joint.
+    Metre,
+    /// A revolute joint.
+    Radian,
+}
+
+/// A joint value outside its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitViolation {
+    /// Index of the joint in `q`.
+    pub joint: usize,
+    /// Its value.
+    pub value: f64,
+    /// Its lower limit.
+    pub lower: f64,
+    /// Its upper limit.
+    pub upper: f64,
+}
+
+/// The figures of a `limits.yaml` for one joint, and where they stand.
+pub(crate) struct RateLimits {
+    pub(crate) at: Location,
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) jerk: Option<f64>,
+}
+
+/// Reads a `limits.yaml`; `file` is the name for it in errors.
+pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<String, RateLimits>, RobotError> {
+    if text.trim().is_empty() {
+        return Err(RobotError::Empty { file: file.to_owned() });
+    }
+    let at = |location: serde_saphyr::Location| Location {
+        file: file.to_owned(),
+        line: u32::try_from(location.line()).unwrap_or(u32::MAX).max(1),
+    };
+    let parsed: LimitsFile = serde_saphyr::from_str(text).map_err(|reason| RobotError::Limits {
+        at: at(reason.location().unwrap_or(serde_saphyr::Location::UNKNOWN)),
+        reason: Box::new(reason),
+    })?;
+    let mut limits = BTreeMap::new();
+    for (joint, entry) in parsed.joints {
+        let at = at(entry.referenced);
+        for (attribute, value) in [("acceleration", entry.value.acceleration), ("jerk", entry.value.jerk)] {
+            match value {
+                Some(value) if value.is_nan() || value <= 0.0 || value.is_infinite() => {
+                    let element = format!("joint `{joint}`");
+                    return Err(RobotError::NotPositive { at, element, attribute, value });
+                }
+                _ => {}
+            }
+        }
+        let Entry { acceleration, jerk } = entry.value;
+        limits.insert(joint, RateLimits { at, acceleration, jerk });
+    }
+    Ok(limits)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    joints: BTreeMap<String, Spanned<Entry>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
+}

@@ -1,0 +1,57 @@
+use std::collections::BTreeMap;
+
+use crate::joint_group::unknown_link;
+use crate::tree::Tree;
+use crate::urdf::Urdf;
+use crate::{Link, RobotError, Srdf};
+
+/// Two links with geometry are adjacent if the way between them through the tree meets no third one.
+///
+/// Bare links that hang together form a patch; the links with geometry around one patch are adjacent pair by
+/// pair, and so are a parent and its child.
+pub(crate) fn adjacent_pairs(links: &[Link]) -> Vec<(usize, usize)> {
+    // A patch is known by its topmost link.
+    let mut patch_of: Vec<usize> = (0..links.len()).collect();
+    let mut around: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut pairs = Vec::new();
+    for (index, link) in links.iter().enumerate() {
+        let Some(parent) = link.parent else { continue };
+        match (links[parent].collisions.is_empty(), link.collisions.is_empty()) {
+            (false, false) => pairs.push((parent, index)),
+            (false, true) => around.entry(index).or_default().push(parent),
+            (true, false) => around.entry(patch_of[parent]).or_default().push(index),
+            (true, true) => patch_of[index] = patch_of[parent],
+        }
+    }
+    for neighbours in around.values() {
+        for (position, &first) in neighbours.iter().enumerate() {
+            pairs.extend(neighbours[position + 1..].iter().map(|&second| (first, second)));
+        }
+    }
+    sorted_pairs(pairs)
+}
+
+/// The pairs that the SRDF says not to test.
+pub(crate) fn disabled_pairs(
+    urdf: &Urdf,
+    tree: &Tree,
+    srdf: &Srdf,
+) -> Result<Vec<(usize, usize)>, RobotError> {
+    let mut pairs = Vec::with_capacity(srdf.disabled_pairs.len());
+    for ((first, second), at) in srdf.disabled_pairs.iter().zip(&srdf.disabled_at) {
+        let find = |name: &String| {
+            tree.node(name).ok_or_else(|| unknown_link(urdf, format!("{at}: disabled pair"), name))
+        };
+        pairs.push((find(first)?, find(second)?));
+    }
+    Ok(sorted_pairs(pairs))
+}
+
+fn sorted_pairs(mut pairs: Vec<(usize, usize)>) -> Vec<(usize, usize)> {
+    for pair in &mut pairs {
+        *pair = (pair.0.min(pair.1), pair.0.max(pair.1));
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}

@@ -1,0 +1,190 @@
+use std::collections::HashMap;
+
+use cranny_shape::{Solid, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::kinematics::Step;
+use crate::{JointLimits, LimitViolation, spelling};
+
+/// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
+/// an `Arc`.
+///
+/// The root link is the planning frame, and `q` holds one value per joint of the group, in metres or
+/// radians. Joints outside the group stand at fixed values.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    pub(crate) name: String,
+    pub(crate) links: Vec<Link>,
+    pub(crate) links_by_name: HashMap<String, usize>,
+    pub(crate) joints: Vec<GroupJoint>,
+    pub(crate) joint_names: Vec<String>,
+    pub(crate) limits: Vec<JointLimits>,
+    pub(crate) tip: usize,
+    /// Per link.
+    pub(crate) movers: Vec<Vec<Mover>>,
+    pub(crate) disabled_pairs: Vec<(usize, usize)>,
+    pub(crate) adjacent_pairs: Vec<(usize, usize)>,
+    pub(crate) group_states: Vec<(String, Vec<f64>)>,
+    /// Forward kinematics of every link that moves, parents first.
+    pub(crate) steps: Vec<Step>,
+    /// Those of `steps` that lead to the tip.
+    pub(crate) tip_steps: Vec<Step>,
+    /// `root_from_link` of the links that do not move; of the others at `q = 0`.
+    pub(crate) rest: Vec<Pose>,
+}
+
+/// A rigid part of a robot.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Its name.
+    pub name: String,
+    /// Index of the link it hangs on; None for the root.
+    pub parent: Option<usize>,
+    /// Its collision geometry; empty for a bare frame.
+    pub collisions: Vec<LinkShape>,
+}
+
+/// A piece of a link's collision geometry.
+#[derive(Clone, Debug)]
+pub struct LinkShape {
+    /// Where the solid stands on the link.
+    pub link_from_shape: Pose,
+    /// The solid, in its own frame.
+    pub solid: Solid,
+    /// The triangles as read and scaled, in the solid's frame, where the geometry is a mesh.
+    pub soup: Option<TriangleSoup>,
+}
+
+/// What kind of motion a joint allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis; positive by the right-hand rule.
+    Revolute,
+    /// Slides along its axis.
+    Prismatic,
+}
+
+/// A joint of the group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupJoint {
+    /// Its name.
+    pub name: String,
+    /// How it moves.
+    pub kind: JointKind,
+    /// The link that it moves. The joint's axis runs through the origin of this link.
+    pub child_link: usize,
+    /// Its axis in the frame of `child_link`, a unit vector.
+    pub axis_in_child: Vector,
+}
+
+/// A joint that moves a link: one of the group, or one that mimics a joint of the group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mover {
+    /// Index in `q`.
+    pub joint: usize,
+    /// How much this joint moves for a unit of `q[joint]`: 1 for the joint itself, otherwise the mimic
+    /// factor, never 0.
+    pub multiplier: f64,
+    /// How it moves.
+    pub kind: JointKind,
+    /// The link right below it.
+    pub child_link: usize,
+    /// Its axis in the frame of `child_link`, a unit vector.
+    pub axis_in_child: Vector,
+}
+
+impl Robot {
+    /// The name in the URDF.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All links, parents before children; the root is the first.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// The index of the link of that name.
+    pub fn link_index(&self, name: &str) -> Option<usize> {
+        self.links_by_name.get(name).copied()
+    }
+
+    /// Names of links that resemble `name`, nearest first, for a message about a misspelt one.
+    pub fn links_like(&self, name: &str) -> Vec<String> {
+        spelling::nearest(name, self.links.iter().map(|link| link.name.as_str()))
+    }
+
+    /// How many joints the group has: the length of `q`.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The joints of the group, in the order of `q`.
+    pub fn joints(&self) -> &[GroupJoint] {
+        &self.joints
+    }
+
+    /// Their names, in the order of `q`.
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
+    }
+
+    /// Their limits, in the order of `q`.
+    pub fn limits(&self) -> &[JointLimits] {
+        &self.limits
+    }
+
+    /// The link that reaches for grasps.
+    pub fn tip(&self) -> usize {
+        self.tip
+    }
+
+    /// The root link: always 0. Its frame is the planning frame.
+    pub fn root(&self) -> usize {
+        0
+    }
+
+    /// The joints that move `link`, the root's first. A joint of the group occurs once for itself and once
+    /// for every joint on the way that mimics it.
+    ///
+    /// # Panics
+    /// If `link` is no index of [`links`](Self::links).
+    pub fn ancestors(&self, link: usize) -> &[Mover] {
+        &self.movers[link]
+    }
+
+    /// Pairs of links with geometry between which there is no link with geometry: `(low, high)`, sorted.
+    pub fn adjacent_pairs(&self) -> &[(usize, usize)] {
+        &self.adjacent_pairs
+    }
+
+    /// Pairs of links that the SRDF never tests against each other: `(low, high)`, sorted.
+    pub fn disabled_pairs(&self) -> &[(usize, usize)] {
+        &self.disabled_pairs
+    }
+
+    /// The values that the SRDF's state of that name gives to the whole of `q`; None if there is no such
+    /// state, or none that names every joint of the group.
+    pub fn group_state(&self, name: &str) -> Option<Vec<f64>> {
+        self.group_states.iter().find(|(state, _)| state == name).map(|(_, q)| q.clone())
+    }
+
+    /// Whether every value of `q` lies within its limits. A NaN does not.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn within_limits(&self, q: &[f64]) -> bool {
+        self.first_limit_violation(q).is_none()
+    }
+
+    /// The first joint whose value lies outside its limits.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn first_limit_violation(&self, q: &[f64]) -> Option<LimitViolation> {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let joint = q.iter().zip(&self.limits).position(|(&value, limits)| !limits.contain(value))?;
+        let JointLimits { lower, upper, .. } = self.limits[joint];
+        Some(LimitViolation { joint, value: q[joint], lower, upper })
+    }
+}

@@ -1,0 +1,64 @@
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// What a URDF leaves open when a robot is built from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RobotOptions {
+    /// Groups, states and disabled pairs. Default: the file with the URDF's stem and the ending `.srdf`
+    /// beside it, if there is one.
+    pub srdf: Option<TextSource>,
+    /// Acceleration and jerk limits. Default: `limits.yaml` beside the URDF, if there is one.
+    pub limits: Option<TextSource>,
+    /// The joints that `q` stands for.
+    pub group: JointGroup,
+    /// The link that grasps are reached with. Default: the tip of the first chain of the chosen SRDF group;
+    /// else the tip of the chain of the SRDF's first end effector, or the link that it is mounted on; else
+    /// the leaf link below the most joints that can be moved (joints of `fixed` and mimic joints do not
+    /// count, and if a group is given only its joints do), among equals one without geometry (a frame put
+    /// there for this purpose), among these the last of the file.
+    pub tip: Option<String>,
+    /// Values at which joints outside the group are held, in metres or radians. Default of a joint: 0, or
+    /// the limit next to it.
+    pub fixed: BTreeMap<String, f64>,
+    /// Folders in which `package://` names are looked for, before the folders above the URDF.
+    pub packages: Vec<PathBuf>,
+    /// What solid a mesh stands for.
+    pub meshes: MeshUse,
+}
+
+/// A text that comes along with a URDF.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextSource {
+    /// A file.
+    Path(PathBuf),
+    /// The text itself.
+    Text {
+        /// What errors call it.
+        name: String,
+        /// Its content.
+        text: String,
+    },
+}
+
+/// The joints that `q` stands for, in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum JointGroup {
+    /// All joints from the root to the tip that can move, without those of
+    /// [`fixed`](RobotOptions::fixed) and without mimic joints, the root's first.
+    #[default]
+    RootToTip,
+    /// These joints, in this order.
+    Joints(Vec<String>),
+    /// The joints of a group of the SRDF that can move and mimic no other, the root's first.
+    Srdf(String),
+}
+
+/// What solid a mesh of a URDF stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeshUse {
+    /// Its convex hull: link meshes are mostly convex, and distances to hulls are fast.
+    #[default]
+    Hull,
+    /// The solid that its triangles enclose.
+    Solid,
+}

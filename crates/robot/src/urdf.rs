@@ -1,0 +1,202 @@
+use cranny_spatial::{Pose, Vector};
+
+use crate::xml::{Element, XmlText};
+use crate::{Location, RobotError};
+
+/// What a URDF says, checked element by element; that its links form a tree is checked by `tree`.
+pub(crate) struct Urdf {
+    pub(crate) name: String,
+    pub(crate) file: String,
+    pub(crate) links: Vec<UrdfLink>,
+    pub(crate) joints: Vec<UrdfJoint>,
+}
+
+pub(crate) struct UrdfLink {
+    pub(crate) name: String,
+    pub(crate) at: Location,
+    pub(crate) collisions: Vec<UrdfCollision>,
+}
+
+pub(crate) struct UrdfCollision {
+    pub(crate) at: Location,
+    pub(crate) link_from_shape: Pose,
+    pub(crate) geometry: UrdfGeometry,
+}
+
+/// Sizes in metres, all greater than zero; a cylinder and a capsule lie along z, and a capsule's length is
+/// that of its cylindrical part.
+pub(crate) enum UrdfGeometry {
+    Cuboid { size: Vector },
+    Sphere { radius_m: f64 },
+    Cylinder { length_m: f64, radius_m: f64 },
+    Capsule { length_m: f64, radius_m: f64 },
+    Mesh { filename: String, scale: Vector },
+}
+
+pub(crate) struct UrdfJoint {
+    pub(crate) name: String,
+    pub(crate) at: Location,
+    pub(crate) parent: String,
+    pub(crate) child: String,
+    pub(crate) parent_from_joint: Pose,
+    /// None for a fixed joint.
+    pub(crate) motion: Option<UrdfMotion>,
+}
+
+pub(crate) struct UrdfMotion {
+    pub(crate) kind: UrdfJointKind,
+    /// A unit vector.
+    pub(crate) axis_in_child: Vector,
+    /// None for a continuous joint without any.
+    pub(crate) limits: Option<UrdfLimits>,
+    pub(crate) mimic: Option<UrdfMimic>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum UrdfJointKind {
+    Revolute,
+    Continuous,
+    Prismatic,
+}
+
+pub(crate) struct UrdfLimits {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) velocity: Option<f64>,
+}
+
+/// `value = multiplier · value of the master + offset`.
+pub(crate) struct UrdfMimic {
+    pub(crate) master: String,
+    pub(crate) multiplier: f64,
+    pub(crate) offset: f64,
+}
+
+impl Urdf {
+    /// Reads a URDF from `text`; `file` is the name for it in errors.
+    pub(crate) fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
+        let xml = XmlText::parse(text, file)?;
+        let robot = xml.robot()?;
+        let name = robot.optional_text("name").unwrap_or("robot").to_owned();
+        let links = robot.all("link").map(parse_link).collect::<Result<Vec<_>, _>>()?;
+        let joints = robot.all("joint").map(parse_joint).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { name, file: file.to_owned(), links, joints })
+    }
+}
+
+fn parse_link(element: Element<'_>) -> Result<UrdfLink, RobotError> {
+    let name = element.text("name")?.to_owned();
+    let collisions =
+        element.all("collision").map(|child| parse_collision(child, &name)).collect::<Result<_, _>>()?;
+    Ok(UrdfLink { name, at: element.at(), collisions })
+}
+
+fn parse_collision(element: Element<'_>, link: &str) -> Result<UrdfCollision, RobotError> {
+    let owner = || format!("<collision> of link `{link}`");
+    let shape = element.needed("geometry", &owner())?.children().next().ok_or_else(|| {
+        RobotError::MissingElement { at: element.at(), owner: owner(), element: "geometry" }
+    })?;
+    let geometry = match shape.tag() {
+        "box" => UrdfGeometry::Cuboid { size: parse_size(shape)? },
+        "sphere" => UrdfGeometry::Sphere { radius_m: shape.positive("radius")? },
+        "cylinder" => UrdfGeometry::Cylinder {
+            length_m: shape.positive("length")?,
+            radius_m: shape.positive("radius")?,
+        },
+        "capsule" => {
+            UrdfGeometry::Capsule { length_m: shape.positive("length")?, radius_m: shape.positive("radius")? }
+        }
+        "mesh" => {
+            UrdfGeometry::Mesh { filename: shape.text("filename")?.to_owned(), scale: parse_scale(shape)? }
+        }
+        other => {
+            return Err(RobotError::UnknownGeometry {
+                at: shape.at(),
+                link: link.to_owned(),
+                geometry: other.to_owned(),
+            });
+        }
+    };
+    Ok(UrdfCollision { at: shape.at(), link_from_shape: element.origin()?, geometry })
+}
+
+fn parse_size(element: Element<'_>) -> Result<Vector, RobotError> {
+    element.text("size")?;
+    let size = element.vector("size")?.unwrap_or_default();
+    size.iter().try_for_each(|&length| element.check_positive("size", length))?;
+    Ok(size)
+}
+
+/// A negative factor mirrors the mesh and is allowed; zero flattens it and is not.
+fn parse_scale(element: Element<'_>) -> Result<Vector, RobotError> {
+    let scale = element.vector("scale")?.unwrap_or_else(|| Vector::repeat(1.0));
+    scale.iter().try_for_each(|&factor| element.check_positive("scale", factor.abs()))?;
+    Ok(scale)
+}
+
+fn parse_joint(element: Element<'_>) -> Result<UrdfJoint, RobotError> {
+    let name = element.text("name")?.to_owned();
+    let owner = format!("joint `{name}`");
+    let kind = match element.text("type")? {
+        "fixed" => None,
+        "revolute" => Some(UrdfJointKind::Revolute),
+        "continuous" => Some(UrdfJointKind::Continuous),
+        "prismatic" => Some(UrdfJointKind::Prismatic),
+        other => {
+            let (at, kind) = (element.at(), other.to_owned());
+            return Err(RobotError::UnsupportedJoint { at, joint: name, kind });
+        }
+    };
+    Ok(UrdfJoint {
+        at: element.at(),
+        parent: element.needed("parent", &owner)?.text("link")?.to_owned(),
+        child: element.needed("child", &owner)?.text("link")?.to_owned(),
+        parent_from_joint: element.origin()?,
+        motion: kind.map(|kind| parse_motion(element, kind, &name)).transpose()?,
+        name,
+    })
+}
+
+fn parse_motion(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Result<UrdfMotion, RobotError> {
+    // The URDF specification's default is the x axis.
+    let (axis, axis_at) = match element.first("axis") {
+        Some(axis) => (axis.vector("xyz")?.unwrap_or_else(Vector::x), axis.at()),
+        None => (Vector::x(), element.at()),
+    };
+    // The smallest axis that still has a direction: written axes have a length of about one.
+    let axis_in_child = axis
+        .try_normalize(1e-9)
+        .ok_or_else(|| RobotError::ZeroAxis { at: axis_at, joint: joint.to_owned() })?;
+    let limits = match element.first("limit") {
+        Some(limit) => Some(parse_limits(limit, kind, joint)?),
+        None if kind == UrdfJointKind::Continuous => None,
+        None => {
+            return Err(RobotError::MissingElement {
+                at: element.at(),
+                owner: format!("joint `{joint}`"),
+                element: "limit",
+            });
+        }
+    };
+    let mimic = element.first("mimic").map(parse_mimic).transpose()?;
+    Ok(UrdfMotion { kind, axis_in_child, limits, mimic })
+}
+
+fn parse_limits(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Result<UrdfLimits, RobotError> {
+    // Left out, both are zero (URDF specification).
+    let (lower, upper) = (element.number_or("lower", 0.0)?, element.number_or("upper", 0.0)?);
+    if lower > upper && kind != UrdfJointKind::Continuous {
+        let (at, joint) = (element.at(), joint.to_owned());
+        return Err(RobotError::LimitsReversed { at, joint, lower, upper });
+    }
+    let velocity = element.optional_text("velocity").map(|_| element.number("velocity")).transpose()?;
+    Ok(UrdfLimits { lower, upper, velocity })
+}
+
+fn parse_mimic(element: Element<'_>) -> Result<UrdfMimic, RobotError> {
+    Ok(UrdfMimic {
+        master: element.text("joint")?.to_owned(),
+        multiplier: element.number_or("multiplier", 1.0)?,
+        offset: element.number_or("offset", 0.0)?,
+    })
+}

@@ -1,0 +1,151 @@
+use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
+use roxmltree::{Document, Node};
+
+use crate::{Location, RobotError};
+
+/// An XML text together with the name under which errors speak of it.
+pub(crate) struct XmlText<'a> {
+    document: Document<'a>,
+    file: &'a str,
+}
+
+impl<'a> XmlText<'a> {
+    pub(crate) fn parse(text: &'a str, file: &'a str) -> Result<Self, RobotError> {
+        if text.trim().is_empty() {
+            return Err(RobotError::Empty { file: file.to_owned() });
+        }
+        let document = Document::parse(text).map_err(|reason| {
+            // The reader gives no position for a text that ends too early: that is its last line.
+            let line = match reason {
+                roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
+                    text.lines().count()
+                }
+                ref other => other.pos().row as usize,
+            };
+            let at = Location { file: file.to_owned(), line: u32::try_from(line).unwrap_or(u32::MAX) };
+            RobotError::Xml { at, reason: Box::new(reason) }
+        })?;
+        Ok(Self { document, file })
+    }
+
+    /// The outermost element, which must be `<robot>`.
+    pub(crate) fn robot(&self) -> Result<Element<'_>, RobotError> {
+        let robot = Element { node: self.document.root_element(), file: self.file };
+        if robot.tag() != "robot" {
+            return Err(RobotError::NotARobot { at: robot.at(), found: robot.tag().to_owned() });
+        }
+        Ok(robot)
+    }
+}
+
+/// An element of an [`XmlText`].
+#[derive(Clone, Copy)]
+pub(crate) struct Element<'a> {
+    node: Node<'a, 'a>,
+    file: &'a str,
+}
+
+impl<'a> Element<'a> {
+    pub(crate) fn tag(&self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    pub(crate) fn at(&self) -> Location {
+        let line = self.node.document().text_pos_at(self.node.range().start).row;
+        Location { file: self.file.to_owned(), line }
+    }
+
+    /// The elements directly inside.
+    pub(crate) fn children(self) -> impl Iterator<Item = Element<'a>> {
+        self.node.children().filter(Node::is_element).map(move |node| Element { node, file: self.file })
+    }
+
+    /// The elements directly inside that bear `tag`.
+    pub(crate) fn all(self, tag: &'static str) -> impl Iterator<Item = Element<'a>> {
+        self.children().filter(move |child| child.tag() == tag)
+    }
+
+    pub(crate) fn first(self, tag: &'static str) -> Option<Element<'a>> {
+        self.all(tag).next()
+    }
+
+    /// The first element inside that bears `tag`; `owner` is whose absence an error deplores.
+    pub(crate) fn needed(self, tag: &'static str, owner: &str) -> Result<Element<'a>, RobotError> {
+        self.first(tag).ok_or_else(|| RobotError::MissingElement {
+            at: self.at(),
+            owner: owner.to_owned(),
+            element: tag,
+        })
+    }
+
+    pub(crate) fn optional_text(&self, attribute: &'static str) -> Option<&'a str> {
+        self.node.attribute(attribute)
+    }
+
+    pub(crate) fn text(&self, attribute: &'static str) -> Result<&'a str, RobotError> {
+        self.optional_text(attribute).ok_or_else(|| RobotError::MissingAttribute {
+            at: self.at(),
+            element: self.tag().to_owned(),
+            attribute,
+        })
+    }
+
+    pub(crate) fn number(&self, attribute: &'static str) -> Result<f64, RobotError> {
+        self.text(attribute)?;
+        self.number_or(attribute, f64::NAN)
+    }
+
+    pub(crate) fn number_or(&self, attribute: &'static str, default: f64) -> Result<f64, RobotError> {
+        Ok(self.numbers(attribute)?.map_or(default, |[number]| number))
+    }
+
+    pub(crate) fn positive(&self, attribute: &'static str) -> Result<f64, RobotError> {
+        let value = self.number(attribute)?;
+        self.check_positive(attribute, value)?;
+        Ok(value)
+    }
+
+    pub(crate) fn check_positive(&self, attribute: &'static str, value: f64) -> Result<(), RobotError> {
+        if value > 0.0 {
+            return Ok(());
+        }
+        Err(RobotError::NotPositive { at: self.at(), element: format!("<{}>", self.tag()), attribute, value })
+    }
+
+    pub(crate) fn vector(&self, attribute: &'static str) -> Result<Option<Vector>, RobotError> {
+        Ok(self.numbers(attribute)?.map(|[x, y, z]| Vector::new(x, y, z)))
+    }
+
+    /// The pose in the `<origin>` inside, or no displacement.
+    pub(crate) fn origin(self) -> Result<Pose, RobotError> {
+        let Some(origin) = self.first("origin") else { return Ok(Pose::identity()) };
+        let translation = origin.vector("xyz")?.unwrap_or_default();
+        let [roll, pitch, yaw] = origin.numbers("rpy")?.unwrap_or_default();
+        let turn = |axis, angle: f64| {
+            let (sine, cosine) = sin_cos(0.5 * angle);
+            Rotation::new_unchecked(cranny_spatial::nalgebra::Quaternion::from_parts(cosine, axis * sine))
+        };
+        let rotation = turn(Vector::z(), yaw) * turn(Vector::y(), pitch) * turn(Vector::x(), roll);
+        Ok(Pose::from_parts(Point::from(translation).into(), rotation))
+    }
+
+    fn numbers<const N: usize>(&self, attribute: &'static str) -> Result<Option<[f64; N]>, RobotError> {
+        let Some(text) = self.optional_text(attribute) else { return Ok(None) };
+        let wrong = || RobotError::NotNumbers {
+            at: self.at(),
+            element: self.tag().to_owned(),
+            attribute,
+            expected: N,
+            text: text.to_owned(),
+        };
+        let mut numbers = [0.0; N];
+        let mut words = text.split_whitespace();
+        for number in &mut numbers {
+            *number = words.next().and_then(|word| word.parse().ok()).ok_or_else(wrong)?;
+            if !f64::is_finite(*number) {
+                return Err(wrong());
+            }
+        }
+        if words.next().is_some() { Err(wrong()) } else { Ok(Some(numbers)) }
+    }
+}
