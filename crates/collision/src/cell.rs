@@ -1,0 +1,333 @@
+use std::sync::Arc;
+
+use cranny_robot::{LinkFrames, Robot};
+use cranny_shape::{Separation, overlap};
+use cranny_spatial::Pose;
+
+use crate::CollisionError;
+use crate::clearance::Margins;
+use crate::contact::{Collider, Contact};
+use crate::link_body::{LinkBody, group_separation};
+use crate::self_pairs::self_pairs;
+use crate::travel::{Travel, shared_joints};
+use crate::world::{Part, World};
+
+/// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
+#[derive(Clone, Debug)]
+pub struct Cell {
+    robot: Arc<Robot>,
+    world: World,
+    margins: Margins,
+    pub(crate) bodies: Vec<LinkBody>,
+    parts: Vec<(usize, Part)>,
+    pub(crate) pairs: Vec<Pair>,
+}
+
+/// Two things that are checked against each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Index into the link bodies.
+    pub first: usize,
+    pub second: Other,
+    /// The least distance that counts as free, in metres.
+    pub required_m: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Other {
+    /// Index into the link bodies, and how many joints move both links alike.
+    Link { body: usize, shared_joints: usize },
+    /// Index into the parts of all bodies of the world.
+    Part(usize),
+}
+
+/// What one asker needs to compute with; made by [`Cell::scratch`].
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    pub(crate) frames: LinkFrames,
+    pub(crate) travel: Travel,
+    pub(crate) q: Vec<f64>,
+    pub(crate) slope: Vec<f64>,
+    pub(crate) intervals: Vec<crate::motion::Interval>,
+    pub(crate) next_intervals: Vec<crate::motion::Interval>,
+    pub(crate) doubtful: Vec<u32>,
+    pub(crate) next_doubtful: Vec<u32>,
+}
+
+impl Scratch {
+    /// The link frames of the configuration that was asked about last.
+    pub fn frames(&self) -> &LinkFrames {
+        &self.frames
+    }
+}
+
+impl Cell {
+    /// Puts `robot` into `world`; every answer then demands `margins`.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
+        margins.check()?;
+        let bodies = LinkBody::all(&robot);
+        let parts: Vec<(usize, Part)> = world
+            .bodies()
+            .iter()
+            .enumerate()
+            .flat_map(|(body, b)| b.parts.iter().map(move |part| (body, part.clone())))
+            .collect();
+        let mut pairs = Vec::new();
+        // Hand and wrist first: they are what touches first.
+        for first in (0..bodies.len()).rev() {
+            let link = bodies[first].link;
+            if robot.ancestors(link).is_empty() {
+                continue;
+            }
+            for (index, (body, _)) in parts.iter().enumerate() {
+                let required_m = margins.between(link, *body);
+                pairs.push(Pair { first, second: Other::Part(index), required_m });
+            }
+        }
+        for (first, second) in self_pairs(&robot, &bodies) {
+            let shared_joints = shared_joints(&robot, bodies[first].link, bodies[second].link);
+            let second = Other::Link { body: second, shared_joints };
+            pairs.push(Pair { first, second, required_m: margins.between_links() });
+        }
+        Ok(Self { robot, world, margins, bodies, parts, pairs })
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &Arc<Robot> {
+        &self.robot
+    }
+
+    /// The world, in the planning frame.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The clearances that are demanded.
+    pub fn margins(&self) -> &Margins {
+        &self.margins
+    }
+
+    /// The name of a link or body.
+    pub fn name(&self, collider: Collider) -> &str {
+        match collider {
+            Collider::Link(link) => &self.robot.links()[link].name,
+            Collider::Body(body) => &self.world.bodies()[body].name,
+        }
+    }
+
+    /// The pairs of links that are checked against each other, by link index.
+    pub fn self_pairs(&self) -> Vec<(usize, usize)> {
+        let links = |pair: &Pair| match pair.second {
+            Other::Link { body, .. } => Some((self.bodies[pair.first].link, self.bodies[body].link)),
+            Other::Part(_) => None,
+        };
+        self.pairs.iter().filter_map(links).collect()
+    }
+
+    /// Room to compute in.
+    pub fn scratch(&self) -> Scratch {
+        Scratch {
+            frames: self.robot.frames(),
+            travel: Travel::new(&self.robot, &self.bodies),
+            q: vec![0.0; self.robot.dof()],
+            slope: vec![0.0; self.robot.dof()],
+            intervals: Vec::new(),
+            next_intervals: Vec::new(),
+            doubtful: Vec::new(),
+            next_doubtful: Vec::new(),
+        }
+    }
+
+    /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        self.robot.within_limits(q) && self.is_clear(q, scratch)
+    }
+
+    /// Whether every pair keeps its distance at `q`, joint limits aside.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_clear(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        self.robot.forward_kinematics(q, &mut scratch.frames);
+        self.pairs.iter().all(|pair| self.keeps_distance(pair, &scratch.frames))
+    }
+
+    /// Whether the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its
+    /// distance from every body of the world. If not, no configuration can hold that pose.
+    ///
+    /// The hand is the links of [`Margins::hand_links`].
+    pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
+        self.hand_contact(world_from_tip, scratch).is_none()
+    }
+
+    /// What the hand alone touches at `world_from_tip`, if anything (see [`Self::hand_is_free`]).
+    pub fn hand_contact(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> Option<Contact> {
+        // Any configuration gives the rigid transforms between the links of the hand and the tip.
+        scratch.q.fill(0.0);
+        self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
+        let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
+        self.pairs.iter().find_map(|pair| {
+            let body = &self.bodies[pair.first];
+            let Other::Part(index) = pair.second else { return None };
+            if !self.margins.hand_links.contains(&body.link) {
+                return None;
+            }
+            let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(body.link));
+            let (body_index, part) = &self.parts[index];
+            if body.quick_bound_to(&world_from_link, &part.solid, &part.world_from_solid) > pair.required_m {
+                return None;
+            }
+            let shapes = body.shapes.iter().map(|(pose, solid)| (world_from_link * pose, solid));
+            let placed = std::iter::once((part.world_from_solid, &part.solid));
+            let gap = group_separation(shapes, &placed, pair.required_m);
+            (gap.lower_m < pair.required_m).then_some(Contact {
+                first: Collider::Link(body.link),
+                second: Collider::Body(*body_index),
+                clearance_m: gap.lower_m,
+                required_m: pair.required_m,
+                depth_m: 0.0,
+                point: world_from_link * body.ball.center,
+            })
+        })
+    }
+
+    /// The least distance over all pairs at `q`, in metres, certified from below; 0 in contact. Joint limits
+    /// do not enter.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
+        self.robot.forward_kinematics(q, &mut scratch.frames);
+        let mut least = f64::INFINITY;
+        for pair in &self.pairs {
+            if self.quick_bound(pair, &scratch.frames) < least {
+                least = least.min(self.distance(pair, &scratch.frames, least).lower_m);
+            }
+            if least <= 0.0 {
+                break;
+            }
+        }
+        least
+    }
+
+    /// The deepest contact at `q`, or the one that misses its demanded clearance by most; `None` if every
+    /// pair keeps its distance. Joint limits do not enter.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn first_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
+        self.contacts(q, scratch)
+            .into_iter()
+            .max_by(|a, b| (a.depth_m - a.clearance_m).total_cmp(&(b.depth_m - b.clearance_m)))
+    }
+
+    /// Every pair that is closer at `q` than it may be, link pairs and link-body pairs once each.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn contacts(&self, q: &[f64], scratch: &mut Scratch) -> Vec<Contact> {
+        self.robot.forward_kinematics(q, &mut scratch.frames);
+        let mut contacts: Vec<Contact> = Vec::new();
+        for pair in &self.pairs {
+            if self.keeps_distance(pair, &scratch.frames) {
+                continue;
+            }
+            let contact = self.describe(pair, &scratch.frames);
+            let known = contacts.iter_mut().find(|c| (c.first, c.second) == (contact.first, contact.second));
+            match known {
+                Some(known) if known.depth_m >= contact.depth_m => {}
+                Some(known) => *known = contact,
+                None => contacts.push(contact),
+            }
+        }
+        contacts
+    }
+
+    pub(crate) fn describe(&self, pair: &Pair, frames: &LinkFrames) -> Contact {
+        let first = &self.bodies[pair.first];
+        let deepest = self
+            .placed(pair.first, frames)
+            .flat_map(|(pose_a, a)| {
+                self.placed_other(pair, frames)
+                    .into_iter()
+                    .filter_map(move |(pose_b, b)| overlap(a, &pose_a, b, &pose_b))
+            })
+            .max_by(|a, b| a.depth_m.total_cmp(&b.depth_m));
+        let clearance_m = self.distance(pair, frames, f64::MAX).lower_m;
+        Contact {
+            first: Collider::Link(first.link),
+            second: self.other(pair),
+            clearance_m,
+            required_m: pair.required_m,
+            depth_m: deepest.map_or(0.0, |o| o.depth_m),
+            point: deepest.map_or(frames.link(first.link) * first.ball.center, |o| o.point),
+        }
+    }
+
+    pub(crate) fn other(&self, pair: &Pair) -> Collider {
+        match pair.second {
+            Other::Link { body, .. } => Collider::Link(self.bodies[body].link),
+            Other::Part(index) => Collider::Body(self.parts[index].0),
+        }
+    }
+
+    pub(crate) fn keeps_distance(&self, pair: &Pair, frames: &LinkFrames) -> bool {
+        self.quick_bound(pair, frames) > pair.required_m
+            || self.distance(pair, frames, pair.required_m).lower_m >= pair.required_m
+    }
+
+    /// A lower bound of the pair's distance (m) at the price of two balls and two boxes.
+    pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames) -> f64 {
+        let first = &self.bodies[pair.first];
+        let world_from_first = frames.link(first.link);
+        match pair.second {
+            Other::Link { body, .. } => {
+                let second = &self.bodies[body];
+                first.quick_bound_between(world_from_first, second, frames.link(second.link))
+            }
+            Other::Part(index) => {
+                let part = &self.parts[index].1;
+                first.quick_bound_to(world_from_first, &part.solid, &part.world_from_solid)
+            }
+        }
+    }
+
+    pub(crate) fn distance(&self, pair: &Pair, frames: &LinkFrames, beyond_m: f64) -> Separation {
+        match pair.second {
+            Other::Link { body, .. } => {
+                group_separation(self.placed(pair.first, frames), &self.placed(body, frames), beyond_m)
+            }
+            Other::Part(index) => {
+                let part = &self.parts[index].1;
+                let placed = std::iter::once((part.world_from_solid, &part.solid));
+                group_separation(self.placed(pair.first, frames), &placed, beyond_m)
+            }
+        }
+    }
+
+    fn placed<'a>(
+        &'a self,
+        body: usize,
+        frames: &LinkFrames,
+    ) -> impl Iterator<Item = (Pose, &'a cranny_shape::Solid)> + Clone + use<'a> {
+        let LinkBody { link, shapes, .. } = &self.bodies[body];
+        let world_from_link = *frames.link(*link);
+        shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
+    }
+
+    fn placed_other<'a>(&'a self, pair: &Pair, frames: &LinkFrames) -> Vec<(Pose, &'a cranny_shape::Solid)> {
+        match pair.second {
+            Other::Link { body, .. } => self.placed(body, frames).collect(),
+            Other::Part(index) => {
+                let part = &self.parts[index].1;
+                vec![(part.world_from_solid, &part.solid)]
+            }
+        }
+    }
+}

@@ -1,0 +1,91 @@
+use cranny_robot::Robot;
+use cranny_shape::{Aabb, Ball, Solid, quick_lower_bound};
+use cranny_spatial::{Point, Pose};
+
+/// The solids of one link, and what bounds them all, in the link's frame.
+#[derive(Clone, Debug)]
+pub(crate) struct LinkBody {
+    pub link: usize,
+    pub shapes: Vec<(Pose, Solid)>,
+    pub ball: Ball,
+    pub aabb: Aabb,
+}
+
+impl LinkBody {
+    /// The links of `robot` that have geometry.
+    pub fn all(robot: &Robot) -> Vec<Self> {
+        (0..robot.links().len()).filter_map(|link| Self::new(robot, link)).collect()
+    }
+
+    fn new(robot: &Robot, link: usize) -> Option<Self> {
+        let shapes: Vec<(Pose, Solid)> = robot.links()[link]
+            .collisions
+            .iter()
+            .map(|shape| (shape.link_from_shape, shape.solid.clone()))
+            .collect();
+        let mut points: Vec<(Point, f64)> = Vec::new();
+        for (link_from_shape, solid) in &shapes {
+            let (corners, radius_m) = solid.bounding_points()?;
+            points.extend(corners.iter().map(|corner| (link_from_shape * corner, radius_m)));
+        }
+        if points.is_empty() {
+            return None;
+        }
+        let spread = |sign: f64| {
+            points
+                .iter()
+                .map(|(point, radius_m)| point.coords.add_scalar(sign * radius_m))
+                .reduce(|a, b| if sign > 0.0 { a.sup(&b) } else { a.inf(&b) })
+        };
+        let (low, high) = (spread(-1.0)?, spread(1.0)?);
+        let aabb = Aabb { center: ((low + high) * 0.5).into(), half_extents: (high - low) * 0.5 };
+        let reach = |(point, radius_m): &(Point, f64)| (point - aabb.center).norm() + radius_m;
+        let radius_m = points.iter().map(reach).fold(0.0, f64::max);
+        Some(Self { link, shapes, ball: Ball { center: aabb.center, radius_m }, aabb })
+    }
+
+    /// A lower bound of the distance (m) to a solid of the world, from ball and box; may be negative.
+    pub fn quick_bound_to(&self, world_from_link: &Pose, solid: &Solid, world_from_solid: &Pose) -> f64 {
+        let center = world_from_link * self.ball.center;
+        if solid.is_half_space() {
+            return world_from_solid.inverse_transform_point(&center).z - self.ball.radius_m;
+        }
+        let from_solid = solid.aabb().distance_to(&world_from_solid.inverse_transform_point(&center));
+        let solid_center = world_from_solid * solid.ball().center;
+        let from_link = self.aabb.distance_to(&world_from_link.inverse_transform_point(&solid_center));
+        (from_solid - self.ball.radius_m).max(from_link - solid.ball().radius_m)
+    }
+
+    /// A lower bound of the distance (m) of two links, from their balls and boxes; may be negative.
+    pub fn quick_bound_between(&self, world_from_self: &Pose, other: &Self, world_from_other: &Pose) -> f64 {
+        let (a, b) = (world_from_self * self.ball.center, world_from_other * other.ball.center);
+        let from_other = other.aabb.distance_to(&world_from_other.inverse_transform_point(&a));
+        let from_self = self.aabb.distance_to(&world_from_self.inverse_transform_point(&b));
+        (from_other - self.ball.radius_m).max(from_self - other.ball.radius_m)
+    }
+}
+
+/// The distance of two groups of solids, from both sides (see [`cranny_shape::separation`]); pairs that are
+/// surely farther apart than `beyond_m` are not measured.
+pub(crate) fn group_separation<'a>(
+    first: impl Iterator<Item = (Pose, &'a Solid)>,
+    second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
+    beyond_m: f64,
+) -> cranny_shape::Separation {
+    let mut best = cranny_shape::Separation { lower_m: beyond_m, upper_m: f64::INFINITY };
+    for (pose_a, a) in first {
+        for (pose_b, b) in second.clone() {
+            let reach = best.upper_m.min(beyond_m);
+            if quick_lower_bound(a, &pose_a, b, &pose_b) > reach {
+                continue;
+            }
+            let found = cranny_shape::separation(a, &pose_a, b, &pose_b, reach);
+            best.lower_m = best.lower_m.min(found.lower_m);
+            best.upper_m = best.upper_m.min(found.upper_m);
+            if best.upper_m <= 0.0 {
+                return best;
+            }
+        }
+    }
+    best
+}

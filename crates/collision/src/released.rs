@@ -1,0 +1,106 @@
+use std::sync::Arc;
+
+use cranny_robot::{LinkFrames, Robot};
+use cranny_shape::Surface;
+use cranny_spatial::Pose;
+
+use crate::World;
+
+/// The collision check of the released planners, for comparison only (DESIGN, `paper`).
+///
+/// Triangles of links against triangles of obstacles, surface against surface, at single configurations;
+/// only the links on the chain from the root to the tip, so no fingers; no self-collision; and instead of a
+/// floor, the origins of certain link frames must stay above a height.
+#[derive(Clone, Debug)]
+pub struct ReleasedCheck {
+    robot: Arc<Robot>,
+    links: Vec<(usize, Pose, Surface)>,
+    obstacles: Vec<(Pose, Surface)>,
+    floor_links: Vec<usize>,
+    floor_height_m: f64,
+}
+
+/// What one asker of a [`ReleasedCheck`] needs to compute with.
+#[derive(Clone, Debug)]
+pub struct ReleasedScratch {
+    frames: LinkFrames,
+}
+
+impl ReleasedScratch {
+    /// The link frames of the configuration that was asked about last.
+    pub fn frames(&self) -> &LinkFrames {
+        &self.frames
+    }
+}
+
+impl ReleasedCheck {
+    /// A check of the links on the chain to the tip against `obstacles` (surfaces in the planning frame).
+    ///
+    /// A link whose geometry comes from a mesh is checked by its triangles, any other by its box. The
+    /// origins of `floor_links` (by link index) must stay at or above `floor_height_m`.
+    pub fn new(
+        robot: Arc<Robot>,
+        obstacles: Vec<(Pose, Surface)>,
+        floor_links: Vec<usize>,
+        floor_height_m: f64,
+    ) -> Self {
+        let mut chain = vec![robot.tip()];
+        while let Some(parent) = robot.links()[*chain.last().unwrap_or(&0)].parent {
+            chain.push(parent);
+        }
+        let mut links = Vec::new();
+        for &link in &chain {
+            for shape in &robot.links()[link].collisions {
+                let surface = match &shape.soup {
+                    Some(soup) => Surface::new(soup).unwrap_or_else(|_| shape.solid.box_surface()),
+                    None => shape.solid.box_surface(),
+                };
+                links.push((link, shape.link_from_shape, surface));
+            }
+        }
+        Self { robot, links, obstacles, floor_links, floor_height_m }
+    }
+
+    /// The surfaces of all bodies of a world that are cuboids; what is not a cuboid is taken as its box.
+    pub fn surfaces_of(world: &World) -> Vec<(Pose, Surface)> {
+        world
+            .bodies()
+            .iter()
+            .flat_map(|body| &body.parts)
+            .filter(|part| !part.solid.is_half_space())
+            .map(|part| (part.world_from_solid, part.solid.box_surface()))
+            .collect()
+    }
+
+    /// The robot that is checked.
+    pub fn robot(&self) -> &Arc<Robot> {
+        &self.robot
+    }
+
+    /// Room to compute in.
+    pub fn scratch(&self) -> ReleasedScratch {
+        ReleasedScratch { frames: self.robot.frames() }
+    }
+
+    /// Whether the released check lets `q` pass: limits, heights, surfaces.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_free(&self, q: &[f64], scratch: &mut ReleasedScratch) -> bool {
+        self.robot.within_limits(q) && {
+            self.robot.forward_kinematics(q, &mut scratch.frames);
+            self.holds(&scratch.frames)
+        }
+    }
+
+    /// The same for link frames that are known already; joint limits do not enter.
+    pub fn holds(&self, frames: &LinkFrames) -> bool {
+        self.floor_links.iter().all(|&link| frames.link(link).translation.z >= self.floor_height_m)
+            && !self.links.iter().any(|(link, link_from_shape, surface)| {
+                let world_from_shape = frames.link(*link) * link_from_shape;
+                self.obstacles.iter().any(|(world_from_obstacle, obstacle)| {
+                    surface.touches(&world_from_shape, obstacle, world_from_obstacle)
+                })
+            })
+    }
+}

@@ -1,0 +1,109 @@
+use cranny_shape::Solid;
+use cranny_spatial::Pose;
+
+use crate::CollisionError;
+
+/// One solid of a body, where it is.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Its pose in the planning frame.
+    pub world_from_solid: Pose,
+    /// Its shape.
+    pub solid: Solid,
+}
+
+/// A thing in the world under one name: a table, a wall, the object to be grasped, the floor.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// What reports call it; unique in its world.
+    pub name: String,
+    /// The solids that it is made of.
+    pub parts: Vec<Part>,
+}
+
+impl Body {
+    /// A body of one solid.
+    pub fn new(name: impl Into<String>, world_from_solid: Pose, solid: Solid) -> Self {
+        Self { name: name.into(), parts: vec![Part { world_from_solid, solid }] }
+    }
+
+    /// The floor: everything below `height_m` in the planning frame.
+    pub fn floor(height_m: f64) -> Self {
+        Self::new("floor", Pose::translation(0.0, 0.0, height_m), Solid::half_space())
+    }
+}
+
+/// Everything that stands around the robot.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    bodies: Vec<Body>,
+}
+
+impl World {
+    /// A world of these bodies.
+    ///
+    /// # Errors
+    /// [`CollisionError::Pose`] for a pose with a number that is not finite.
+    pub fn new(bodies: Vec<Body>) -> Result<Self, CollisionError> {
+        let is_finite = |pose: &Pose| {
+            pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())
+        };
+        for body in &bodies {
+            if !body.parts.iter().all(|part| is_finite(&part.world_from_solid)) {
+                return Err(CollisionError::Pose { name: body.name.clone() });
+            }
+        }
+        Ok(Self { bodies })
+    }
+
+    /// All bodies, in the order in which they were given.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// The index of the body of that name.
+    ///
+    /// # Errors
+    /// [`CollisionError::UnknownBody`], which lists the names that there are.
+    pub fn body_index(&self, name: &str) -> Result<usize, CollisionError> {
+        self.bodies.iter().position(|body| body.name == name).ok_or_else(|| CollisionError::UnknownBody {
+            name: name.to_owned(),
+            known: self.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// The bodies that `body` rests on: those within [`SUPPORT_GAP_M`] of it that have a part whose box
+    /// reaches no higher than the middle of the body.
+    pub fn supports_of(&self, body: usize) -> Vec<usize> {
+        let middle = self.bodies[body]
+            .parts
+            .iter()
+            .map(|part| (part.world_from_solid * part.solid.ball().center).z)
+            .fold(f64::INFINITY, f64::min);
+        let is_support = |other: &Body| {
+            other.parts.iter().any(|part| {
+                let top = if part.solid.is_half_space() {
+                    part.world_from_solid.translation.z
+                } else {
+                    part.solid.aabb().transformed(&part.world_from_solid).high().z
+                };
+                top <= middle
+                    && self.bodies[body].parts.iter().any(|own| {
+                        let gap = cranny_shape::separation(
+                            &own.solid,
+                            &own.world_from_solid,
+                            &part.solid,
+                            &part.world_from_solid,
+                            SUPPORT_GAP_M,
+                        );
+                        gap.upper_m <= SUPPORT_GAP_M
+                    })
+            })
+        };
+        (0..self.bodies.len()).filter(|&other| other != body && is_support(&self.bodies[other])).collect()
+    }
+}
+
+/// An object counts as resting on what is nearer than this, in metres: the released objects float up to a
+/// few millimetres above what carries them, and sink as deep.
+const SUPPORT_GAP_M: f64 = 0.01;
