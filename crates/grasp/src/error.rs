@@ -1,0 +1,99 @@
+use std::path::PathBuf;
+
+/// What can be wrong with grasps or a file of them. The message is complete in itself: file and line where
+/// there is one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GraspError {
+    /// A pose has a number that is infinite or not a number.
+    #[error("the pose of grasp {grasp} has a number that is not finite")]
+    NotFinite {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+    },
+    /// A score lies outside its range.
+    #[error("the score of grasp {grasp} is {score}, but scores lie in [0, 1]")]
+    Score {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+        /// The offending value.
+        score: f64,
+    },
+    /// A width is negative or not finite.
+    #[error("the width of grasp {grasp} must be a finite number of metres, at least 0, but is {width_m}")]
+    Width {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+        /// The offending value, in metres.
+        width_m: f64,
+    },
+    /// A line holds too few or too many numbers.
+    #[error("{actual} numbers instead of 16 (the pose, row by row; a score and a width may follow)")]
+    NumberCount {
+        /// How many there are.
+        actual: usize,
+    },
+    /// What should be a number is none, or none that is finite.
+    #[error("number {column} is '{text}', which is not a finite number")]
+    NotANumber {
+        /// Which one, from 1.
+        column: usize,
+        /// What stands there.
+        text: String,
+    },
+    /// The last row of a pose is not 0 0 0 1.
+    #[error(
+        "the last row of the pose is {row:?} instead of [0, 0, 0, 1] (are the numbers row by row, one pose a \
+         line?)"
+    )]
+    LastRow {
+        /// The row.
+        row: [f64; 4],
+    },
+    /// The rotation part of a pose scales or shears.
+    #[error(
+        "the rotation part of the pose is no rotation: RᵀR differs from the identity by {deviation:.2e}, \
+         more than {tolerance:.0e}"
+    )]
+    NotARotation {
+        /// The greatest difference of an element of `RᵀR` from the identity.
+        deviation: f64,
+        /// How much is let pass.
+        tolerance: f64,
+    },
+    /// The rotation part of a pose mirrors.
+    #[error("the axes of the pose are left-handed (is one of them mirrored?)")]
+    LeftHanded,
+    /// There is no grasp in a file.
+    #[error("{}: the file holds no grasps", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot read the grasps: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A file cannot be written.
+    #[error("{}: cannot write the grasps: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A line of a file is wrong.
+    #[error("{}:{line}: {fault}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        fault: Box<GraspError>,
+    },
+}

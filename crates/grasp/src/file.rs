@@ -1,0 +1,174 @@
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use crate::homogeneous::{pose_of_rows, rows_of_pose};
+use crate::{Grasp, GraspError, GraspSet};
+
+/// The grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row
+/// (metres), then score and width (m). Score and width may be empty or absent, as in the files of the
+/// paper's release; a first line that holds no number at all is a header.
+///
+/// # Errors
+/// [`GraspError::Line`] with file and line for what is no grasp, [`GraspError::Empty`] for a file without
+/// any, [`GraspError::Unreadable`].
+pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
+    let text = fs::read_to_string(path)
+        .map_err(|reason| GraspError::Unreadable { path: path.to_owned(), reason })?;
+    let at_line = |line: usize, fault: GraspError| GraspError::Line {
+        path: path.to_owned(),
+        line,
+        fault: Box::new(fault),
+    };
+    let mut grasps = Vec::new();
+    let mut lines = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        if line.trim().is_empty() || (index == 0 && is_header(&fields)) {
+            continue;
+        }
+        grasps.push(parse(&fields).map_err(|fault| at_line(index + 1, fault))?);
+        lines.push(index + 1);
+    }
+    if grasps.is_empty() {
+        return Err(GraspError::Empty { path: path.to_owned() });
+    }
+    GraspSet::new(grasps).map_err(|fault| match fault {
+        GraspError::NotFinite { grasp }
+        | GraspError::Score { grasp, .. }
+        | GraspError::Width { grasp, .. } => at_line(lines[grasp], fault),
+        other => other,
+    })
+}
+
+/// Writes what [`read_csv`] reads, with a header; what is not known stays empty.
+///
+/// # Errors
+/// [`GraspError::Unwritable`].
+pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
+    let mut text = String::new();
+    for row in 0..4 {
+        for column in 0..4 {
+            let _ = write!(text, "t{row}{column},");
+        }
+    }
+    text.push_str("score,width_m\n");
+    for grasp in grasps.grasps() {
+        for number in rows_of_pose(&grasp.world_from_gripper) {
+            let _ = write!(text, "{number},");
+        }
+        let or_empty = |value: Option<f64>| value.map_or_else(String::new, |x| x.to_string());
+        let _ = writeln!(text, "{},{}", or_empty(grasp.score), or_empty(grasp.width_m));
+    }
+    fs::write(path, text).map_err(|reason| GraspError::Unwritable { path: path.to_owned(), reason })
+}
+
+fn is_header(fields: &[&str]) -> bool {
+    fields.iter().all(|field| field.parse::<f64>().is_err()) && fields.iter().any(|field| !field.is_empty())
+}
+
+fn parse(fields: &[&str]) -> Result<Grasp, GraspError> {
+    let further = match fields.len() {
+        16..=18 => &fields[16..],
+        actual => return Err(GraspError::NumberCount { actual }),
+    };
+    let number = |index: usize| -> Result<f64, GraspError> {
+        let not_a_number = || GraspError::NotANumber { column: index + 1, text: fields[index].to_owned() };
+        fields[index].parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(not_a_number)
+    };
+    let optional = |index: usize| -> Result<Option<f64>, GraspError> {
+        match further.get(index) {
+            None | Some(&"") => Ok(None),
+            Some(_) => number(16 + index).map(Some),
+        }
+    };
+    let mut rows = [0.0; 16];
+    for (index, entry) in rows.iter_mut().enumerate() {
+        *entry = number(index)?;
+    }
+    Ok(Grasp { world_from_gripper: pose_of_rows(&rows)?, score: optional(0)?, width_m: optional(1)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_spatial::{Pose, PoseDifference, Stream, Vector};
+
+    const IDENTITY: &str = "1,0,0,0.1,0,1,0,0.2,0,0,1,0.3,0,0,0,1";
+
+    fn read(text: &str) -> Result<GraspSet, GraspError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grasps.csv");
+        fs::write(&path, text).unwrap();
+        read_csv(&path)
+    }
+
+    fn fault(text: &str) -> String {
+        read(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let mut random = Stream::new(11, 0);
+        let grasps: Vec<Grasp> = (0..50)
+            .map(|index| Grasp {
+                world_from_gripper: Pose::from_parts(
+                    Vector::new(random.normal(), random.normal(), random.normal()).into(),
+                    random.rotation(),
+                ),
+                score: (index % 3 > 0).then(|| random.uniform()),
+                width_m: (index % 2 > 0).then_some(0.0647),
+            })
+            .collect();
+        let written = GraspSet::new(grasps).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grasps.csv");
+        write_csv(&path, &written).unwrap();
+        let read = read_csv(&path).unwrap();
+        assert_eq!(read.len(), 50);
+        for (a, b) in written.grasps().iter().zip(read.grasps()) {
+            assert_eq!((a.score, a.width_m), (b.score, b.width_m));
+            let difference = PoseDifference::between(&a.world_from_gripper, &b.world_from_gripper);
+            assert!(difference.translation_m == 0.0 && difference.rotation_rad < 1e-14);
+        }
+    }
+
+    #[test]
+    fn score_and_width_may_be_empty_or_absent() {
+        let set = read(&format!("{IDENTITY}\n{IDENTITY},,\n\n{IDENTITY},0.5\n{IDENTITY},,0.02\r\n")).unwrap();
+        let found: Vec<_> = set.grasps().iter().map(|g| (g.score, g.width_m)).collect();
+        assert_eq!(found, [(None, None), (None, None), (Some(0.5), None), (None, Some(0.02))]);
+        assert_eq!(set.grasps()[0].world_from_gripper, Pose::translation(0.1, 0.2, 0.3));
+    }
+
+    #[test]
+    fn faults_name_file_and_line() {
+        let after_one = |line: &str| fault(&format!("{IDENTITY}\n{line}\n"));
+        let fifteen = after_one(&IDENTITY[2..]);
+        assert!(fifteen.contains("grasps.csv:2: 15 numbers instead of 16"), "{fifteen}");
+        let nan = after_one(&IDENTITY.replace("0.2", "NaN"));
+        assert!(nan.contains("grasps.csv:2: number 8 is 'NaN'"), "{nan}");
+        let word = after_one(&IDENTITY.replace("0.3", "x"));
+        assert!(word.contains("grasps.csv:2: number 12 is 'x'"), "{word}");
+        assert!(after_one(&IDENTITY.replace("0.1", "1e999")).contains("not a finite number"));
+        assert!(after_one(&format!("{}2", &IDENTITY[..IDENTITY.len() - 1])).contains("last row"));
+        assert!(after_one(&IDENTITY.replace("0,0,1,0.3", "0,0,-1,0.3")).contains("left-handed"));
+        assert!(after_one(&IDENTITY.replace("0,0,1,0.3", "0,0,2,0.3")).contains("no rotation"));
+        assert!(after_one(&format!("{IDENTITY},1.5")).contains("grasps.csv:2: the score of grasp 1 is 1.5"));
+        assert!(after_one(&format!("{IDENTITY},,-1")).contains("grasps.csv:2: the width of grasp 1"));
+        assert!(after_one(&format!("{IDENTITY},nan")).contains("number 17"));
+        assert!(after_one(&format!("{IDENTITY},0,0,0")).contains("19 numbers instead of 16"));
+    }
+
+    #[test]
+    fn a_file_without_grasps_is_a_fault() {
+        assert!(matches!(read(""), Err(GraspError::Empty { .. })));
+        assert!(matches!(read("t00,t01\n"), Err(GraspError::Empty { .. })));
+        assert!(matches!(read_csv(Path::new("no/such/grasps.csv")), Err(GraspError::Unreadable { .. })));
+    }
+
+    #[test]
+    fn a_first_line_with_a_slip_is_no_header() {
+        assert!(fault(&IDENTITY.replace("0.1", "o.1")).contains("grasps.csv:1"));
+    }
+}

@@ -1,0 +1,126 @@
+use cranny_spatial::{Pose, PoseDifference, Rotation};
+
+use crate::GraspError;
+
+/// One way to hold the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grasp {
+    /// Pose of the gripper frame in the planning frame.
+    pub world_from_gripper: Pose,
+    /// How good the grasp is, in [0, 1]; `None` where nobody scored it, which is not a score of any kind.
+    pub score: Option<f64>,
+    /// Width of the object between the fingers, in metres, where known.
+    pub width_m: Option<f64>,
+}
+
+impl Grasp {
+    /// The same grasp with the fingers swapped: turned by 180° about the approach direction.
+    #[must_use]
+    pub fn twin(&self) -> Self {
+        let half_turn =
+            Rotation::from_quaternion(cranny_spatial::nalgebra::Quaternion::new(0.0, 0.0, 0.0, 1.0));
+        let mut twin = *self;
+        twin.world_from_gripper.rotation *= half_turn;
+        twin
+    }
+
+    /// How far a gripper is from the grasp or its twin, whichever is nearer by the released metric.
+    pub fn difference(&self, world_from_gripper: &Pose) -> PoseDifference {
+        let direct = PoseDifference::between(&self.world_from_gripper, world_from_gripper);
+        let turned = PoseDifference::between(&self.twin().world_from_gripper, world_from_gripper);
+        if direct.rotation_rad <= turned.rotation_rad { direct } else { turned }
+    }
+}
+
+/// The grasps of one object, in the order of their file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GraspSet {
+    grasps: Vec<Grasp>,
+}
+
+impl GraspSet {
+    /// A set of grasps.
+    ///
+    /// # Errors
+    /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside
+    /// [0, 1], [`GraspError::Width`] for a negative width.
+    pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
+        for (grasp, g) in grasps.iter().enumerate() {
+            let pose = &g.world_from_gripper;
+            if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite()) {
+                return Err(GraspError::NotFinite { grasp });
+            }
+            if let Some(score) = g.score.filter(|s| !(0.0..=1.0).contains(s)) {
+                return Err(GraspError::Score { grasp, score });
+            }
+            if let Some(width_m) = g.width_m.filter(|w| !(w.is_finite() && *w >= 0.0)) {
+                return Err(GraspError::Width { grasp, width_m });
+            }
+        }
+        Ok(Self { grasps })
+    }
+
+    /// How many grasps there are.
+    pub fn len(&self) -> usize {
+        self.grasps.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.grasps.is_empty()
+    }
+
+    /// All grasps.
+    pub fn grasps(&self) -> &[Grasp] {
+        &self.grasps
+    }
+
+    /// Indices from the highest score down; unscored grasps follow in the order of the file.
+    pub fn by_score(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.grasps.len()).collect();
+        let rank = |index: &usize| self.grasps[*index].score.unwrap_or(-1.0);
+        order.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+        order
+    }
+
+    /// The grasp nearest to a gripper by the released metric, and how far it is; `None` if there is none.
+    pub fn nearest(&self, world_from_gripper: &Pose) -> Option<(usize, PoseDifference)> {
+        self.grasps
+            .iter()
+            .map(|grasp| grasp.difference(world_from_gripper))
+            .enumerate()
+            .min_by(|(_, a), (_, b)| a.paper_metric().total_cmp(&b.paper_metric()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_spatial::Vector;
+
+    fn grasp(score: Option<f64>) -> Grasp {
+        let pose = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.1, 0.9));
+        Grasp { world_from_gripper: pose, score, width_m: None }
+    }
+
+    #[test]
+    fn a_twin_is_the_same_grasp() {
+        let g = grasp(None);
+        let difference = g.difference(&g.twin().world_from_gripper);
+        assert!(difference.translation_m < 1e-12 && difference.rotation_rad < 1e-12);
+        assert!(
+            PoseDifference::between(&g.world_from_gripper, &g.twin().world_from_gripper).rotation_rad > 3.1
+        );
+    }
+
+    #[test]
+    fn unscored_grasps_rank_after_scored_ones_in_file_order() {
+        let set = GraspSet::new([None, Some(0.2), None, Some(0.9), Some(0.0)].map(grasp).to_vec()).unwrap();
+        assert_eq!(set.by_score(), [3, 1, 4, 0, 2]);
+    }
+
+    #[test]
+    fn a_score_outside_its_range_is_refused() {
+        assert!(matches!(GraspSet::new(vec![grasp(Some(1.5))]), Err(GraspError::Score { grasp: 0, .. })));
+    }
+}
