@@ -1,0 +1,33 @@
+//! How do I get there? Problems, planners, paths, and the judgement of paths from anywhere.
+//!
+//! A [`Problem`] goes to a [`Planner`] with a [`Budget`] and a seed, and comes back as a [`PlanReport`]. The
+//! planners are pure functions of these, found by name through [`planner`]. Under the `exact` criterion a
+//! tree grows only along proven edges, so no path leaves a planner unproven; [`verify`] judges any path,
+//! whoever made it.
+//!
+//! ## Limits
+//! Paths are way points joined by straight lines in configuration space, without time. Obstacles stand
+//! still.
+
+mod error;
+mod goal_meter;
+mod ik_annotation;
+mod ik_rrt;
+mod j_plus_rrt;
+mod nearest;
+mod planner;
+mod problem;
+mod registry;
+mod search_tree;
+mod step;
+mod verification;
+
+pub use error::PlanError;
+pub use ik_annotation::{AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
+pub use ik_rrt::IkRrt;
+pub use j_plus_rrt::{GraspChoice, JPlusRrt};
+pub use nearest::NearestNeighbours;
+pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
+pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
+pub use registry::{planner, planner_names};
+pub use verification::{GoalError, Verification, Violation, ViolationKind, path_length, verify};

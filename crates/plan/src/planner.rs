@@ -1,0 +1,161 @@
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{PlanError, Problem};
+
+/// How much a planner may spend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// At most so many iterations (each planner says what one is). Default: no limit.
+    pub iterations: u64,
+    /// At most so much wall-clock time. It may only cut short the search that the seed and the iterations
+    /// determine. Default: 120 s, the paper's limit.
+    pub time: Duration,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self { iterations: u64::MAX, time: Duration::from_mins(2) }
+    }
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Outcome {
+    /// There is a path, and it meets the criterion.
+    Solved,
+    /// The budget was spent before a path was found.
+    BudgetExhausted,
+    /// The observer asked to stop.
+    Cancelled,
+    /// The start is in collision or outside the joint limits.
+    StartInvalid,
+    /// No grasp can be reached at all: each is excluded for certain.
+    NoReachableGrasp,
+}
+
+impl Outcome {
+    /// What files and `--json` call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::BudgetExhausted => "budget-exhausted",
+            Self::Cancelled => "cancelled",
+            Self::StartInvalid => "start-invalid",
+            Self::NoReachableGrasp => "no-reachable-grasp",
+        }
+    }
+}
+
+/// What a search cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Iterations, as the planner counts them.
+    pub iterations: u64,
+    /// Nodes of all search trees together.
+    pub nodes: u64,
+    /// Configurations and edges that were checked for collision.
+    pub collision_checks: u64,
+    /// Inverse-kinematics attempts.
+    pub ik_attempts: u64,
+    /// Goals (grasps or configurations) that were tried one after the other.
+    pub goals_tried: u64,
+    /// Seconds from the problem to the proven path.
+    pub planning_time_s: f64,
+    /// Seconds of it spent on inverse kinematics and the validity of its solutions.
+    pub ik_time_s: f64,
+    /// Seconds of it spent on collision checks and proofs during the search.
+    pub collision_time_s: f64,
+    /// Seconds of it spent on the nearest neighbours.
+    pub nearest_time_s: f64,
+}
+
+/// What a planner found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanReport {
+    /// How the search ended.
+    pub outcome: Outcome,
+    /// Way points from the start to the goal; empty unless solved.
+    pub path: Vec<Vec<f64>>,
+    /// What it cost.
+    pub statistics: Statistics,
+}
+
+/// Watches a search. Every method has a default that does nothing, so watching nothing costs nothing.
+pub trait Observer {
+    /// A node was added to tree `tree` (0: from the start) at `q`, below node `parent` of the same tree.
+    fn node_added(&mut self, _tree: usize, _q: &[f64], _parent: Option<usize>) {}
+
+    /// So many iterations are done.
+    fn progress(&mut self, _iterations: u64) {}
+
+    /// Whether the search should end with [`Outcome::Cancelled`].
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {}
+
+/// A planner: a pure function of problem, budget and seed. The same three give the same path, on any
+/// machine, unless time cuts the search short.
+pub trait Planner: Send + Sync {
+    /// The name by which the registry knows it.
+    fn name(&self) -> &'static str;
+
+    /// Looks for a path.
+    ///
+    /// # Errors
+    /// [`PlanError`] if the problem is malformed or of a kind that this planner cannot take. That there is
+    /// no path within the budget is an [`Outcome`].
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError>;
+}
+
+/// Tells a search when to end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clock {
+    begin: Instant,
+    deadline: Option<Instant>,
+    iterations: u64,
+}
+
+impl Clock {
+    pub fn new(budget: &Budget) -> Self {
+        let begin = Instant::now();
+        Self { begin, deadline: begin.checked_add(budget.time), iterations: budget.iterations }
+    }
+
+    pub fn elapsed_s(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64()
+    }
+
+    /// Why the search must end after `iterations`, if it must.
+    pub fn verdict(&self, iterations: u64, observer: &mut dyn Observer) -> Option<Outcome> {
+        if iterations >= self.iterations {
+            return Some(Outcome::BudgetExhausted);
+        }
+        /// Looking at the clock costs as much as a distance; one look in so many iterations is enough.
+        const LOOK_EVERY: u64 = 16;
+        if !iterations.is_multiple_of(LOOK_EVERY) {
+            return None;
+        }
+        observer.progress(iterations);
+        if observer.should_stop() {
+            return Some(Outcome::Cancelled);
+        }
+        self.deadline.filter(|deadline| Instant::now() >= *deadline).map(|_| Outcome::BudgetExhausted)
+    }
+}

@@ -1,0 +1,22 @@
+use crate::{IkRrt, JPlusRrt, PlanError, Planner};
+
+/// Every planner, with its default settings, in the order in which lists show them.
+fn all() -> Vec<Box<dyn Planner>> {
+    vec![Box::new(IkRrt::default()), Box::new(JPlusRrt::default())]
+}
+
+/// The planner of that name, with its default settings.
+///
+/// # Errors
+/// [`PlanError::UnknownPlanner`], which lists the names that there are.
+pub fn planner(name: &str) -> Result<Box<dyn Planner>, PlanError> {
+    all()
+        .into_iter()
+        .find(|planner| planner.name() == name)
+        .ok_or_else(|| PlanError::UnknownPlanner { name: name.to_owned(), known: planner_names().join(", ") })
+}
+
+/// The names of all planners.
+pub fn planner_names() -> Vec<&'static str> {
+    all().iter().map(|planner| planner.name()).collect()
+}

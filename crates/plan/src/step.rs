@@ -1,0 +1,86 @@
+use cranny_robot::{JointKind, LinkFrames, Robot};
+use cranny_spatial::Vector;
+
+/// Steps through configuration space whose size is measured at the links: the largest displacement of the
+/// origin of any link frame on the chain to the tip, in metres (as in the released code; the paper speaks
+/// of a bound on each joint).
+#[derive(Clone, Debug)]
+pub(crate) struct Stepper {
+    chain: Vec<usize>,
+    from_frames: LinkFrames,
+    to_frames: LinkFrames,
+    q: Vec<f64>,
+}
+
+impl Stepper {
+    pub fn new(robot: &Robot) -> Self {
+        // Links that no other joint moves than their parent does, and that share its origin, say nothing new.
+        let mut chain = Vec::new();
+        let mut link = Some(robot.tip());
+        while let Some(at) = link {
+            if !robot.ancestors(at).is_empty() {
+                chain.push(at);
+            }
+            link = robot.links()[at].parent;
+        }
+        Self { chain, from_frames: robot.frames(), to_frames: robot.frames(), q: vec![0.0; robot.dof()] }
+    }
+
+    /// The configuration on the straight line from `from` towards `to` that is as far as a step of `size_m`
+    /// allows, and whether that is `to` itself.
+    ///
+    /// 1. The velocities of the links along the line give the first guess.
+    /// 2. While a link moves farther than allowed (paths of links are curved), the guess is shortened.
+    pub fn towards(&mut self, robot: &Robot, from: &[f64], to: &[f64], size_m: f64) -> (&[f64], bool) {
+        robot.forward_kinematics(from, &mut self.from_frames);
+        let slope = |joint: usize| to[joint] - from[joint];
+        // 1.
+        let mut speed_squared = 0.0_f64;
+        for &link in &self.chain {
+            let point = self.from_frames.link(link).translation.vector;
+            let mut velocity = Vector::zeros();
+            for mover in robot.ancestors(link) {
+                let joint = self.from_frames.link(mover.child_link);
+                let axis = joint.rotation * mover.axis_in_child * (mover.multiplier * slope(mover.joint));
+                velocity += match mover.kind {
+                    JointKind::Prismatic => axis,
+                    JointKind::Revolute => axis.cross(&(point - joint.translation.vector)),
+                };
+            }
+            speed_squared = speed_squared.max(velocity.norm_squared());
+        }
+        let speed = speed_squared.sqrt();
+        let mut fraction = if speed > size_m { size_m / speed } else { 1.0 };
+        // 2.
+        loop {
+            let is_end = fraction >= 1.0;
+            for (joint, q) in self.q.iter_mut().enumerate() {
+                *q = if is_end { to[joint] } else { from[joint] + fraction * slope(joint) };
+            }
+            robot.forward_kinematics(&self.q, &mut self.to_frames);
+            let displacement = self.displacement();
+            if displacement <= size_m {
+                return (&self.q, is_end);
+            }
+            /// Shortens a little more than in proportion, so that a few rounds suffice.
+            const SHORTEN: f64 = 0.99;
+            fraction = fraction.min(1.0) * SHORTEN * size_m / displacement;
+        }
+    }
+
+    /// Link frames of the configuration that the last step led to.
+    pub fn frames(&self) -> &LinkFrames {
+        &self.to_frames
+    }
+
+    fn displacement(&self) -> f64 {
+        self.chain
+            .iter()
+            .map(|&link| {
+                let (a, b) = (self.from_frames.link(link), self.to_frames.link(link));
+                (a.translation.vector - b.translation.vector).norm_squared()
+            })
+            .fold(0.0, f64::max)
+            .sqrt()
+    }
+}

@@ -1,0 +1,240 @@
+use cranny_collision::{Cell, Collider, Contact, Motion, Scratch};
+use cranny_grasp::GraspSet;
+use cranny_spatial::PoseDifference;
+use serde::{Deserialize, Serialize};
+
+use crate::{Goal, PlanError, Problem, Validity};
+
+/// What a judge found in a path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verification {
+    /// Whether the path meets the criterion: no violation at all.
+    pub valid: bool,
+    /// Everything that is wrong, in the order of the path.
+    pub violations: Vec<Violation>,
+    /// How the path ends: the nearest grasp, and how far it is.
+    pub goal: Option<GoalError>,
+    /// The least distance along the whole path, in metres, certified from below (`exact` only).
+    pub clearance_m: Option<f64>,
+    /// The same for every edge (`exact` only).
+    pub clearances_per_edge_m: Vec<f64>,
+}
+
+/// The end of a path against the nearest grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GoalError {
+    /// Index of the grasp.
+    pub grasp: usize,
+    /// Distance of the gripper frame from it, in metres.
+    pub translation_error_m: f64,
+    /// Angle between the gripper frame and it or its twin, in radians.
+    pub rotation_error_rad: f64,
+}
+
+/// One thing that is wrong with a path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Violation {
+    /// What kind of thing.
+    pub kind: ViolationKind,
+    /// Which edge, from 0, or way point where it is about a single one.
+    pub edge: usize,
+    /// Where on the edge, in [0, 1].
+    pub at: f64,
+    /// A link or a joint.
+    pub first: String,
+    /// What it touches: a link or a body; empty where there is nothing.
+    pub second: String,
+    /// How deep, in metres (rad for a joint): overlap, excess over a limit, or error of an end.
+    pub depth_m: f64,
+}
+
+/// The kinds of violation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum ViolationKind {
+    /// The path does not begin at the start of the problem.
+    Start,
+    /// The path does not end at a goal.
+    Goal,
+    /// A joint is outside its limits.
+    JointLimit,
+    /// Two things touch.
+    Contact,
+    /// Two things come closer than the margin that is demanded.
+    Clearance,
+    /// No contact was found, but none could be excluded either.
+    Unresolved,
+}
+
+/// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
+/// written with six digits.
+const START_TOLERANCE: f64 = 1e-5;
+
+/// The length of a path: the sum of the L2 lengths of its edges in configuration space (m and rad mixed).
+pub fn path_length(path: &[Vec<f64>]) -> f64 {
+    let edge = |pair: &[Vec<f64>]| -> f64 {
+        pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    };
+    path.windows(2).map(edge).sum()
+}
+
+/// Judges a path, whoever made it, by the criterion of `problem`.
+///
+/// 1. It begins at the start.
+/// 2. Every way point is within the joint limits.
+/// 3. Under `exact` every edge is proven; under `paper` every way point but the first and the last, which
+///    the released planners do not check, passes the released check.
+/// 4. It ends at a goal.
+///
+/// # Errors
+/// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a way point that is no configuration of the
+/// robot, [`PlanError::NoGoal`] for a path without way points.
+pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, PlanError> {
+    for q in path {
+        problem.check_configuration("way point", q)?;
+    }
+    let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PlanError::NoGoal) };
+    let mut violations = Vec::new();
+    // 1.
+    let joint_names = problem.robot.joint_names();
+    for ((a, b), name) in first.iter().zip(&problem.start).zip(joint_names) {
+        if (a - b).abs() > START_TOLERANCE {
+            violations.push(at_way_point(ViolationKind::Start, 0, name, (a - b).abs()));
+        }
+    }
+    // 2.
+    for (index, q) in path.iter().enumerate() {
+        for ((value, limits), name) in q.iter().zip(problem.robot.limits()).zip(joint_names) {
+            let excess = (limits.lower - value).max(value - limits.upper);
+            if excess > 0.0 {
+                violations.push(at_way_point(ViolationKind::JointLimit, index, name, excess));
+            }
+        }
+    }
+    // 3.
+    let mut clearances_per_edge_m = Vec::new();
+    match &problem.validity {
+        Validity::Exact(cell) => {
+            let mut scratch = cell.scratch();
+            // A path of one way point is an edge of no length.
+            let single = [first.clone(), first.clone()];
+            let edges = if path.len() == 1 { &single[..] } else { path };
+            for (edge, pair) in edges.windows(2).enumerate() {
+                violations.extend(judge_edge(cell, edge, &pair[0], &pair[1], &mut scratch));
+                clearances_per_edge_m.push(cell.least_clearance(&pair[0], &pair[1], &mut scratch));
+            }
+        }
+        Validity::Paper { check, .. } => {
+            let mut scratch = check.scratch();
+            for (index, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
+                if problem.robot.within_limits(q) && !check.is_free(q, &mut scratch) {
+                    violations.push(at_way_point(ViolationKind::Contact, index, "", 0.0));
+                }
+            }
+        }
+    }
+    // 4.
+    let goal = match &problem.goal {
+        Goal::Grasps(grasps) => {
+            let end = end_at_grasp(problem, grasps, last);
+            let is_there = end.is_some_and(|(_, difference)| problem.validity.is_arrival(&difference));
+            if !is_there {
+                let off = end.map_or(f64::INFINITY, |(_, difference)| difference.translation_m);
+                violations.push(at_way_point(ViolationKind::Goal, path.len() - 1, "", off));
+            }
+            end.map(|(grasp, difference)| GoalError {
+                grasp,
+                translation_error_m: difference.translation_m,
+                rotation_error_rad: difference.rotation_rad,
+            })
+        }
+        Goal::Configurations(goals) => {
+            let off = |goal: &Vec<f64>| goal.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let nearest = goals.iter().map(off).fold(f64::INFINITY, f64::min);
+            if nearest > START_TOLERANCE {
+                violations.push(at_way_point(ViolationKind::Goal, path.len() - 1, "", nearest));
+            }
+            None
+        }
+    };
+    let clearance_m = clearances_per_edge_m.iter().copied().reduce(f64::min);
+    Ok(Verification { valid: violations.is_empty(), violations, goal, clearance_m, clearances_per_edge_m })
+}
+
+/// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
+/// else the nearest.
+fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {
+    let mut frames = problem.robot.frames();
+    problem.robot.forward_kinematics(q, &mut frames);
+    let gripper = frames.link(problem.robot.tip());
+    let arrived = |&grasp: &usize| {
+        let difference = grasps.grasps()[grasp].difference(gripper);
+        problem.validity.is_arrival(&difference)
+    };
+    match grasps.by_score().into_iter().find(|g| problem.criterion() == crate::Criterion::Exact && arrived(g))
+    {
+        Some(grasp) => Some((grasp, grasps.grasps()[grasp].difference(gripper))),
+        None => grasps.nearest(gripper),
+    }
+}
+
+fn judge_edge(cell: &Cell, edge: usize, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Vec<Violation> {
+    let describe = |kind: ViolationKind, at: f64, contact: &Contact| Violation {
+        kind,
+        edge,
+        at,
+        first: cell.name(contact.first).to_owned(),
+        second: cell.name(contact.second).to_owned(),
+        depth_m: contact.depth_m,
+    };
+    let of_contact = |at: f64, contact: &Contact| {
+        let kind = if contact.clearance_m <= 0.0 { ViolationKind::Contact } else { ViolationKind::Clearance };
+        describe(kind, at, contact)
+    };
+    match cell.motion_is_free(a, b, scratch) {
+        // Limits are judged at the way points.
+        Motion::Proven { .. } | Motion::OutOfLimits { .. } => Vec::new(),
+        Motion::Unresolved { at, contact } => vec![describe(ViolationKind::Unresolved, at, &contact)],
+        Motion::Contact { .. } => deepest_contacts(cell, a, b, scratch)
+            .iter()
+            .map(|(at, contact)| of_contact(*at, contact))
+            .collect(),
+    }
+}
+
+/// Every pair that touches on an edge where contact was proven, each at the deepest of many samples.
+fn deepest_contacts(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Vec<(f64, Contact)> {
+    const SAMPLES: u32 = 64;
+    let mut found: Vec<(f64, Contact)> = Vec::new();
+    let mut keep = |at: f64, contact: Contact| {
+        let same = |c: &(f64, Contact)| (c.1.first, c.1.second) == (contact.first, contact.second);
+        let rank = |c: &Contact| c.depth_m - c.clearance_m;
+        match found.iter_mut().find(|c| same(c)) {
+            Some(known) if rank(&known.1) >= rank(&contact) => {}
+            Some(known) => *known = (at, contact),
+            None => found.push((at, contact)),
+        }
+    };
+    if let Motion::Contact { at, contact } = cell.motion_is_free(a, b, scratch) {
+        keep(at, contact);
+    }
+    for sample in 0..=SAMPLES {
+        let at = f64::from(sample) / f64::from(SAMPLES);
+        let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect();
+        for contact in cell.contacts(&q, scratch) {
+            keep(at, contact);
+        }
+    }
+    // Links first, then bodies, in the order of the robot: the same list for the same path.
+    let rank = |collider: Collider| match collider {
+        Collider::Link(link) => (0, link),
+        Collider::Body(body) => (1, body),
+    };
+    found.sort_by_key(|(_, contact)| (rank(contact.first), rank(contact.second)));
+    found
+}
+
+fn at_way_point(kind: ViolationKind, index: usize, first: &str, depth_m: f64) -> Violation {
+    Violation { kind, edge: index, at: 0.0, first: first.to_owned(), second: String::new(), depth_m }
+}
