@@ -1,0 +1,229 @@
+use std::path::PathBuf;
+
+use cranny_robot::Location;
+
+/// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
+/// itself: file and line where there is one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScenarioError {
+    /// The name is neither that of a built-in scenario nor that of a folder.
+    #[error(
+        "no built-in scenario '{what}' (there are {known}) and no folder of that name (give an id, or a folder \
+         that holds scenario.yaml or scene.yaml)"
+    )]
+    Unknown {
+        /// What was asked for.
+        what: String,
+        /// The built-in ids.
+        known: String,
+    },
+    /// A folder describes no scenario.
+    #[error(
+        "{}: the folder holds neither scenario.yaml (Cranny's layout) nor scene.yaml (the released layout)",
+        folder.display()
+    )]
+    NoScenarioFile {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A file cannot be written; what stood there before is untouched.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A file that should say something is empty.
+    #[error("{}: the file is empty", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A YAML file is malformed, or says what it should not.
+    #[error("{at}: {}", reason.without_snippet())]
+    Yaml {
+        /// Where.
+        at: Location,
+        /// What the reader says.
+        reason: Box<serde_saphyr::Error>,
+    },
+    /// A JSON file is malformed, or says what it should not.
+    #[error("{}:{}: {reason}", path.display(), reason.line())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        reason: serde_json::Error,
+    },
+    /// A line of a file of configurations has the wrong number of values.
+    #[error("{at}: {actual} numbers instead of {expected} (one for each joint)")]
+    NumberCount {
+        /// Where.
+        at: Location,
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// What should be a number is none, or none that is finite.
+    #[error("{at}: '{text}' is not a finite number")]
+    NotANumber {
+        /// Where.
+        at: Location,
+        /// What stands there.
+        text: String,
+    },
+    /// A way point of a plan has the wrong number of values.
+    #[error("{}: way point {waypoint} has {actual} values instead of {expected}", path.display())]
+    Waypoint {
+        /// The plan file.
+        path: PathBuf,
+        /// Index of the way point, from 0.
+        waypoint: usize,
+        /// How many values there should be.
+        expected: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// A file's ending says nothing about how to read it.
+    #[error("{}: cannot tell what this file is (known endings: .plan.json, .csv, .try)", path.display())]
+    WaypointFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A plan to be written holds a number that JSON cannot: infinite, or not a number.
+    #[error("{}: not written, because '{field}' holds a number that is not finite", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// Which field of the plan.
+        field: &'static str,
+    },
+    /// The start configuration does not fit the robot.
+    #[error("{file}: the start has {actual} values, but the robot has {expected} joints ({joints})")]
+    StartCount {
+        /// The file (with line where there is one).
+        file: String,
+        /// How many joints the robot has.
+        expected: usize,
+        /// How many values there are.
+        actual: usize,
+        /// The names of the joints.
+        joints: String,
+    },
+    /// A joint is named that the robot does not have.
+    #[error("{at}: unknown joint '{joint}' (the robot has: {known})")]
+    UnknownJoint {
+        /// Where.
+        at: Location,
+        /// The name.
+        joint: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// The start leaves a joint out.
+    #[error("{at}: the start gives no value for joint '{joint}'")]
+    MissingJoint {
+        /// Where the start stands.
+        at: Location,
+        /// The joint.
+        joint: String,
+    },
+    /// A scene names an object that its library does not have.
+    #[error("{at}: the object library has no '{name}' (it has: {known})")]
+    UnknownObject {
+        /// Where.
+        at: Location,
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// A scene has no object to grasp, or several.
+    #[error("{}: 'objects' must hold exactly one object, the one to grasp, but holds {actual}", path.display())]
+    TargetCount {
+        /// The scene file.
+        path: PathBuf,
+        /// How many objects there are.
+        actual: usize,
+    },
+    /// Two things have one name.
+    #[error("{at}: the name '{name}' is taken already (names are unique, and 'floor' is the floor's)")]
+    NameTaken {
+        /// Where the second one stands.
+        at: Location,
+        /// The name.
+        name: String,
+    },
+    /// A shape entry is not exactly one shape.
+    #[error(
+        "{at}: a shape is exactly one of box, sphere, cylinder, capsule, mesh, hull, but {actual} of them are \
+         given"
+    )]
+    ShapeCount {
+        /// Where.
+        at: Location,
+        /// How many are given.
+        actual: usize,
+    },
+    /// A pose gives its rotation twice.
+    #[error("{at}: a pose has either rotation_rpy_deg or quaternion_xyzw, not both")]
+    TwoRotations {
+        /// Where.
+        at: Location,
+    },
+    /// A quaternion is not of unit length.
+    #[error("{at}: the quaternion has length {norm} instead of 1")]
+    Quaternion {
+        /// Where.
+        at: Location,
+        /// Its length.
+        norm: f64,
+    },
+    /// A matrix is not the pose of anything.
+    #[error("{at}: {reason}")]
+    Pose {
+        /// Where.
+        at: Location,
+        /// What is wrong with it.
+        reason: cranny_grasp::GraspError,
+    },
+    /// A body's shape cannot be built.
+    #[error("{at}: '{body}': {reason}")]
+    Shape {
+        /// Where the shape is asked for.
+        at: Location,
+        /// Of which body.
+        body: String,
+        /// What is wrong with it.
+        reason: cranny_shape::ShapeError,
+    },
+    /// A safety margin is demanded where there is no proof to hold it.
+    #[error("a margin needs the criterion 'exact': the criterion 'paper' measures no distances")]
+    MarginUnderPaper,
+    /// The robot cannot be built.
+    #[error(transparent)]
+    Robot(#[from] cranny_robot::RobotError),
+    /// The grasps cannot be read or written.
+    #[error(transparent)]
+    Grasp(#[from] cranny_grasp::GraspError),
+    /// A mesh cannot be read.
+    #[error(transparent)]
+    ShapeFile(#[from] cranny_shape::ShapeError),
+    /// The world is malformed.
+    #[error(transparent)]
+    Collision(#[from] cranny_collision::CollisionError),
+    /// The problem is malformed.
+    #[error(transparent)]
+    Plan(#[from] cranny_plan::PlanError),
+}

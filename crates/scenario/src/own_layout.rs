@@ -1,0 +1,193 @@
+use std::path::Path;
+use std::sync::Arc;
+
+use cranny_collision::{Body, Part, World};
+use cranny_grasp::read_csv;
+use cranny_robot::{Location, Robot, RobotOptions, TextSource};
+use cranny_shape::{ShapeError, Solid, TriangleSoup};
+use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Pose, Rotation, Vector};
+use serde_saphyr::Spanned;
+
+use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
+use crate::{
+    OpenOptions, Scenario, ScenarioError, builtin_robot, hand, number_table, robot_file, scenario, yaml,
+};
+
+/// The file that makes a folder a scenario of Cranny's own layout.
+pub(crate) const FILE: &str = "scenario.yaml";
+
+/// Opens a folder of Cranny's own layout: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
+pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+    let path = folder.join(FILE);
+    let file: ScenarioFile = yaml::read(&path)?;
+    let layout = Layout { folder, path: &path };
+    let robot = layout.robot(&file, options)?;
+    let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
+
+    let mut bodies: Vec<Body> = Vec::new();
+    for entry in file.obstacles.iter().chain(&file.target) {
+        let name = &entry.name.value;
+        if name == FLOOR || bodies.iter().any(|body| body.name == *name) {
+            let at = layout.at(entry.name.referenced);
+            return Err(ScenarioError::NameTaken { at, name: name.clone() });
+        }
+        bodies.push(layout.body(entry, &planning_from_scene)?);
+    }
+    let target = file.target.as_ref().map(|_| bodies.len() - 1);
+    if let Some(height) = &file.floor {
+        let height_m = layout.finite(height.value, height.referenced)?;
+        let planning_from_floor = planning_from_scene * Pose::translation(0.0, 0.0, height_m);
+        bodies.push(Body::new(FLOOR, planning_from_floor, Solid::half_space()));
+    }
+
+    let ik_file = folder.join("ik.csv");
+    let ik = match options.robot {
+        None if ik_file.is_file() => number_table::read_configurations(&ik_file, robot.dof())?,
+        _ => Vec::new(),
+    };
+    let criterion = options.criterion.or(file.criterion.as_ref().map(|entry| entry.0)).unwrap_or_default();
+    Scenario {
+        id: scenario::id_of(folder),
+        criterion,
+        hand_links: hand::hand_links(&robot),
+        start: layout.start(&file.start, &robot)?,
+        robot,
+        world: World::new(bodies)?,
+        target,
+        grasps: read_csv(&folder.join("grasps.csv"))?,
+        ik,
+        export: None,
+    }
+    .with_checked_start(&layout.at(file.start.referenced).to_string())
+}
+
+const FLOOR: &str = "floor";
+
+/// The folder that is read, and the file that errors name.
+struct Layout<'a> {
+    folder: &'a Path,
+    path: &'a Path,
+}
+
+impl Layout<'_> {
+    fn at(&self, location: serde_saphyr::Location) -> Location {
+        yaml::at(self.path, location)
+    }
+
+    fn finite(&self, value: f64, location: serde_saphyr::Location) -> Result<f64, ScenarioError> {
+        let fault = || ScenarioError::NotANumber { at: self.at(location), text: value.to_string() };
+        value.is_finite().then_some(value).ok_or_else(fault)
+    }
+
+    fn robot(&self, file: &ScenarioFile, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
+        if let Some(urdf) = &options.robot {
+            return Ok(robot_file::load(urdf, &RobotOptions::default())?);
+        }
+        let robot_options = RobotOptions {
+            srdf: file.srdf.as_ref().map(|srdf| TextSource::Path(self.folder.join(srdf))),
+            tip: file.tip.clone(),
+            fixed: file.fixed.clone(),
+            ..RobotOptions::default()
+        };
+        Ok(if file.robot == builtin_robot::PANDA_MOBILE {
+            builtin_robot::panda_mobile_with(&robot_options)?
+        } else {
+            robot_file::load(&self.folder.join(&file.robot), &robot_options)?
+        })
+    }
+
+    fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
+        let number = |value: &Spanned<f64>| self.finite(value.value, value.referenced);
+        let by_joint = match &start.value {
+            StartEntry::List(list) => return list.iter().map(number).collect(),
+            StartEntry::ByJoint(by_joint) => by_joint,
+        };
+        let joints = robot.joint_names();
+        if let Some((joint, value)) = by_joint.iter().find(|(joint, _)| !joints.contains(joint)) {
+            return Err(ScenarioError::UnknownJoint {
+                at: self.at(value.referenced),
+                joint: joint.clone(),
+                known: joints.join(", "),
+            });
+        }
+        let value_of = |joint: &String| match by_joint.iter().find(|(name, _)| name == joint) {
+            Some((_, value)) => number(value),
+            None => Err(ScenarioError::MissingJoint { at: self.at(start.referenced), joint: joint.clone() }),
+        };
+        joints.iter().map(value_of).collect()
+    }
+
+    fn body(&self, entry: &BodyEntry, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+        let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
+        let name = &entry.name.value;
+        let mut parts = Vec::new();
+        for shape in &entry.shapes {
+            parts.push(Part {
+                world_from_solid: planning_from_body * self.pose(shape.value.pose.as_ref())?,
+                solid: self.solid(shape, name)?,
+            });
+        }
+        if parts.is_empty() {
+            return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
+        }
+        Ok(Body { name: name.clone(), parts })
+    }
+
+    fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
+        let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
+        let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];
+        for number in given.concat() {
+            self.finite(number, *referenced)?;
+        }
+        let rotation = match (entry.rotation_rpy_deg, entry.quaternion_xyzw) {
+            (None, None) => Rotation::identity(),
+            (Some(rpy_deg), None) => {
+                let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
+                Rotation::from_euler_angles(roll, pitch, yaw)
+            }
+            (None, Some([x, y, z, w])) => {
+                let quaternion = Quaternion::new(w, x, y, z);
+                let norm = quaternion.norm();
+                let is_unit = (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
+                let fault = || ScenarioError::Quaternion { at: self.at(*referenced), norm };
+                is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or_else(fault)?
+            }
+            (Some(_), Some(_)) => return Err(ScenarioError::TwoRotations { at: self.at(*referenced) }),
+        };
+        Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
+    }
+
+    fn solid(&self, shape: &Spanned<ShapeEntry>, body: &str) -> Result<Solid, ScenarioError> {
+        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, .. } = &shape.value;
+        let at = self.at(shape.referenced);
+        let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
+        solids.extend(cuboid.iter().map(|entry| Solid::cuboid(Vector::from(entry.size) * 0.5)));
+        solids.extend(sphere.iter().map(|entry| Solid::sphere(entry.radius)));
+        solids.extend(cylinder.iter().map(|entry| Solid::cylinder(0.5 * entry.length, entry.radius)));
+        solids.extend(capsule.iter().map(|entry| Solid::capsule(0.5 * entry.length, entry.radius)));
+        solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
+        solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
+        match (solids.pop(), solids.len()) {
+            (Some(solid), 0) => {
+                solid.map_err(|reason| ScenarioError::Shape { at, body: body.to_owned(), reason })
+            }
+            (last, others) => {
+                Err(ScenarioError::ShapeCount { at, actual: others + usize::from(last.is_some()) })
+            }
+        }
+    }
+
+    fn solid_of_file(
+        &self,
+        entry: &MeshEntry,
+        solid_of: impl Fn(&TriangleSoup) -> Result<Solid, ShapeError>,
+    ) -> Result<Solid, ShapeError> {
+        let path = self.folder.join(&entry.file);
+        let soup = TriangleSoup::load(&path, Vector::repeat(entry.scale.unwrap_or(1.0)))?;
+        solid_of(&soup).map_err(|fault| fault.in_file(&path))
+    }
+}
+
+/// How far the length of a quaternion may be from 1: one printed with four digits is closer.
+const QUATERNION_TOLERANCE: f64 = 1e-3;

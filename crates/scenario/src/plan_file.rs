@@ -1,0 +1,214 @@
+use std::fs;
+use std::path::Path;
+
+use cranny_plan::{Criterion, Outcome, Statistics};
+use serde::{Deserialize, Serialize};
+
+use crate::scenario_file::CriterionName;
+use crate::{ScenarioError, atomic_file};
+
+/// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
+///
+/// Every number is read back bit by bit. What was not measured, or has no value (a clearance where nothing
+/// is near, a proof under the `paper` criterion), is `None`, never a made-up number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanFile {
+    /// Id of the scenario: a built-in id, or the name of its folder.
+    pub scenario: String,
+    /// Name of the planner.
+    pub planner: String,
+    /// What counted as solved.
+    #[serde(with = "CriterionName")]
+    pub criterion: Criterion,
+    /// What the random numbers were drawn from.
+    pub seed: u64,
+    /// The version of Cranny: with the same version the seed gives the same path.
+    pub version: String,
+    /// How the search ended.
+    pub outcome: Outcome,
+    /// The clearance that was demanded.
+    pub margins: PlanMargins,
+    /// What the search was allowed to spend.
+    pub budget: PlanBudget,
+    /// Names of the joints, in the order of every way point.
+    pub joint_names: Vec<String>,
+    /// Index of the grasp that the path ends at.
+    pub grasp: Option<usize>,
+    /// How far the gripper ends from it, in metres.
+    pub translation_error_m: Option<f64>,
+    /// How far the gripper ends turned from it, in radians.
+    pub rotation_error_rad: Option<f64>,
+    /// The least clearance along the whole path, proven, in metres.
+    pub clearance_m: Option<f64>,
+    /// The same for each edge of the path, in metres; empty without a proof.
+    pub clearances_per_edge_m: Vec<f64>,
+    /// Length of the path in the plain norm of `q` (m and rad alike).
+    pub path_length: f64,
+    /// The path: one value per joint each (m, rad), straight lines between.
+    pub waypoints: Vec<Vec<f64>>,
+    /// What the search cost.
+    pub statistics: Statistics,
+}
+
+/// The clearance that a plan was made with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlanMargins {
+    /// Between any two things, in metres.
+    pub margin_m: f64,
+    /// Between the hand and what it grasps, in metres.
+    pub grasp_margin_m: f64,
+}
+
+/// What a search was allowed to spend.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlanBudget {
+    /// Iterations; `None`: no limit.
+    pub iterations: Option<u64>,
+    /// Wall-clock time, in seconds; `None`: no limit.
+    pub time_limit_s: Option<f64>,
+}
+
+impl PlanFile {
+    /// The version that this program writes into its plans.
+    pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+
+    /// Writes the plan, as a whole or not at all.
+    ///
+    /// # Errors
+    /// [`ScenarioError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In
+    /// both cases what stood there before is untouched.
+    pub fn write(&self, path: &Path) -> Result<(), ScenarioError> {
+        if let Some(field) = self.field_not_finite() {
+            return Err(ScenarioError::NotFinite { path: path.to_owned(), field });
+        }
+        let mut text = serde_json::to_string_pretty(self)
+            .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
+        text.push('\n');
+        atomic_file::write(path, &text)
+    }
+
+    /// Reads a plan.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, or has a way point without
+    /// one value per joint.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let text = fs::read_to_string(path)
+            .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+        if text.trim().is_empty() {
+            return Err(ScenarioError::Empty { path: path.to_owned() });
+        }
+        let plan: Self = serde_json::from_str(&text)
+            .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
+        plan.check_waypoints(path, plan.joint_names.len())?;
+        Ok(plan)
+    }
+
+    /// The way points, if each has `joints` values.
+    pub(crate) fn waypoints_of(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+        self.check_waypoints(path, joints)?;
+        Ok(self.waypoints)
+    }
+
+    fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
+        match self.waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
+            None => Ok(()),
+            Some((waypoint, q)) => {
+                Err(ScenarioError::Waypoint { path: path.to_owned(), waypoint, expected, actual: q.len() })
+            }
+        }
+    }
+
+    fn field_not_finite(&self) -> Option<&'static str> {
+        let Statistics { planning_time_s, ik_time_s, collision_time_s, nearest_time_s, .. } = self.statistics;
+        let times = [planning_time_s, ik_time_s, collision_time_s, nearest_time_s];
+        let fields: [(&'static str, Vec<f64>); 9] = [
+            ("waypoints", self.waypoints.concat()),
+            ("clearances_per_edge_m", self.clearances_per_edge_m.clone()),
+            ("clearance_m", self.clearance_m.into_iter().collect()),
+            ("translation_error_m", self.translation_error_m.into_iter().collect()),
+            ("rotation_error_rad", self.rotation_error_rad.into_iter().collect()),
+            ("path_length", vec![self.path_length]),
+            ("margins", vec![self.margins.margin_m, self.margins.grasp_margin_m]),
+            ("budget", self.budget.time_limit_s.into_iter().collect()),
+            ("statistics", times.to_vec()),
+        ];
+        fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan() -> PlanFile {
+        PlanFile {
+            scenario: "021".into(),
+            planner: "ik-rrt".into(),
+            criterion: Criterion::Exact,
+            seed: u64::MAX,
+            version: PlanFile::VERSION.into(),
+            outcome: Outcome::Solved,
+            margins: PlanMargins { margin_m: 0.001, grasp_margin_m: 0.0 },
+            budget: PlanBudget { iterations: None, time_limit_s: Some(120.0) },
+            joint_names: vec!["a".into(), "b".into()],
+            grasp: Some(7),
+            translation_error_m: Some(1e-4 / 3.0),
+            rotation_error_rad: Some(0.1 + 0.2),
+            clearance_m: None,
+            clearances_per_edge_m: vec![5e-324],
+            path_length: std::f64::consts::SQRT_2,
+            waypoints: vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]],
+            statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
+        }
+    }
+
+    #[test]
+    fn a_plan_is_read_back_bit_by_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("021.plan.json");
+        plan().write(&path).unwrap();
+        let read = PlanFile::read(&path).unwrap();
+        assert_eq!(read, plan());
+        assert_eq!(read.waypoints[0][0].to_bits(), (-0.0_f64).to_bits());
+        assert_eq!(crate::read_waypoints(&path, 2).unwrap(), plan().waypoints);
+        assert!(matches!(crate::read_waypoints(&path, 3), Err(ScenarioError::Waypoint { waypoint: 0, .. })));
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains("\"criterion\": \"exact\"") && text.contains("\"outcome\": \"solved\""));
+    }
+
+    #[test]
+    fn what_cannot_be_written_leaves_the_earlier_plan_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("021.plan.json");
+        plan().write(&path).unwrap();
+        let broken = PlanFile { waypoints: vec![vec![f64::NAN, 0.0]], ..plan() };
+        assert!(matches!(broken.write(&path), Err(ScenarioError::NotFinite { field: "waypoints", .. })));
+        assert_eq!(PlanFile::read(&path).unwrap(), plan());
+        let nowhere = folder.path().join("no/such/folder/x.plan.json");
+        assert!(matches!(plan().write(&nowhere), Err(ScenarioError::Unwritable { .. })));
+        let onto_a_folder = folder.path().join("folder.plan.json");
+        fs::create_dir(&onto_a_folder).unwrap();
+        assert!(matches!(plan().write(&onto_a_folder), Err(ScenarioError::Unwritable { .. })));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn faults_name_file_and_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.plan.json");
+        let fault = |text: &str| {
+            fs::write(&path, text).unwrap();
+            PlanFile::read(&path).unwrap_err().to_string()
+        };
+        assert!(fault("").contains("x.plan.json: the file is empty"));
+        assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: EOF"));
+        assert!(fault("{\n\"scenario\": 21}").contains("x.plan.json:2: invalid type"));
+        plan().write(&path).unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(
+            fault(&text.replace("\"a\",", "\"a\",\"c\",")).contains("way point 0 has 2 values instead of 3")
+        );
+        assert!(fault(&text.replace("\"exact\"", "\"exakt\"")).contains("unknown variant `exakt`"));
+    }
+}

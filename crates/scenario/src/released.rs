@@ -1,0 +1,184 @@
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_collision::{Body, Part, World};
+use cranny_grasp::{GraspSet, pose_of_rows, read_csv};
+use cranny_plan::Criterion;
+use cranny_robot::{Robot, RobotOptions};
+use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_spatial::{Pose, Rotation, Vector};
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use crate::object_library::{ObjectEntry, ObjectLibrary};
+use crate::{Geometry, OpenOptions, Scenario, ScenarioError, hand, number_table, robot_file, scenario, yaml};
+
+/// The file that makes a folder a scenario of the paper's release.
+pub(crate) const FILE: &str = "scene.yaml";
+
+/// Height of the floor in the planning frame of the released scenarios, in metres.
+pub(crate) const FLOOR_M: f64 = -0.05;
+
+/// Where the scene stands in the planning frame: the robot's root is at (1, 0, 0.05) m in the scene, turned
+/// by +90° about z.
+pub(crate) fn planning_from_scene() -> Pose {
+    let quarter_turn = Rotation::from_axis_angle(&Vector::z_axis(), std::f64::consts::FRAC_PI_2);
+    Pose::from_parts(Vector::new(1.0, 0.0, -FLOOR_M).into(), quarter_turn).inverse()
+}
+
+/// Opens a folder of the paper's released layout.
+///
+/// 1. The robot: two folders up; the detailed one under `exact`, the one of boxes under `paper`.
+/// 2. Bodies: of the scene, or the exported mesh in their place.
+/// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
+pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+    let criterion = options.criterion.unwrap_or_default();
+    let default_geometry = match criterion {
+        Criterion::Exact => Geometry::Scene,
+        Criterion::Paper => Geometry::Export,
+    };
+    let geometry = options.geometry.unwrap_or(default_geometry);
+    let export = folder.join("export");
+    // 1.
+    let robot = robot(folder, criterion, options)?;
+    // 2.
+    let exported = match geometry {
+        Geometry::Scene => None,
+        Geometry::Export => Some(Exported::load(&export.join("obstacles.obj"))?),
+    };
+    let (mut bodies, target) = match &exported {
+        Some(exported) if criterion == Criterion::Exact => (vec![exported.body()?], None),
+        _ => scene_bodies(&folder.join(FILE))?,
+    };
+    bodies.push(Body::floor(FLOOR_M));
+    // 3.
+    let start_file = export.join("robot_start_conf.csv");
+    let start = number_table::read(&start_file)?.into_iter().flat_map(|(_, row)| row).collect();
+    let ik_file = export.join("grasp_IK_solutions.csv");
+    let ik = match options.robot {
+        None if ik_file.is_file() => number_table::read_configurations(&ik_file, robot.dof())?,
+        _ => Vec::new(),
+    };
+    Scenario {
+        id: scenario::id_of(folder),
+        criterion,
+        hand_links: hand::hand_links(&robot),
+        robot,
+        world: World::new(bodies)?,
+        target,
+        start,
+        grasps: grasps(&export)?,
+        ik,
+        export: exported.map(|exported| exported.surface),
+    }
+    .with_checked_start(&start_file.display().to_string())
+}
+
+fn robot(folder: &Path, criterion: Criterion, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
+    let name = match criterion {
+        Criterion::Exact => "mobile_panda.urdf",
+        Criterion::Paper => "mobile_panda_fingersSmallMesh.urdf",
+    };
+    let released = || folder.join("../../robots/franka_panda").join(name);
+    let urdf = options.robot.clone().unwrap_or_else(released);
+    Ok(robot_file::load(&urdf, &RobotOptions::default())?)
+}
+
+fn grasps(export: &Path) -> Result<GraspSet, ScenarioError> {
+    Ok(read_csv(&export.join("grasps.csv"))?)
+}
+
+/// The exported mesh: obstacles and target in one, in the planning frame.
+struct Exported {
+    path: PathBuf,
+    soup: TriangleSoup,
+    surface: Surface,
+}
+
+impl Exported {
+    fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let soup = TriangleSoup::load(path, Vector::repeat(1.0))?;
+        let surface = Surface::new(&soup).map_err(|fault| fault.in_file(path))?;
+        Ok(Self { path: path.to_owned(), soup, surface })
+    }
+
+    /// The volume that it encloses, as one obstacle; the target is part of it.
+    fn body(&self) -> Result<Body, ScenarioError> {
+        let solid = Solid::mesh(&self.soup).map_err(|fault| fault.in_file(&self.path))?;
+        Ok(Body::new("obstacles", Pose::identity(), solid))
+    }
+}
+
+/// What is read of a `scene.yaml`.
+#[derive(Deserialize)]
+struct SceneFile {
+    #[serde(default)]
+    bg_objects: Vec<PlacedObject>,
+    #[serde(default)]
+    objects: Vec<PlacedObject>,
+    object_library_fn: PathBuf,
+}
+
+#[derive(Deserialize)]
+struct PlacedObject {
+    object_type: Spanned<String>,
+    pose: Spanned<[[f64; 4]; 4]>,
+}
+
+impl PlacedObject {
+    fn planning_from_object(&self, scene_file: &Path) -> Result<Pose, ScenarioError> {
+        let rows: Vec<f64> = self.pose.value.concat();
+        let rows: [f64; 16] = std::array::from_fn(|index| rows[index]);
+        let scene_from_object = pose_of_rows(&rows).map_err(|reason| ScenarioError::Pose {
+            at: yaml::at(scene_file, self.pose.referenced),
+            reason,
+        })?;
+        Ok(planning_from_scene() * scene_from_object)
+    }
+
+    /// The object's type; the second of a type is called `<type>-2`, and so on.
+    fn name_after(&self, earlier: &[Self]) -> String {
+        let name = &self.object_type.value;
+        match earlier.iter().filter(|object| object.object_type.value == *name).count() {
+            0 => name.clone(),
+            count => format!("{name}-{}", count + 1),
+        }
+    }
+
+    fn entry<'a>(
+        &self,
+        library: &'a ObjectLibrary,
+        scene_file: &Path,
+    ) -> Result<&'a ObjectEntry, ScenarioError> {
+        library.object(&self.object_type.value).ok_or_else(|| ScenarioError::UnknownObject {
+            at: yaml::at(scene_file, self.object_type.referenced),
+            name: self.object_type.value.clone(),
+            known: library.known(),
+        })
+    }
+}
+
+/// The obstacles of a scene, then its target, and the index of the target.
+fn scene_bodies(path: &Path) -> Result<(Vec<Body>, Option<usize>), ScenarioError> {
+    let scene: SceneFile = yaml::read(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let library = ObjectLibrary::load(&folder.join(&scene.object_library_fn))?;
+    let [target] = &scene.objects[..] else {
+        return Err(ScenarioError::TargetCount { path: path.to_owned(), actual: scene.objects.len() });
+    };
+    let mut bodies: Vec<Body> = Vec::new();
+    for (index, object) in scene.bg_objects.iter().enumerate() {
+        let planning_from_object = object.planning_from_object(path)?;
+        let place = |(object_from_solid, solid)| Part {
+            world_from_solid: planning_from_object * object_from_solid,
+            solid,
+        };
+        let parts = library.obstacle(object.entry(&library, path)?)?.into_iter().map(place).collect();
+        bodies.push(Body { name: object.name_after(&scene.bg_objects[..index]), parts });
+    }
+    let solid = library.target(target.entry(&library, path)?)?;
+    let name = target.name_after(&scene.bg_objects);
+    bodies.push(Body::new(name, target.planning_from_object(path)?, solid));
+    let target = bodies.len() - 1;
+    Ok((bodies, Some(target)))
+}

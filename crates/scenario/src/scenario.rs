@@ -1,0 +1,149 @@
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_collision::{Margins, ReleasedCheck, World};
+use cranny_grasp::GraspSet;
+use cranny_plan::{Criterion, Goal, Problem};
+use cranny_robot::Robot;
+use cranny_shape::Surface;
+use cranny_spatial::Pose;
+
+use crate::{ScenarioError, catalogue, hand, own_layout, released};
+
+/// A task: a robot, what stands around it, what it should grasp and how it may.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The built-in id, or the name of the folder.
+    pub id: String,
+    /// What counts as solved.
+    pub criterion: Criterion,
+    /// The robot; its root frame is the planning frame.
+    pub robot: Arc<Robot>,
+    /// All bodies, in the planning frame: obstacles, then the target, then the floor, as far as there are.
+    pub world: World,
+    /// Which body is to be grasped, by index.
+    pub target: Option<usize>,
+    /// The configuration to start from (m, rad).
+    pub start: Vec<f64>,
+    /// How the target can be grasped: poses of the gripper frame in the planning frame.
+    pub grasps: GraspSet,
+    /// Configurations that reach a grasp, as known from the files; often none.
+    pub ik: Vec<Vec<f64>>,
+    /// The links of hand and fingers, by index.
+    pub hand_links: Vec<usize>,
+    /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
+    /// `world`: the released export.
+    pub export: Option<Surface>,
+}
+
+/// What a scenario's files leave open, or what should be taken instead.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpenOptions {
+    /// What counts as solved. Default: what the scenario says, else [`Criterion::Exact`].
+    pub criterion: Option<Criterion>,
+    /// The URDF of another robot. Default: the scenario's own. Known IK solutions are then left out.
+    pub robot: Option<PathBuf>,
+    /// The geometry of a scenario in the released layout; others have but one. Default:
+    /// [`Geometry::Scene`] under `exact`, [`Geometry::Export`] under `paper`.
+    pub geometry: Option<Geometry>,
+}
+
+/// The two geometries that a released scenario comes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// The true scene: `scene.yaml` with the object library.
+    Scene,
+    /// `export/obstacles.obj`, obstacles and target in one mesh, as the released planners used it.
+    Export,
+}
+
+/// How much clearance a path must keep.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demands {
+    /// Between any two things, in metres. Default 0: contact alone counts.
+    pub margin_m: f64,
+    /// Between hand and fingers and what they grasp or it rests on, in metres. Default 0: fingers must come
+    /// close to what they grasp.
+    pub grasp_margin_m: f64,
+}
+
+impl Scenario {
+    /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
+    /// folder in Cranny's layout (`scenario.yaml`) or the paper's (`scene.yaml`). An id goes before a folder
+    /// of the same name; `./021` is the folder.
+    ///
+    /// # Errors
+    /// [`ScenarioError`], with file and line where there is one.
+    pub fn open(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
+        let folder = Path::new(what);
+        if let Some(scenario) = catalogue::open(what, options) {
+            scenario
+        } else if folder.join(own_layout::FILE).is_file() {
+            own_layout::open(folder, options)
+        } else if folder.join(released::FILE).is_file() {
+            released::open(folder, options)
+        } else if folder.is_dir() {
+            Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() })
+        } else {
+            Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids() })
+        }
+    }
+
+    /// The problem to plan for.
+    ///
+    /// Under `exact`, the world decides, with the demanded margins. Under `paper`, the released check does:
+    /// the triangles of the export where there is one, else the boxes of the world's bodies, and the frames
+    /// of the links from `panda_link2` on (of another robot: from the third moving joint on), whose origins
+    /// must stay 4 cm above the root frame.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none,
+    /// [`ScenarioError::MarginUnderPaper`] for a margin that nothing would check.
+    pub fn problem(&self, demands: &Demands) -> Result<Problem, ScenarioError> {
+        let (robot, start) = (self.robot.clone(), self.start.clone());
+        let goal = Goal::Grasps(self.grasps.clone());
+        match self.criterion {
+            Criterion::Exact => {
+                let margins = Margins {
+                    margin_m: demands.margin_m,
+                    grasp_margin_m: demands.grasp_margin_m,
+                    hand_links: self.hand_links.clone(),
+                    grasp_bodies: Vec::new(),
+                };
+                Ok(Problem::exact(robot, self.world.clone(), self.target, start, goal, margins)?)
+            }
+            Criterion::Paper if *demands != Demands::default() => Err(ScenarioError::MarginUnderPaper),
+            Criterion::Paper => {
+                let obstacles = match &self.export {
+                    Some(surface) => vec![(Pose::identity(), surface.clone())],
+                    None => ReleasedCheck::surfaces_of(&self.world),
+                };
+                let floor_links = hand::floor_links(&robot);
+                let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M);
+                Ok(Problem::paper(check, start, goal)?)
+            }
+        }
+    }
+
+    /// Checks that the start, which stands in `file`, has one value per joint.
+    pub(crate) fn with_checked_start(self, file: &str) -> Result<Self, ScenarioError> {
+        if self.start.len() == self.robot.dof() {
+            return Ok(self);
+        }
+        Err(ScenarioError::StartCount {
+            file: file.to_owned(),
+            expected: self.robot.dof(),
+            actual: self.start.len(),
+            joints: self.robot.joint_names().join(", "),
+        })
+    }
+}
+
+/// The height that the released check keeps link frames above, in metres in the planning frame.
+const PAPER_FLOOR_M: f64 = 0.04;
+
+/// The id of the scenario in `folder`: its name, also where it is given as `.` or `..`.
+pub(crate) fn id_of(folder: &Path) -> String {
+    let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,30 @@
+use std::fs;
+use std::path::Path;
+
+use cranny_robot::Location;
+use serde::de::DeserializeOwned;
+
+use crate::ScenarioError;
+
+/// What a YAML file says.
+pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
+    let text = fs::read_to_string(path)
+        .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+    if text.trim().is_empty() {
+        return Err(ScenarioError::Empty { path: path.to_owned() });
+    }
+    serde_saphyr::from_str(&text).map_err(|reason| ScenarioError::Yaml {
+        at: at(path, reason.location().unwrap_or(serde_saphyr::Location::UNKNOWN)),
+        reason: Box::new(reason),
+    })
+}
+
+/// A place in a YAML file, as errors name it.
+pub(crate) fn at(path: &Path, location: serde_saphyr::Location) -> Location {
+    line(path, usize::try_from(location.line()).unwrap_or(0).max(1))
+}
+
+/// A line of a file, from 1, as errors name it.
+pub(crate) fn line(path: &Path, line: usize) -> Location {
+    Location { file: path.display().to_string(), line: u32::try_from(line).unwrap_or(u32::MAX) }
+}

@@ -1,0 +1,253 @@
+//! The judge: samples of a motion, each looked at by edges and triangles.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use cranny_robot::{LinkFrames, Robot};
+use cranny_spatial::nalgebra::Matrix4;
+use cranny_spatial::{Point, Pose, Stream, Vector};
+
+use crate::hull::convex_hull;
+use crate::mesh::{Bounds, Mesh, Placed};
+use crate::scene::{self, Obstacle};
+
+/// Between two samples no point of a link moves farther than this, in metres.
+pub const STEP_M: f64 = 0.5e-3;
+
+/// Height of the floor in the root frame, in metres.
+const FLOOR_M: f64 = -0.05;
+
+/// The published limits (m, rad).
+pub const LIMITS: [[f64; 2]; 9] = [
+    [-1.0, 1.0],
+    [-1.0, 1.0],
+    [-2.9671, 2.9671],
+    [-1.8326, 1.8326],
+    [-2.9671, 2.9671],
+    [-3.1416, 0.0],
+    [-2.9671, 2.9671],
+    [-0.0873, 3.8223],
+    [-2.9671, 2.9671],
+];
+
+/// A robot among the obstacles of a released scenario.
+pub struct Oracle {
+    robot: Arc<Robot>,
+    pub links: Vec<LinkMesh>,
+    obstacles: Vec<Obstacle>,
+    /// Which links are looked at together, as indices into `links`.
+    pub pairs: Vec<(usize, usize)>,
+    start: Vec<f64>,
+    grasps: Vec<Matrix4<f64>>,
+}
+
+/// The hull of a piece of a link, in the frame of the link.
+pub struct LinkMesh {
+    pub link: usize,
+    pub name: String,
+    pub mesh: Mesh,
+    bounds: Bounds,
+}
+
+/// What touches what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    pub first: String,
+    pub second: String,
+}
+
+/// What the judge saw of a motion.
+#[derive(Debug)]
+pub struct Sight {
+    pub samples: usize,
+    /// Where, in [0, 1], and what: the first touch.
+    pub touch: Option<(f64, Touch)>,
+}
+
+/// All meshes at their places for one configuration.
+pub struct Pictures<'a> {
+    frames: LinkFrames,
+    pub links: Vec<Placed<'a>>,
+    obstacles: Vec<(&'a str, Placed<'a>)>,
+}
+
+impl Oracle {
+    pub fn new(robot: Arc<Robot>, folder: &Path) -> Self {
+        let mut links = Vec::new();
+        for (link, description) in robot.links().iter().enumerate() {
+            for shape in &description.collisions {
+                let mesh = match (&shape.soup, shape.solid.as_cuboid()) {
+                    (Some(soup), _) => convex_hull(&soup.vertices),
+                    (None, Some(half_extents)) => Mesh::cuboid(half_extents),
+                    (None, None) => panic!("{}: neither a mesh nor a box", description.name),
+                };
+                let in_link = |vertex: &Point| shape.link_from_shape * vertex;
+                let vertices: Vec<Point> = mesh.vertices.iter().map(in_link).collect();
+                let bounds = Bounds::around(&vertices);
+                let mesh = Mesh::new(vertices, mesh.triangles);
+                links.push(LinkMesh { link, name: description.name.clone(), mesh, bounds });
+            }
+        }
+        let (obstacles, start, grasps) = (scene::obstacles(folder), scene::start(folder), scene::grasps(folder));
+        let mut oracle = Self { robot, links, obstacles, pairs: Vec::new(), start, grasps };
+        oracle.pairs = oracle.pairs_to_look_at();
+        oracle
+    }
+
+    /// All pairs of links but those with no link with a mesh between them and those that always touch.
+    fn pairs_to_look_at(&self) -> Vec<(usize, usize)> {
+        /// One configuration without touch keeps a pair.
+        const CONFIGURATIONS: usize = 100;
+        let mut random = Stream::new(0, 0);
+        let mut pictures = self.pictures();
+        let count = self.links.len();
+        let mut always: Vec<(usize, usize)> = (0..count)
+            .flat_map(|second| (0..second).map(move |first| (first, second)))
+            .filter(|&(first, second)| !self.are_neighbours(first, second))
+            .collect();
+        let mut pairs = Vec::new();
+        for _ in 0..CONFIGURATIONS {
+            self.look_at(&random_configuration(&mut random), &mut pictures);
+            let touches = |pair: &(usize, usize)| pictures.links[pair.0].meets(&pictures.links[pair.1]);
+            let (still, apart): (Vec<_>, Vec<_>) = always.into_iter().partition(touches);
+            pairs.extend(apart);
+            always = still;
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    fn are_neighbours(&self, first: usize, second: usize) -> bool {
+        let has_mesh = |link: usize| self.links.iter().any(|mesh| mesh.link == link);
+        let above = |link: usize| {
+            let mut parent = self.robot.links()[link].parent;
+            while let Some(bare) = parent.filter(|&link| !has_mesh(link)) {
+                parent = self.robot.links()[bare].parent;
+            }
+            parent
+        };
+        let (first, second) = (self.links[first].link, self.links[second].link);
+        first == second || above(first) == Some(second) || above(second) == Some(first)
+    }
+
+    pub fn pictures(&self) -> Pictures<'_> {
+        let still = Pose::identity();
+        let parts = |obstacle: &'_ Obstacle| obstacle.parts.len();
+        let mut obstacles = Vec::with_capacity(self.obstacles.iter().map(parts).sum());
+        for obstacle in &self.obstacles {
+            obstacles.extend(obstacle.parts.iter().map(|part| (obstacle.name.as_str(), part.placed(&still))));
+        }
+        let links = self.links.iter().map(|link| link.mesh.placed(&still)).collect();
+        Pictures { frames: self.robot.frames(), links, obstacles }
+    }
+
+    pub fn look_at(&self, q: &[f64], pictures: &mut Pictures) {
+        self.robot.forward_kinematics(q, &mut pictures.frames);
+        for (placed, link) in pictures.links.iter_mut().zip(&self.links) {
+            placed.move_to(pictures.frames.link(link.link));
+        }
+    }
+
+    /// What touches what at `q`.
+    pub fn touch_at(&self, q: &[f64], pictures: &mut Pictures) -> Option<Touch> {
+        self.look_at(q, pictures);
+        let touch = |link: usize, second: &str| {
+            Some(Touch { first: self.links[link].name.clone(), second: second.to_owned() })
+        };
+        for (link, placed) in pictures.links.iter().enumerate() {
+            if placed.bounds.low.z < FLOOR_M {
+                return touch(link, "floor");
+            }
+            if let Some((name, _)) = pictures.obstacles.iter().find(|(_, obstacle)| placed.meets(obstacle)) {
+                return touch(link, name);
+            }
+        }
+        let touches = |&&(first, second): &&(usize, usize)| pictures.links[first].meets(&pictures.links[second]);
+        self.pairs.iter().find(touches).and_then(|&(first, second)| touch(first, &self.links[second].name))
+    }
+
+    /// Looks at the straight motion from `a` to `b` until something touches.
+    pub fn watch(&self, a: &[f64], b: &[f64], pictures: &mut Pictures) -> Sight {
+        let mut sight = Sight { samples: 0, touch: None };
+        for t in self.samples(a, b) {
+            sight.samples += 1;
+            if let Some(touch) = self.touch_at(&between(a, b, t), pictures) {
+                sight.touch = Some((t, touch));
+                break;
+            }
+        }
+        sight
+    }
+
+    /// Points of [0, 1] along the motion, both ends included, between which no link moves farther than
+    /// [`STEP_M`]. How far a link moves is measured: at most as far as a corner of its box.
+    pub fn samples<'a>(&'a self, a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let mut frames = self.robot.frames();
+        let mut corners_at = move |t: f64| {
+            self.robot.forward_kinematics(&between(a, b, t), &mut frames);
+            let corners = |link: &LinkMesh| link.bounds.corners().map(|corner| frames.link(link.link) * corner);
+            self.links.iter().flat_map(corners).collect::<Vec<Point>>()
+        };
+        let (mut here, mut step) = (corners_at(0.0), 1.0);
+        std::iter::successors(Some(0.0), move |&t| {
+            if t >= 1.0 {
+                return None;
+            }
+            loop {
+                let next = f64::min(t + step, 1.0);
+                let there = corners_at(next);
+                let way = |(from, to): (&Point, &Point)| (to - from).norm();
+                let farthest = here.iter().zip(&there).map(way).fold(0.0, f64::max);
+                // Aim a little lower, so that the next step rarely needs a second attempt.
+                step = (0.95 * step * STEP_M / farthest).min(2.0 * step);
+                if farthest <= STEP_M {
+                    here = there;
+                    return Some(next);
+                }
+            }
+        })
+    }
+
+    /// What is wrong with the ends of a path and the joint limits of its way points.
+    pub fn faults_of_way_points(&self, path: &[Vec<f64>]) -> Vec<String> {
+        let (Some(first), Some(last)) = (path.first(), path.last()) else { return vec!["no path".to_owned()] };
+        let mut faults = Vec::new();
+        if first.len() != self.start.len() || first.iter().zip(&self.start).any(|(a, b)| (a - b).abs() > 1e-9) {
+            faults.push("it does not begin at the start".to_owned());
+        }
+        for (index, q) in path.iter().enumerate() {
+            if q.iter().zip(LIMITS).any(|(value, [low, high])| !(low..=high).contains(value)) {
+                faults.push(format!("way point {index} is outside the limits"));
+            }
+        }
+        let is_reached = |grasp: &Matrix4<f64>| self.is_reached(grasp, last);
+        if !self.grasps.iter().any(is_reached) {
+            faults.push("it does not end at a grasp".to_owned());
+        }
+        faults
+    }
+
+    /// Whether the gripper is within 1 mm and 1° of the grasp or its twin at `q`.
+    fn is_reached(&self, grasp: &Matrix4<f64>, q: &[f64]) -> bool {
+        let mut frames = self.robot.frames();
+        self.robot.forward_kinematics(q, &mut frames);
+        let gripper = frames.link(self.robot.link_index("panda_grasptarget").unwrap()).to_homogeneous();
+        let distance_m = (gripper - grasp).fixed_view::<3, 1>(0, 3).norm();
+        let relative = grasp.fixed_view::<3, 3>(0, 0).transpose() * gripper.fixed_view::<3, 3>(0, 0);
+        let [x, y, z] = [0, 1, 2].map(|axis| relative[(axis, axis)]);
+        // The trace of a rotation is 1 + 2 cos; the twin's x and y axes point the other way.
+        let cosine = (x + y + z).max(z - x - y).midpoint(-1.0);
+        distance_m <= 1e-3 && cosine >= 1.0_f64.to_radians().cos()
+    }
+}
+
+
+/// The point `t` of the straight motion from `a` to `b`.
+pub fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect()
+}
+
+/// A configuration uniform within the limits.
+pub fn random_configuration(random: &mut Stream) -> Vec<f64> {
+    LIMITS.map(|[low, high]| random.uniform_between(low, high)).to_vec()
+}

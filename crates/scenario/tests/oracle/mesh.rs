@@ -1,0 +1,205 @@
+//! Closed triangle meshes, and whether two of them meet: edges against triangles, and nothing else.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cranny_spatial::{Point, Pose, Vector};
+
+/// A closed surface of triangles.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    pub vertices: Vec<Point>,
+    pub triangles: Vec<[usize; 3]>,
+    /// Every edge once.
+    edges: Vec<[usize; 2]>,
+}
+
+impl Mesh {
+    /// # Panics
+    /// If an edge is not run through as often in one direction as in the other.
+    pub fn new(vertices: Vec<Point>, triangles: Vec<[usize; 3]>) -> Self {
+        let mut balance: BTreeMap<[usize; 2], i32> = BTreeMap::new();
+        for &[a, b, c] in &triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let sign = if from < to { 1 } else { -1 };
+                *balance.entry([from.min(to), from.max(to)]).or_default() += sign;
+            }
+        }
+        assert!(balance.values().all(|&sum| sum == 0), "the mesh has a hole");
+        Self { vertices, triangles, edges: balance.into_keys().collect() }
+    }
+
+    /// A cuboid centred at the origin.
+    pub fn cuboid(half_extents: Vector) -> Self {
+        let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        let corner = |k: usize| Vector::new(sign(k, 0), sign(k, 1), sign(k, 2)).component_mul(&half_extents);
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        Self::new((0..8).map(|k| corner(k).into()).collect(), triangles)
+    }
+
+    /// The parts that share no vertex, each closed.
+    pub fn pieces(&self) -> Vec<Self> {
+        let mut label: Vec<usize> = (0..self.vertices.len()).collect();
+        // Every edge hands the lower label on, until nothing changes.
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for &[a, b] in &self.edges {
+                let low = label[a].min(label[b]);
+                changed |= label[a] != low || label[b] != low;
+                (label[a], label[b]) = (low, low);
+            }
+        }
+        let labels: BTreeSet<usize> = self.triangles.iter().map(|t| label[t[0]]).collect();
+        let piece = |wanted: usize| {
+            let triangles = self.triangles.iter().copied().filter(|t| label[t[0]] == wanted).collect();
+            Self::new(self.vertices.clone(), triangles).without_unused_vertices()
+        };
+        labels.into_iter().map(piece).collect()
+    }
+
+    /// The same surface; the vertices keep their order.
+    #[must_use]
+    pub fn without_unused_vertices(&self) -> Self {
+        let used: BTreeSet<usize> = self.triangles.iter().flatten().copied().collect();
+        let position: BTreeMap<usize, usize> = used.iter().enumerate().map(|(new, &old)| (old, new)).collect();
+        let vertices = used.iter().map(|&old| self.vertices[old]).collect();
+        Self::new(vertices, self.triangles.iter().map(|t| t.map(|old| position[&old])).collect())
+    }
+
+    /// The mesh at its place in the root frame.
+    pub fn placed(&self, root_from_mesh: &Pose) -> Placed<'_> {
+        let mut placed = Placed { mesh: self, vertices: self.vertices.clone(), bounds: Bounds::NOTHING };
+        placed.move_to(root_from_mesh);
+        placed
+    }
+}
+
+/// A mesh at a place in the root frame.
+#[derive(Clone, Debug)]
+pub struct Placed<'a> {
+    mesh: &'a Mesh,
+    pub vertices: Vec<Point>,
+    pub bounds: Bounds,
+}
+
+impl Placed<'_> {
+    pub fn move_to(&mut self, root_from_mesh: &Pose) {
+        let rotation = root_from_mesh.rotation.to_rotation_matrix();
+        for (placed, vertex) in self.vertices.iter_mut().zip(&self.mesh.vertices) {
+            *placed = rotation * vertex + root_from_mesh.translation.vector;
+        }
+        self.bounds = Bounds::around(&self.vertices);
+    }
+
+    /// Whether the two bodies share a point: their surfaces cross, or one lies inside the other.
+    pub fn meets(&self, other: &Self) -> bool {
+        let shared = self.bounds.intersection(&other.bounds);
+        !shared.is_empty()
+            && (self.has_edge_through(other, &shared)
+                || other.has_edge_through(self, &shared)
+                || self.lies_within(other)
+                || other.lies_within(self))
+    }
+
+    /// Whether an edge of this mesh goes through a triangle of `other`. Both meshes can only cross within
+    /// `shared`.
+    fn has_edge_through(&self, other: &Self, shared: &Bounds) -> bool {
+        let edges = self.mesh.edges.iter().map(|edge| edge.map(|vertex| self.vertices[vertex]));
+        let edges: Vec<_> = with_bounds_in(edges, shared).collect();
+        if edges.is_empty() {
+            return false;
+        }
+        let triangles = other.mesh.triangles.iter().map(|t| t.map(|vertex| other.vertices[vertex]));
+        with_bounds_in(triangles, shared).any(|(triangle, bounds)| {
+            edges.iter().any(|(edge, near)| near.meets(&bounds) && goes_through(edge, &triangle))
+        })
+    }
+
+    /// Whether the whole mesh lies inside `other`, given that their surfaces do not cross: then one vertex
+    /// decides for all.
+    fn lies_within(&self, other: &Self) -> bool {
+        other.bounds.contain(&self.bounds) && other.contains(&self.vertices[0])
+    }
+
+    /// Whether `point` lies inside: a ray from it meets the surface an odd number of times. Of three rays
+    /// the majority decides, since one may run along an edge.
+    fn contains(&self, point: &Point) -> bool {
+        /// Longer than any scene, in metres.
+        const RAY_M: f64 = 100.0;
+        let directions =
+            [Vector::new(0.267, 0.535, 0.802), Vector::new(-0.81, 0.31, 0.497), Vector::new(0.13, -0.79, 0.6)];
+        let is_odd = |direction: &&Vector| {
+            let ray = [*point, point + **direction * RAY_M];
+            let triangles = self.mesh.triangles.iter().map(|t| t.map(|vertex| self.vertices[vertex]));
+            triangles.filter(|triangle| goes_through(&ray, triangle)).count() % 2 == 1
+        };
+        directions.iter().filter(is_odd).count() >= 2
+    }
+}
+
+/// Those of the edges or triangles whose bounds meet `region`, with their bounds.
+fn with_bounds_in<const N: usize>(
+    pieces: impl Iterator<Item = [Point; N]>,
+    region: &Bounds,
+) -> impl Iterator<Item = ([Point; N], Bounds)> {
+    pieces.map(|corners| (corners, Bounds::around(&corners))).filter(|(_, bounds)| bounds.meets(region))
+}
+
+/// Whether the segment has a point in common with the triangle, touching included. A segment in the
+/// triangle's plane does not count: if anything crosses there, a neighbouring edge or triangle shows it.
+pub fn goes_through([p, q]: &[Point; 2], [a, b, c]: &[Point; 3]) -> bool {
+    let (before, after) = (volume(a, b, c, p), volume(a, b, c, q));
+    if (before > 0.0 && after > 0.0) || (before < 0.0 && after < 0.0) || (before == 0.0 && after == 0.0) {
+        return false;
+    }
+    let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
+    sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
+}
+
+/// Six times the signed volume of the tetrahedron.
+fn volume(a: &Point, b: &Point, c: &Point, d: &Point) -> f64 {
+    (b - a).cross(&(c - a)).dot(&(d - a))
+}
+
+/// A box along the axes of the root frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    pub low: Vector,
+    pub high: Vector,
+}
+
+impl Bounds {
+    const NOTHING: Self = Self {
+        low: Vector::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        high: Vector::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+
+    pub fn around(points: &[Point]) -> Self {
+        points.iter().fold(Self::NOTHING, |bounds, point| Self {
+            low: bounds.low.inf(&point.coords),
+            high: bounds.high.sup(&point.coords),
+        })
+    }
+
+    pub fn corners(&self) -> [Point; 8] {
+        let ends = [self.low, self.high];
+        std::array::from_fn(|k| Point::new(ends[k & 1].x, ends[k >> 1 & 1].y, ends[k >> 2].z))
+    }
+
+    fn intersection(&self, other: &Self) -> Self {
+        Self { low: self.low.sup(&other.low), high: self.high.inf(&other.high) }
+    }
+
+    fn is_empty(&self) -> bool {
+        (0..3).any(|axis| self.low[axis] > self.high[axis])
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+
+    fn contain(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
+    }
+}

@@ -1,0 +1,54 @@
+//! Scenarios in Cranny's own layout.
+
+use std::path::Path;
+
+use cranny_plan::Criterion;
+use cranny_scenario::{Demands, OpenOptions, Scenario, ScenarioError};
+
+fn corner() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/corner").display().to_string()
+}
+
+#[test]
+fn everything_that_a_file_says_stands_in_the_planning_frame() {
+    let scenario = Scenario::open(&corner(), &OpenOptions::default()).unwrap();
+    assert_eq!(scenario.id, "corner");
+    let bodies = scenario.world.bodies();
+    let names: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["board", "pipe", "wedge", "block", "floor"]);
+    assert_eq!(bodies.iter().map(|body| body.parts.len()).collect::<Vec<_>>(), [2, 2, 2, 1, 1]);
+    assert_eq!(scenario.target, Some(3));
+    let place = |body: usize, part: usize| bodies[body].parts[part].world_from_solid;
+    let expect = |body: usize, part: usize, [x, y, z]: [f64; 3]| {
+        let found = place(body, part).translation.vector;
+        assert!((found - cranny_spatial::Vector::new(x, y, z)).norm() < 1e-12, "{found}");
+    };
+    // The root stands at (1, 0, 0.05), turned by a quarter: x there is y here.
+    expect(0, 0, [1.0, 0.0, 0.35]);
+    expect(0, 1, [1.0, -0.3, 0.45]);
+    expect(3, 0, [1.0, 0.0, 0.41]);
+    assert!((place(4, 0).translation.z + 0.05).abs() < 1e-12);
+    // The pipe lies along y of the scene, x of the planning frame.
+    let axis = place(1, 0).rotation * cranny_spatial::Vector::z();
+    assert!((axis.x.abs() - 1.0).abs() < 1e-6, "{axis}");
+    assert_eq!(bodies[0].parts[0].solid.as_cuboid().unwrap(), cranny_spatial::Vector::new(0.3, 0.15, 0.01));
+    // Mesh files are read in single precision.
+    assert!((bodies[2].parts[0].solid.aabb().half_extents.x - 0.05).abs() < 1e-8);
+    assert!((scenario.start[3] + 0.7601).abs() < 1e-15);
+    let scores: Vec<_> = scenario.grasps.grasps().iter().map(|g| (g.score, g.width_m)).collect();
+    assert_eq!(scores, [(Some(0.9), Some(0.04)), (None, None)]);
+}
+
+#[test]
+fn the_files_criterion_holds_unless_another_is_asked_for() {
+    let scenario = Scenario::open(&corner(), &OpenOptions::default()).unwrap();
+    assert_eq!(scenario.problem(&Demands::default()).unwrap().criterion(), Criterion::Paper);
+    let demanding = Demands { margin_m: 0.005, grasp_margin_m: 0.0 };
+    assert!(matches!(scenario.problem(&demanding), Err(ScenarioError::MarginUnderPaper)));
+    let options = OpenOptions { criterion: Some(Criterion::Exact), ..OpenOptions::default() };
+    let scenario = Scenario::open(&corner(), &options).unwrap();
+    let problem = scenario.problem(&demanding).unwrap();
+    assert_eq!((problem.criterion(), problem.target), (Criterion::Exact, Some(3)));
+    let negative = Demands { margin_m: -0.005, grasp_margin_m: 0.0 };
+    assert!(scenario.problem(&negative).unwrap_err().to_string().contains("-0.005"));
+}
