@@ -1,0 +1,183 @@
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use cranny_plan::Criterion;
+use cranny_scenario::Geometry;
+
+/// Plans how a mobile manipulator reaches into a confined space and grasps an object.
+///
+/// ID is a built-in scenario (see `cranny list`), the folder of a scenario, or the folder of a scenario in
+/// the layout that the paper released.
+///
+/// Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    max_term_width = 100,
+    after_help = "Examples:
+  cranny plan 021                      plan a grasp in a built-in scenario
+  cranny verify 021 021.plan.json      judge the path, or anybody's way points
+  cranny help plan                     all options of one command"
+)]
+pub struct Cli {
+    #[command(flatten)]
+    pub output: Output,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// How to answer.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Output {
+    /// Print one JSON document on standard output; messages go to standard error
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print no progress and no summary
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the built-in scenarios and the planners
+    List,
+    /// Show what a scenario holds: robot, obstacles, target, grasps, start
+    Info(TaskArguments),
+    /// Plan a motion to a grasp and write it to a plan file
+    Plan(PlanArguments),
+    /// Judge a plan file or bare way points against a scenario
+    Verify(VerifyArguments),
+    /// Look for free configurations at every grasp of a scenario
+    Ik(IkArguments),
+}
+
+/// Which task, under which criterion.
+#[derive(Clone, Debug, Args)]
+pub struct TaskArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// What counts as solved and as free [default: the scenario's own, exact unless it says otherwise]
+    #[arg(long, value_enum)]
+    pub criterion: Option<CriterionArgument>,
+    /// Clearance that every check and proof demands between any two things, in millimetres
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub margin: f64,
+    /// The same for hand and fingers against the target and what carries it, in millimetres
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub grasp_margin: f64,
+    /// Another robot's URDF (with SRDF and limits.yaml beside it) instead of the scenario's
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    /// [default: scene under exact, export under paper]
+    #[arg(long, value_enum)]
+    pub geometry: Option<GeometryArgument>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny plan 021
+  cranny plan 023 --planner j-plus-rrt --criterion paper --seed 4
+  cranny plan path/to/scenarios/035 --time-limit 60 -o reach.plan.json
+  cranny plan 021 --margin 5 --grasp-margin 1
+  cranny plan 021 --json --quiet")]
+pub struct PlanArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// Which planner (see `cranny list`)
+    #[arg(long, value_name = "NAME", default_value = "ik-rrt")]
+    pub planner: String,
+    /// Seed of all randomness: the same seed gives the same path
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Seconds after which the search ends
+    #[arg(long, value_name = "S", default_value = "120", value_parser = seconds)]
+    pub time_limit: Duration,
+    /// Iterations after which the search ends [default: no limit]
+    #[arg(long, value_name = "N")]
+    pub iterations: Option<u64>,
+    /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
+    #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
+    pub goal_threshold: f64,
+    /// Where to write the plan [default: <ID>.plan.json in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny verify 021 021.plan.json
+  cranny verify path/to/scenarios/011 way_points.csv --margin 2
+  cranny verify 021 021.plan.json --criterion paper
+
+Way points: a plan file, or one configuration a line, comma-separated (.csv, .try).")]
+pub struct VerifyArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// A plan file (.plan.json) or way points (.csv, .try)
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny ik 025
+  cranny ik 021 --solutions 5 --grasp 17
+  cranny ik path/to/scenarios/011 --json > ik.json")]
+pub struct IkArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// Only this grasp, by its index from 0
+    #[arg(long, value_name = "N")]
+    pub grasp: Option<usize>,
+    /// Distinct solutions to look for at each grasp
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub solutions: usize,
+    /// Attempts at each grasp
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    pub attempts: usize,
+    /// Seed of all randomness
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CriterionArgument {
+    /// Within 1 mm and 1°, real geometry, the whole path proven
+    Exact,
+    /// The released planners' own loose measure, for comparison only
+    Paper,
+}
+
+impl From<CriterionArgument> for Criterion {
+    fn from(argument: CriterionArgument) -> Self {
+        match argument {
+            CriterionArgument::Exact => Self::Exact,
+            CriterionArgument::Paper => Self::Paper,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GeometryArgument {
+    /// The true boxes and the target's own mesh
+    Scene,
+    /// The merged obstacle mesh that the released planners used
+    Export,
+}
+
+impl From<GeometryArgument> for Geometry {
+    fn from(argument: GeometryArgument) -> Self {
+        match argument {
+            GeometryArgument::Scene => Self::Scene,
+            GeometryArgument::Export => Self::Export,
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("'{text}' is no number of seconds"))?;
+    Duration::try_from_secs_f64(seconds).map_err(|_| "a time limit is a positive number of seconds".into())
+}

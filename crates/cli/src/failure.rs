@@ -1,0 +1,32 @@
+use std::path::PathBuf;
+
+/// Bad input: said once, exit 2.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The scenario, a plan file or way points.
+    #[error(transparent)]
+    Scenario(#[from] cranny_scenario::ScenarioError),
+    /// The problem.
+    #[error(transparent)]
+    Plan(#[from] cranny_plan::PlanError),
+    /// A flag that does not fit.
+    #[error("--{flag}: {problem}")]
+    Flag {
+        /// Which flag.
+        flag: &'static str,
+        /// What is wrong with it, and what would fit.
+        problem: String,
+    },
+    /// The plan would be written where it cannot be.
+    #[error("{}: the folder does not exist, so no plan can be written there", path.display())]
+    NoFolder {
+        /// The file that was asked for.
+        path: PathBuf,
+    },
+    /// Standard output is gone.
+    #[error("cannot write the answer: {0}")]
+    Output(#[from] std::io::Error),
+    /// Ctrl-C cannot be listened to.
+    #[error("cannot listen for Ctrl-C: {0}")]
+    Signal(#[from] ctrlc::Error),
+}

@@ -1,0 +1,133 @@
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use cranny_grasp::GraspSet;
+use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::{IkArguments, Output};
+use crate::failure::Failure;
+use crate::progress::{bar, stop_on_interrupt};
+use crate::task::Task;
+use crate::text::{self, degrees, millimetres};
+
+/// What `ik --json` prints; the keys stay.
+#[derive(Serialize)]
+struct Answered {
+    scenario: String,
+    solved: usize,
+    grasps: Vec<Annotated>,
+}
+
+#[derive(Serialize)]
+struct Annotated {
+    grasp: usize,
+    status: &'static str,
+    blocked_by: Option<String>,
+    attempts: usize,
+    solutions: Vec<Solution>,
+}
+
+#[derive(Serialize)]
+struct Solution {
+    q: Vec<f64>,
+    translation_error_m: f64,
+    rotation_error_rad: f64,
+    clearance_m: f64,
+}
+
+pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
+    let Task { scenario, mut problem } = Task::open(&arguments.task)?;
+    if let Some(grasp) = arguments.grasp {
+        let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
+            let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());
+            return Err(Failure::Flag { flag: "grasp", problem });
+        };
+        problem.goal =
+            Goal::Grasps(GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?);
+    }
+    let settings = IkAnnotationSettings {
+        solutions: arguments.solutions,
+        attempts: arguments.attempts,
+        seed: arguments.seed,
+    };
+    let stop = stop_on_interrupt()?;
+    let progress = bar(scenario.grasps.len() as u64, output.quiet);
+    let mut annotations = annotate_ik(&problem, &settings, &|| progress.inc(1), &stop)?;
+    progress.finish_and_clear();
+    if let Some(grasp) = arguments.grasp {
+        for annotation in &mut annotations {
+            annotation.grasp = grasp;
+        }
+    }
+    let solved = annotations.iter().filter(|a| a.status == IkStatus::Solved).count();
+    if output.json {
+        let grasps = annotations.iter().map(annotated).collect();
+        text::print_json(&Answered { scenario: scenario.id.clone(), solved, grasps })?;
+    } else if !output.quiet {
+        text::print(&page(&scenario.id, &annotations, solved))?;
+    }
+    Ok(if solved > 0 { Answer::Done } else { Answer::No })
+}
+
+fn blocked_by(status: &IkStatus) -> Option<String> {
+    match status {
+        IkStatus::HandCollides { link, body } => Some(format!("{link} against {body}")),
+        _ => None,
+    }
+}
+
+fn annotated(annotation: &IkAnnotation) -> Annotated {
+    Annotated {
+        grasp: annotation.grasp,
+        status: annotation.status.name(),
+        blocked_by: blocked_by(&annotation.status),
+        attempts: annotation.attempts,
+        solutions: annotation
+            .solutions
+            .iter()
+            .map(|s| Solution {
+                q: s.q.clone(),
+                translation_error_m: s.translation_error_m,
+                rotation_error_rad: s.rotation_error_rad,
+                clearance_m: s.clearance_m,
+            })
+            .collect(),
+    }
+}
+
+fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
+    let mut page =
+        format!("{id}: {solved} of {} grasps have a free exact configuration\n", annotations.len());
+    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
+    for annotation in annotations {
+        let reason = match &annotation.status {
+            IkStatus::Solved => continue,
+            IkStatus::HandCollides { .. } => {
+                format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
+            }
+            IkStatus::NoSolution { blocked: 0 } => "the arm does not reach the pose".to_owned(),
+            IkStatus::NoSolution { .. } => "the arm reaches the pose, but never freely".to_owned(),
+            IkStatus::Stopped => "stopped before it was tried".to_owned(),
+        };
+        *reasons.entry(reason).or_default() += 1;
+    }
+    for (reason, count) in reasons {
+        let _ = writeln!(page, "  {count:>4}  {reason}");
+    }
+    if let [annotation] = annotations {
+        for s in &annotation.solutions {
+            let (translation, rotation) = (s.translation_error_m, s.rotation_error_rad);
+            let _ = writeln!(
+                page,
+                "  {} off, {}, clearance {}: {:.4?}",
+                millimetres(translation),
+                degrees(rotation),
+                millimetres(s.clearance_m),
+                s.q
+            );
+        }
+    }
+    page
+}

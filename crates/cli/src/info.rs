@@ -1,0 +1,100 @@
+use std::fmt::Write;
+
+use cranny_plan::Validity;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::{Output, TaskArguments};
+use crate::failure::Failure;
+use crate::task::Task;
+use crate::text;
+
+#[derive(Serialize)]
+struct Info {
+    scenario: String,
+    robot: String,
+    joints: Vec<String>,
+    tip: String,
+    start: Vec<f64>,
+    start_is_free: bool,
+    start_clearance_m: Option<f64>,
+    start_contacts: Vec<(String, String)>,
+    bodies: Vec<Body>,
+    target: Option<String>,
+    grasps: usize,
+    scored_grasps: usize,
+    known_ik_solutions: usize,
+    self_collision_pairs: usize,
+}
+
+#[derive(Serialize)]
+struct Body {
+    name: String,
+    parts: usize,
+}
+
+pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
+    let Task { scenario, problem } = Task::open(arguments)?;
+    let (robot, world) = (&scenario.robot, &scenario.world);
+    let mut scratch = problem.validity.scratch();
+    let mut info = Info {
+        scenario: scenario.id.clone(),
+        robot: robot.name().to_owned(),
+        joints: robot.joint_names().to_vec(),
+        tip: robot.links()[robot.tip()].name.clone(),
+        start: scenario.start.clone(),
+        start_is_free: problem.validity.is_free(&scenario.start, &mut scratch),
+        start_clearance_m: None,
+        start_contacts: Vec::new(),
+        bodies: world
+            .bodies()
+            .iter()
+            .map(|body| Body { name: body.name.clone(), parts: body.parts.len() })
+            .collect(),
+        target: scenario.target.map(|target| world.bodies()[target].name.clone()),
+        grasps: scenario.grasps.len(),
+        scored_grasps: scenario.grasps.grasps().iter().filter(|g| g.score.is_some()).count(),
+        known_ik_solutions: scenario.ik.len(),
+        self_collision_pairs: 0,
+    };
+    if let Validity::Exact(cell) = &problem.validity {
+        let mut scratch = cell.scratch();
+        info.start_clearance_m = Some(cell.clearance(&scenario.start, &mut scratch));
+        info.start_contacts = cell
+            .contacts(&scenario.start, &mut scratch)
+            .iter()
+            .map(|c| (cell.name(c.first).to_owned(), cell.name(c.second).to_owned()))
+            .collect();
+        info.self_collision_pairs = cell.self_pairs().len();
+    }
+    if output.json {
+        text::print_json(&info)?;
+    } else {
+        text::print(&page(&info))?;
+    }
+    Ok(Answer::Done)
+}
+
+fn page(info: &Info) -> String {
+    let mut page = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(page, "  {name:<12}{value}");
+    };
+    line("scenario", info.scenario.clone());
+    line("robot", format!("{} ({} joints, tip {})", info.robot, info.joints.len(), info.tip));
+    for (index, body) in info.bodies.iter().enumerate() {
+        let name = if index == 0 { "bodies" } else { "" };
+        let role = if info.target.as_ref() == Some(&body.name) { "  (target)" } else { "" };
+        line(name, format!("{} ({} parts){role}", body.name, body.parts));
+    }
+    line("grasps", format!("{} ({} scored)", info.grasps, info.scored_grasps));
+    line("known IK", format!("{} configurations", info.known_ik_solutions));
+    let clearance =
+        info.start_clearance_m.map_or_else(String::new, |c| format!(", {}", text::millimetres(c)));
+    let state = if info.start_is_free { "free" } else { "NOT free" };
+    line("start", format!("{state}{clearance}"));
+    for (first, second) in &info.start_contacts {
+        line("", format!("{first} touches {second}"));
+    }
+    page
+}

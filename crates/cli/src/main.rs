@@ -1,0 +1,48 @@
+//! The `cranny` command: joins the rooms, holds no logic of their own.
+//!
+//! Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
+
+mod arguments;
+mod failure;
+mod ik;
+mod info;
+mod list;
+mod plan;
+mod progress;
+mod task;
+mod text;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Cli, Command};
+
+/// How a command ended that could do its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answer {
+    /// Exit 0.
+    Done,
+    /// Exit 1: an honest "no".
+    No,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let answer = match &cli.command {
+        Command::List => list::run(cli.output),
+        Command::Info(arguments) => info::run(arguments, cli.output),
+        Command::Plan(arguments) => plan::run(arguments, cli.output),
+        Command::Verify(arguments) => verify::run(arguments, cli.output),
+        Command::Ik(arguments) => ik::run(arguments, cli.output),
+    };
+    match answer {
+        Ok(Answer::Done) => ExitCode::SUCCESS,
+        Ok(Answer::No) => ExitCode::from(1),
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,63 @@
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use cranny_plan::Observer;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::failure::Failure;
+
+/// Nothing is shown for what is done sooner than this.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A flag that Ctrl-C sets.
+pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    Ok(stop)
+}
+
+/// A bar for `total` pieces of work, hidden if `quiet` or if standard error is no terminal.
+pub fn bar(total: u64, quiet: bool) -> ProgressBar {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
+    bar.set_style(style("{bar:30} {pos}/{len} {msg} {elapsed} (about {eta} left)"));
+    bar
+}
+
+/// Shows how a search goes once it takes longer than a second, and ends it on Ctrl-C.
+pub struct SearchProgress {
+    spinner: ProgressBar,
+    begin: Instant,
+    stop: Arc<AtomicBool>,
+}
+
+impl SearchProgress {
+    pub fn new(quiet: bool, stop: Arc<AtomicBool>) -> Self {
+        let spinner = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        spinner.set_style(style("{spinner} searching: {pos} iterations, {elapsed}  (Ctrl-C stops)"));
+        Self { spinner, begin: Instant::now(), stop }
+    }
+
+    pub fn finish(&self) {
+        self.spinner.finish_and_clear();
+    }
+}
+
+impl Observer for SearchProgress {
+    fn progress(&mut self, iterations: u64) {
+        /// A terminal need not hear of every look at the clock.
+        const SHOW_EVERY: u64 = 256;
+        if iterations.is_multiple_of(SHOW_EVERY) && self.begin.elapsed() > PATIENCE {
+            self.spinner.set_position(iterations);
+        }
+    }
+
+    fn should_stop(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}

@@ -1,0 +1,77 @@
+use std::fmt::Write;
+
+use cranny_plan::{Verification, ViolationKind};
+use cranny_scenario::read_waypoints;
+
+use crate::Answer;
+use crate::arguments::{Output, VerifyArguments};
+use crate::failure::Failure;
+use crate::task::Task;
+use crate::text::{self, degrees, millimetres};
+
+pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
+    let Task { problem, .. } = Task::open(&arguments.task)?;
+    let path = read_waypoints(&arguments.plan, problem.robot.dof())?;
+    let verification = cranny_plan::verify(&problem, &path)?;
+    if output.json {
+        text::print_json(&verification)?;
+    } else if !output.quiet {
+        text::print(&page(&verification, path.len()))?;
+    }
+    Ok(if verification.valid { Answer::Done } else { Answer::No })
+}
+
+fn page(verification: &Verification, way_points: usize) -> String {
+    let word = if verification.valid { "valid" } else { "NOT valid" };
+    let mut page = format!("{word}: {way_points} way points\n");
+    for violation in &verification.violations {
+        let place = format!("edge {} at {:.3}", violation.edge, violation.at);
+        let _ = match violation.kind {
+            ViolationKind::Contact if violation.second.is_empty() => {
+                writeln!(page, "  contact     way point {}", violation.edge)
+            }
+            ViolationKind::Contact => writeln!(
+                page,
+                "  contact     {place}: {} is {} deep in {}",
+                violation.first,
+                millimetres(violation.depth_m),
+                violation.second
+            ),
+            ViolationKind::Clearance => writeln!(
+                page,
+                "  clearance   {place}: {} comes too close to {}",
+                violation.first, violation.second
+            ),
+            ViolationKind::Unresolved => writeln!(
+                page,
+                "  unresolved  {place}: {} against {} can be neither proven nor refuted",
+                violation.first, violation.second
+            ),
+            ViolationKind::JointLimit => writeln!(
+                page,
+                "  limit       way point {}: {} is {:.4} beyond its limit",
+                violation.edge, violation.first, violation.depth_m
+            ),
+            ViolationKind::Start => writeln!(
+                page,
+                "  start       {} is {:.6} off the start of the scenario",
+                violation.first, violation.depth_m
+            ),
+            _ => writeln!(page, "  goal        the path does not end at a goal"),
+        };
+    }
+    if let Some(goal) = &verification.goal {
+        let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);
+        let _ = writeln!(
+            page,
+            "  goal        grasp {}: {}, {} off",
+            goal.grasp,
+            millimetres(translation),
+            degrees(rotation)
+        );
+    }
+    if let Some(clearance) = verification.clearance_m {
+        let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
+    }
+    page
+}

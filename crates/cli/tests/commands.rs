@@ -1,0 +1,156 @@
+//! The program as its users meet it: answers, exit codes, files left behind.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn cranny(folder: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("cranny")
+        .expect("the program")
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).expect("one JSON document on standard output")
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn has_keys(value: &Value, keys: &str) {
+    for key in keys.split_whitespace() {
+        assert!(value.get(key).is_some(), "no key '{key}' in {value}");
+    }
+}
+
+#[test]
+fn a_built_in_scenario_is_planned_verified_and_written() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "021"]);
+    assert_eq!(planned.status.code(), Some(0));
+    let summary = String::from_utf8_lossy(&planned.stdout);
+    for word in ["solved", "grasp", "mm", "°", "clearance", "way points", "iterations", "021.plan.json"] {
+        assert!(summary.contains(word), "no '{word}' in {summary}");
+    }
+    let verified = cranny(folder.path(), &["verify", "021", "021.plan.json", "--json"]);
+    assert_eq!(verified.status.code(), Some(0));
+    let verdict = json(&verified);
+    has_keys(&verdict, "valid violations goal clearance_m");
+    assert_eq!(verdict["valid"], true);
+    assert!(verdict["goal"]["translation_error_m"].as_f64().is_some_and(|e| e <= 1e-3));
+    assert!(verdict["clearance_m"].as_f64().is_some_and(|c| c > 0.0));
+}
+
+#[test]
+fn the_json_keys_of_a_plan_stay() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "022", "--json", "--seed", "3", "-o", "p.plan.json"]);
+    assert_eq!(planned.status.code(), Some(0));
+    has_keys(
+        &json(&planned),
+        "scenario planner criterion seed outcome grasp translation_error_m rotation_error_rad clearance_m \
+         path_length planning_time_s iterations waypoints plan_file",
+    );
+    assert_eq!(json(&planned)["outcome"], "solved");
+    assert_eq!(json(&planned)["criterion"], "exact");
+}
+
+#[test]
+fn a_seed_and_a_budget_of_iterations_give_the_same_bytes_on_any_number_of_threads() {
+    let folder = folder();
+    let way_points = |planner: &str, threads: &str, file: &str| {
+        let output = Command::cargo_bin("cranny")
+            .expect("the program")
+            .current_dir(folder.path())
+            .env("RAYON_NUM_THREADS", threads)
+            .args(["plan", "023", "--planner", planner, "--seed", "5", "--iterations", "3000"])
+            .args(["--criterion", if planner == "ik-rrt" { "exact" } else { "paper" }, "-o", file])
+            .output()
+            .expect("it runs");
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
+        let text = std::fs::read_to_string(folder.path().join(file)).expect("a plan file");
+        serde_json::from_str::<Value>(&text).expect("JSON")["waypoints"].to_string()
+    };
+    for planner in ["ik-rrt", "j-plus-rrt"] {
+        let first = way_points(planner, "1", "a.plan.json");
+        assert_eq!(first, way_points(planner, "1", "b.plan.json"));
+        assert_eq!(first, way_points(planner, "2", "c.plan.json"));
+    }
+}
+
+#[test]
+fn ik_says_for_every_grasp_what_became_of_it() {
+    let folder = folder();
+    let found = cranny(folder.path(), &["ik", "021", "--attempts", "200", "--json"]);
+    assert_eq!(found.status.code(), Some(0));
+    let grasps = json(&found)["grasps"].as_array().expect("a list").clone();
+    assert_eq!(grasps.len(), 200);
+    let solved = grasps.iter().find(|g| g["status"] == "solved").expect("a grasp that can be held");
+    has_keys(&solved["solutions"][0], "q translation_error_m rotation_error_rad clearance_m");
+    assert!(grasps.iter().any(|g| g["status"] == "hand-collides" && g["blocked_by"].is_string()));
+    let threads = |n: &str| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.env("RAYON_NUM_THREADS", n).args(["ik", "021", "--attempts", "200", "--json"]);
+        command.output().expect("it runs").stdout
+    };
+    assert_eq!(threads("1"), threads("2"));
+}
+
+#[test]
+fn a_bad_path_is_refused_with_every_violation_named() {
+    let folder = folder();
+    let straight = "0,0,-0.0178,-0.7601,0.0198,-2.3421,0.0298,1.5412,0.7534\n0.9,0.9,0,1.5,0,-0.5,0,1.5,0\n";
+    std::fs::write(folder.path().join("straight.csv"), straight).expect("written");
+    let verified = cranny(folder.path(), &["verify", "021", "straight.csv", "--json"]);
+    assert_eq!(verified.status.code(), Some(1));
+    let verdict = json(&verified);
+    assert_eq!(verdict["valid"], false);
+    let violations = verdict["violations"].as_array().expect("a list");
+    let contact = violations.iter().find(|v| v["kind"] == "contact").expect("a contact");
+    has_keys(contact, "kind edge at first second depth_m");
+    assert!(contact["depth_m"].as_f64().is_some_and(|d| d > 0.0));
+    assert!(violations.iter().any(|v| v["kind"] == "goal"));
+    let text = cranny(folder.path(), &["verify", "021", "straight.csv"]);
+    assert!(String::from_utf8_lossy(&text.stdout).contains("deep in"));
+}
+
+#[test]
+fn margins_are_demanded_of_plan_and_verification() {
+    let folder = folder();
+    let margins = ["--margin", "5", "--grasp-margin", "1"];
+    let planned = cranny(folder.path(), &[&["plan", "021"], &margins[..]].concat());
+    assert_eq!(planned.status.code(), Some(0));
+    let verified = cranny(folder.path(), &[&["verify", "021", "021.plan.json"], &margins[..]].concat());
+    assert_eq!(verified.status.code(), Some(0));
+    let harder = cranny(folder.path(), &["verify", "021", "021.plan.json", "--margin", "60"]);
+    assert_eq!(harder.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&harder.stdout).contains("too close"));
+}
+
+#[test]
+fn a_search_that_runs_out_of_budget_is_an_honest_no() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "021", "--iterations", "1", "--planner", "j-plus-rrt"]);
+    assert_eq!(planned.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&planned.stdout).contains("budget-exhausted"));
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing is written");
+}
+
+#[test]
+fn list_info_and_help_answer() {
+    let folder = folder();
+    let list = cranny(folder.path(), &["list"]);
+    assert!(String::from_utf8_lossy(&list.stdout).contains("025"));
+    let info = json(&cranny(folder.path(), &["info", "025", "--json"]));
+    assert_eq!((&info["grasps"], &info["start_is_free"]), (&200.into(), &true.into()));
+    for command in ["plan", "verify", "ik"] {
+        let help = cranny(folder.path(), &["help", command]);
+        assert!(String::from_utf8_lossy(&help.stdout).contains("Examples"), "{command}");
+    }
+}
