@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use cranny_spatial::{Point, Pose, Vector};
+use parry3d_f64::shape::SupportMap;
 use parry3d_f64::transformation::try_convex_hull;
 
 use crate::convex::{Convex, Core};
@@ -158,6 +159,14 @@ impl Solid {
         }
     }
 
+    /// The point of a convex solid that lies farthest along `direction`; `None` for a mesh or half-space.
+    pub fn support_point(&self, direction: &Vector) -> Option<Point> {
+        match &self.kind {
+            Kind::Convex(convex) => Some(support(convex, direction)),
+            _ => None,
+        }
+    }
+
     /// The least z of the solid after `target_from_solid`, in metres; minus infinity for a half-space.
     pub fn lowest_z(&self, target_from_solid: &Pose) -> f64 {
         match &self.kind {
@@ -200,8 +209,12 @@ fn ball_around<'a>(center: Point, points: impl Iterator<Item = &'a Point>, radiu
 }
 
 fn lowest(convex: &Convex, target_from_solid: &Pose) -> f64 {
-    use parry3d_f64::shape::SupportMap;
     let down = target_from_solid.rotation.inverse_transform_vector(&-Vector::z());
-    let support = parry::to_vector(convex.core.local_support_point(parry::vector(&down)));
-    (target_from_solid * Point::from(support)).z - convex.radius_m
+    (target_from_solid * support(convex, &down)).z
+}
+
+fn support(convex: &Convex, direction: &Vector) -> Point {
+    let core = parry::to_vector(convex.core.local_support_point(parry::vector(direction)));
+    let rounding = direction.try_normalize(0.0).unwrap_or_else(Vector::zeros) * convex.radius_m;
+    (core + rounding).into()
 }
