@@ -180,7 +180,7 @@ impl Cell {
             }
             let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(body.link));
             let (body_index, part) = &self.parts[index];
-            if body.quick_bound_to(&world_from_link, &part.solid, &part.world_from_solid) > pair.required_m {
+            if body.quick_bound_to(&world_from_link, part, pair.required_m) > pair.required_m {
                 return None;
             }
             let shapes = body.shapes.iter().map(|(pose, solid)| (world_from_link * pose, solid));
@@ -206,7 +206,7 @@ impl Cell {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut least = f64::INFINITY;
         for pair in &self.pairs {
-            if self.quick_bound(pair, &scratch.frames) < least {
+            if self.quick_bound(pair, &scratch.frames, least) < least {
                 least = least.min(self.distance(pair, &scratch.frames, least).lower_m);
             }
             if least <= 0.0 {
@@ -278,23 +278,21 @@ impl Cell {
     }
 
     pub(crate) fn keeps_distance(&self, pair: &Pair, frames: &LinkFrames) -> bool {
-        self.quick_bound(pair, frames) > pair.required_m
+        self.quick_bound(pair, frames, pair.required_m) > pair.required_m
             || self.distance(pair, frames, pair.required_m).lower_m >= pair.required_m
     }
 
-    /// A lower bound of the pair's distance (m) at the price of two balls and two boxes.
-    pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames) -> f64 {
+    /// A lower bound of the pair's distance (m) from two balls, and two boxes where the balls do not show
+    /// that it exceeds `enough_m`.
+    pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames, enough_m: f64) -> f64 {
         let first = &self.bodies[pair.first];
         let world_from_first = frames.link(first.link);
         match pair.second {
             Other::Link { body, .. } => {
                 let second = &self.bodies[body];
-                first.quick_bound_between(world_from_first, second, frames.link(second.link))
+                first.quick_bound_between(world_from_first, second, frames.link(second.link), enough_m)
             }
-            Other::Part(index) => {
-                let part = &self.parts[index].1;
-                first.quick_bound_to(world_from_first, &part.solid, &part.world_from_solid)
-            }
+            Other::Part(index) => first.quick_bound_to(world_from_first, &self.parts[index].1, enough_m),
         }
     }
 

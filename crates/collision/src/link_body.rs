@@ -1,6 +1,8 @@
 use cranny_robot::Robot;
-use cranny_shape::{Aabb, Ball, Solid, quick_lower_bound};
+use cranny_shape::{Aabb, Ball, Solid, bound_between, quick_lower_bound};
 use cranny_spatial::{Point, Pose};
+
+use crate::Part;
 
 /// The solids of one link, and what bounds them all, in the link's frame.
 #[derive(Clone, Debug)]
@@ -44,24 +46,28 @@ impl LinkBody {
         Some(Self { link, shapes, ball: Ball { center: aabb.center, radius_m }, aabb })
     }
 
-    /// A lower bound of the distance (m) to a solid of the world, from ball and box; may be negative.
-    pub fn quick_bound_to(&self, world_from_link: &Pose, solid: &Solid, world_from_solid: &Pose) -> f64 {
-        let center = world_from_link * self.ball.center;
+    /// A lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative.
+    /// Boxes are asked only where balls do not show that it exceeds `enough_m`.
+    pub fn quick_bound_to(&self, world_from_link: &Pose, part: &Part, enough_m: f64) -> f64 {
+        let Part { world_from_solid, solid } = part;
         if solid.is_half_space() {
+            let center = world_from_link * self.ball.center;
             return world_from_solid.inverse_transform_point(&center).z - self.ball.radius_m;
         }
-        let from_solid = solid.aabb().distance_to(&world_from_solid.inverse_transform_point(&center));
-        let solid_center = world_from_solid * solid.ball().center;
-        let from_link = self.aabb.distance_to(&world_from_link.inverse_transform_point(&solid_center));
-        (from_solid - self.ball.radius_m).max(from_link - solid.ball().radius_m)
+        let (ball, aabb) = (solid.ball(), solid.aabb());
+        bound_between(&self.ball, &self.aabb, world_from_link, ball, aabb, world_from_solid, enough_m)
     }
 
-    /// A lower bound of the distance (m) of two links, from their balls and boxes; may be negative.
-    pub fn quick_bound_between(&self, world_from_self: &Pose, other: &Self, world_from_other: &Pose) -> f64 {
-        let (a, b) = (world_from_self * self.ball.center, world_from_other * other.ball.center);
-        let from_other = other.aabb.distance_to(&world_from_other.inverse_transform_point(&a));
-        let from_self = self.aabb.distance_to(&world_from_self.inverse_transform_point(&b));
-        (from_other - self.ball.radius_m).max(from_self - other.ball.radius_m)
+    /// The same for two links.
+    pub fn quick_bound_between(
+        &self,
+        world_from_self: &Pose,
+        other: &Self,
+        world_from_other: &Pose,
+        enough_m: f64,
+    ) -> f64 {
+        let Self { ball, aabb, .. } = other;
+        bound_between(&self.ball, &self.aabb, world_from_self, ball, aabb, world_from_other, enough_m)
     }
 }
 
@@ -76,7 +82,7 @@ pub(crate) fn group_separation<'a>(
     for (pose_a, a) in first {
         for (pose_b, b) in second.clone() {
             let reach = best.upper_m.min(beyond_m);
-            if quick_lower_bound(a, &pose_a, b, &pose_b) > reach {
+            if quick_lower_bound(a, &pose_a, b, &pose_b, reach) > reach {
                 continue;
             }
             let found = cranny_shape::separation(a, &pose_a, b, &pose_b, reach);

@@ -102,7 +102,7 @@ impl Cell {
                     // 2.
                     let travel = travel_of(pair, scratch) + ROUNDING_M;
                     let needed = pair.required_m + travel;
-                    let quick = self.quick_bound(pair, &scratch.frames);
+                    let quick = self.quick_bound(pair, &scratch.frames, needed);
                     if quick > needed {
                         least_clearance_m = least_clearance_m.min(quick - travel);
                         continue;
@@ -160,7 +160,7 @@ impl Cell {
                 let pair = &self.pairs[index as usize];
                 let travel = travel_of(pair, scratch) + ROUNDING_M;
                 let bar = |least: f64| least - CLEARANCE_TOLERANCE_M + travel;
-                if self.quick_bound(pair, &scratch.frames) >= bar(least) {
+                if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
                     continue;
                 }
                 let gap = self.distance(pair, &scratch.frames, least.max(bar(least)));

@@ -10,13 +10,17 @@
 //! still.
 
 mod error;
+mod forest;
 mod goal_meter;
+mod goal_pool;
 mod ik_annotation;
 mod ik_rrt;
 mod j_plus_rrt;
+mod joint_metric;
 mod nearest;
 mod planner;
 mod problem;
+mod reach;
 mod registry;
 mod search_tree;
 mod step;
@@ -29,5 +33,6 @@ pub use j_plus_rrt::{GraspChoice, JPlusRrt};
 pub use nearest::NearestNeighbours;
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
+pub use reach::Reach;
 pub use registry::{planner, planner_names};
 pub use verification::{GoalError, Verification, Violation, ViolationKind, path_length, verify};

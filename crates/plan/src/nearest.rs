@@ -1,3 +1,6 @@
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x16};
+
 /// Points of a leaf; a multiple of every SIMD width in use.
 const LEAF: usize = 32;
 
@@ -100,13 +103,20 @@ impl NearestNeighbours {
         };
         let mut best = (f32::INFINITY, u32::MAX);
         let mut stack = std::mem::take(&mut self.stack);
+        dispatch!(Level::new(), simd => self.search(simd, query, &mut stack, &mut best));
+        self.stack = stack;
+        Some(best.1 as usize)
+    }
+
+    #[inline(always)]
+    fn search<S: Simd>(&self, simd: S, query: &[f32], stack: &mut Vec<(u32, f32)>, best: &mut (f32, u32)) {
         stack.push((0, 0.0));
         while let Some((node, bound)) = stack.pop() {
             if bound > best.0 {
                 continue;
             }
             match self.nodes[node as usize] {
-                Node::Leaf { leaf, len } => self.scan(leaf, len as usize, query, &mut best),
+                Node::Leaf { leaf, len } => self.scan(simd, leaf, len as usize, query, best),
                 Node::Inner { low, high, .. } => {
                     let mut children =
                         [(low, self.box_distance(low, query)), (high, self.box_distance(high, query))];
@@ -118,19 +128,26 @@ impl NearestNeighbours {
                 }
             }
         }
-        self.stack = stack;
-        Some(best.1 as usize)
     }
 
-    fn scan(&self, leaf: u32, len: usize, query: &[f32], best: &mut (f32, u32)) {
+    #[inline(always)]
+    fn scan<S: Simd>(&self, simd: S, leaf: u32, len: usize, query: &[f32], best: &mut (f32, u32)) {
         let begin = leaf as usize * self.dimensions * LEAF;
-        let mut sums = [0.0f32; LEAF];
+        let mut halves = [f32x16::splat(simd, 0.0); 2];
         for (lanes, x) in self.lanes[begin..].chunks_exact(LEAF).zip(query) {
-            for (sum, lane) in sums.iter_mut().zip(lanes) {
-                let difference = lane - x;
+            let x = f32x16::splat(simd, *x);
+            for (sum, lanes) in halves.iter_mut().zip(lanes.chunks_exact(LEAF / 2)) {
+                let difference = f32x16::from_slice(simd, lanes) - x;
                 *sum += difference * difference;
             }
         }
+        // Most leaves hold nothing nearer, which the least of all sums shows at once.
+        if halves[0].min(halves[1]).reduce_min() > best.0 {
+            return;
+        }
+        let mut sums = [0.0; LEAF];
+        halves[0].store_slice(&mut sums[..LEAF / 2]);
+        halves[1].store_slice(&mut sums[LEAF / 2..]);
         for (&sum, &id) in sums.iter().zip(&self.ids[leaf as usize]).take(len) {
             if sum < best.0 || (sum <= best.0 && id < best.1) {
                 *best = (sum, id);
@@ -138,6 +155,7 @@ impl NearestNeighbours {
         }
     }
 
+    #[inline(always)]
     fn box_distance(&self, node: u32, query: &[f32]) -> f32 {
         let begin = node as usize * 2 * self.dimensions;
         let (low, high) = self.boxes[begin..begin + 2 * self.dimensions].split_at(self.dimensions);
@@ -176,6 +194,8 @@ impl NearestNeighbours {
         // If most values are equal, any cut that leaves both sides non-empty will do.
         let split = values.iter().copied().skip(LEAF / 2).find(|v| *v > values[0]).unwrap_or(values[0]);
 
+        let begin = leaf as usize * self.dimensions * LEAF;
+        self.lanes[begin..begin + self.dimensions * LEAF].fill(f32::INFINITY);
         let leaves = [leaf, self.new_leaf()];
         let children = leaves.map(|leaf| self.new_node(Node::Leaf { leaf, len: 0 }));
         let mut lens = [0u32; 2];
@@ -203,7 +223,8 @@ impl NearestNeighbours {
     }
 
     fn new_leaf(&mut self) -> u32 {
-        self.lanes.resize(self.lanes.len() + self.dimensions * LEAF, 0.0);
+        // Empty slots are infinitely far from everything.
+        self.lanes.resize(self.lanes.len() + self.dimensions * LEAF, f32::INFINITY);
         self.ids.push([u32::MAX; LEAF]);
         u32::try_from(self.ids.len() - 1).unwrap_or(u32::MAX)
     }

@@ -1,8 +1,8 @@
-use crate::{IkRrt, JPlusRrt, PlanError, Planner};
+use crate::{IkRrt, JPlusRrt, PlanError, Planner, Reach};
 
 /// Every planner, with its default settings, in the order in which lists show them.
 fn all() -> Vec<Box<dyn Planner>> {
-    vec![Box::new(IkRrt::default()), Box::new(JPlusRrt::default())]
+    vec![Box::new(Reach::default()), Box::new(IkRrt::default()), Box::new(JPlusRrt::default())]
 }
 
 /// The planner of that name, with its default settings.

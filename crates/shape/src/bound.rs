@@ -68,6 +68,24 @@ impl Aabb {
         ((other.center - self.center).abs() - other.half_extents - self.half_extents).max() <= 0.0
     }
 
+    /// A lower bound of the distance (m) to `other`, which is placed in this box's frame; 0 or less if no
+    /// face of either box lies between the two.
+    ///
+    /// The distance to the box around the other box, from both sides: exact where a face decides, too low
+    /// where two edges are nearest.
+    pub fn gap_to(&self, other: &Self, self_from_other: &Pose) -> f64 {
+        let rotation = self_from_other.rotation.to_rotation_matrix();
+        let turned = rotation.matrix().abs();
+        let between = self_from_other * other.center - self.center;
+        let here = between.abs() - self.half_extents - turned * other.half_extents;
+        let back = rotation.inverse() * between;
+        let there = back.abs() - other.half_extents - turned.transpose() * self.half_extents;
+        let distance = |gap: Vector| {
+            if gap.max() > 0.0 { gap.sup(&Vector::zeros()).norm() } else { gap.max() }
+        };
+        distance(here).max(distance(there))
+    }
+
     /// Distance from `point` to the box, in metres; 0 inside.
     pub fn distance_to(&self, point: &Point) -> f64 {
         ((point - self.center).abs() - self.half_extents).sup(&Vector::zeros()).norm()

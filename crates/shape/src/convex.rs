@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use cranny_spatial::{Point, Vector};
+use fearless_simd::{Level, Simd, dispatch};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
 
@@ -20,7 +21,7 @@ pub(crate) enum Core {
     Segment { half_length: f64 },
     Cuboid { half_extents: Vector },
     Cylinder { half_length: f64, radius: f64 },
-    Hull(Arc<[ParryVector]>),
+    Hull(Arc<HullPoints>),
     Triangle([ParryVector; 3]),
 }
 
@@ -55,7 +56,7 @@ impl Convex {
                     })
                     .collect()
             }
-            Core::Hull(points) => points.iter().map(|p| Point::new(p.x, p.y, p.z)).collect(),
+            Core::Hull(points) => points.iter().collect(),
             Core::Triangle(corners) => corners.iter().map(|p| Point::new(p.x, p.y, p.z)).collect(),
         }
     }
@@ -76,20 +77,83 @@ impl SupportMap for Core {
                 let scale = if across > 0.0 { radius / across } else { 0.0 };
                 ParryVector::new(direction.x * scale, direction.y * scale, half_length.copysign(direction.z))
             }
-            Self::Hull(points) => farthest(points, direction),
-            Self::Triangle(corners) => farthest(corners, direction),
+            Self::Hull(points) => points.farthest(direction),
+            Self::Triangle([a, b, c]) => {
+                let reach = [a, b, c].map(|corner| corner.dot(direction));
+                if reach[0] >= reach[1] && reach[0] >= reach[2] {
+                    *a
+                } else if reach[1] >= reach[2] {
+                    *b
+                } else {
+                    *c
+                }
+            }
         }
     }
 }
 
-fn farthest(points: &[ParryVector], direction: ParryVector) -> ParryVector {
-    let mut best = points[0];
-    let mut best_reach = best.dot(direction);
-    for &point in &points[1..] {
-        let reach = point.dot(direction);
-        if reach > best_reach {
-            (best, best_reach) = (point, reach);
+/// Points of a hull that are compared at once.
+const LANES: usize = 8;
+
+/// The corners of a convex hull, coordinate by coordinate, so that vector instructions can run through
+/// them; the last chunk is filled up with the first corner.
+#[derive(Clone, Debug)]
+pub(crate) struct HullPoints {
+    chunks: Vec<[[f64; LANES]; 3]>,
+    len: usize,
+}
+
+impl HullPoints {
+    pub fn new(corners: &[ParryVector]) -> Self {
+        let chunk = |chunk: &[ParryVector]| {
+            let corner = |lane: usize| chunk.get(lane).copied().unwrap_or(corners[0]);
+            let coordinate = |axis: usize| std::array::from_fn(|lane| corner(lane).to_array()[axis]);
+            [coordinate(0), coordinate(1), coordinate(2)]
+        };
+        Self { chunks: corners.chunks(LANES).map(chunk).collect(), len: corners.len() }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Point> {
+        let point = |index: usize| self.corner(index / LANES, index % LANES);
+        (0..self.len).map(point).map(|p| Point::new(p.x, p.y, p.z))
+    }
+
+    fn corner(&self, chunk: usize, lane: usize) -> ParryVector {
+        let [x, y, z] = &self.chunks[chunk];
+        ParryVector::new(x[lane], y[lane], z[lane])
+    }
+
+    /// The corner farthest along `direction`. Every instruction set adds in the same order, so all find
+    /// the same one.
+    fn farthest(&self, direction: ParryVector) -> ParryVector {
+        let (chunk, lane) = dispatch!(Level::new(), simd => farthest_corner(simd, &self.chunks, direction));
+        self.corner(chunk, lane)
+    }
+}
+
+/// Chunk and lane of the farthest corner; of equal ones the one in the first lane.
+#[inline(always)]
+fn farthest_corner<S: Simd>(_: S, chunks: &[[[f64; LANES]; 3]], direction: ParryVector) -> (usize, usize) {
+    let mut best = [f64::NEG_INFINITY; LANES];
+    // A chunk's number as f64 has the width of what it is chosen by.
+    let mut best_chunk = [0.0; LANES];
+    let mut number = 0.0;
+    for [x, y, z] in chunks {
+        for lane in 0..LANES {
+            let reach = x[lane] * direction.x + y[lane] * direction.y + z[lane] * direction.z;
+            let is_farther = reach > best[lane];
+            best[lane] = if is_farther { reach } else { best[lane] };
+            best_chunk[lane] = if is_farther { number } else { best_chunk[lane] };
+        }
+        number += 1.0;
+    }
+    let mut lane = 0;
+    for other in 1..LANES {
+        if best[other] > best[lane] {
+            lane = other;
         }
     }
-    best
+    // Chunk numbers are small whole numbers.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    (best_chunk[lane] as usize, lane)
 }

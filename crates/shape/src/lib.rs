@@ -26,6 +26,6 @@ pub use bound::{Aabb, Ball};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
 pub use mesh_file::TriangleSoup;
-pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
+pub use separation::{Overlap, Separation, bound_between, overlap, quick_lower_bound, separation};
 pub use solid::Solid;
 pub use surface::Surface;

@@ -7,7 +7,7 @@ use parry3d_f64::shape::SupportMap;
 use crate::convex::Convex;
 use crate::mesh::Mesh;
 use crate::solid::Kind;
-use crate::{Aabb, Solid, parry};
+use crate::{Aabb, Ball, Solid, parry};
 
 /// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
 ///
@@ -72,18 +72,39 @@ pub fn separation(
 }
 
 /// A lower bound of the distance (m) from balls and boxes alone, at the price of a few multiplications;
-/// may be negative.
-pub fn quick_lower_bound(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose) -> f64 {
+/// may be negative. Where the balls show that it exceeds `enough_m`, the boxes are not asked.
+pub fn quick_lower_bound(
+    a: &Solid,
+    common_from_a: &Pose,
+    b: &Solid,
+    common_from_b: &Pose,
+    enough_m: f64,
+) -> f64 {
     if a.is_half_space() {
         return (common_from_a.inv_mul(common_from_b) * b.ball().center).z - b.ball().radius_m;
     }
     if b.is_half_space() {
         return (common_from_b.inv_mul(common_from_a) * a.ball().center).z - a.ball().radius_m;
     }
-    let (center_a, center_b) = (common_from_a * a.ball().center, common_from_b * b.ball().center);
-    let from_b = b.aabb().distance_to(&common_from_b.inverse_transform_point(&center_a)) - a.ball().radius_m;
-    let from_a = a.aabb().distance_to(&common_from_a.inverse_transform_point(&center_b)) - b.ball().radius_m;
-    from_a.max(from_b)
+    bound_between(a.ball(), a.aabb(), common_from_a, b.ball(), b.aabb(), common_from_b, enough_m)
+}
+
+/// The same for anything that a ball and a box contain.
+pub fn bound_between(
+    ball_a: &Ball,
+    box_a: &Aabb,
+    common_from_a: &Pose,
+    ball_b: &Ball,
+    box_b: &Aabb,
+    common_from_b: &Pose,
+    enough_m: f64,
+) -> f64 {
+    let between = common_from_a * ball_a.center - common_from_b * ball_b.center;
+    let of_balls = between.norm() - ball_a.radius_m - ball_b.radius_m;
+    if of_balls > enough_m {
+        return of_balls;
+    }
+    of_balls.max(box_a.gap_to(box_b, &common_from_a.inv_mul(common_from_b)))
 }
 
 /// How deep two solids overlap, and where; `None` if they do not.

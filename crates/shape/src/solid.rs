@@ -4,7 +4,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::shape::SupportMap;
 use parry3d_f64::transformation::try_convex_hull;
 
-use crate::convex::{Convex, Core};
+use crate::convex::{Convex, Core, HullPoints};
 use crate::error::positive;
 use crate::mesh::Mesh;
 use crate::{Aabb, Ball, ShapeError, Surface, TriangleSoup, parry};
@@ -99,7 +99,7 @@ impl Solid {
                 normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
             })
         }));
-        Ok(Self::convex(Convex::sharp(Core::Hull(kept.into()))))
+        Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
     }
 
     /// The volume that a closed triangle mesh encloses.

@@ -108,7 +108,7 @@ proptest! {
         let found = separation(&a, &pose_a, &b, &pose_b, FAR);
         prop_assert!(found.lower_m <= found.upper_m + 1e-12);
         prop_assert!(found.upper_m - found.lower_m < cranny_spatial::CONTACT_M, "{found:?}");
-        prop_assert!(quick_lower_bound(&a, &pose_a, &b, &pose_b) <= found.upper_m + 1e-12);
+        prop_assert!(quick_lower_bound(&a, &pose_a, &b, &pose_b, FAR) <= found.upper_m + 1e-12);
         // The other body's points against this body: point distances are simple, and never below the truth.
         let probe = Solid::sphere(1e-9).unwrap();
         let nearest = points

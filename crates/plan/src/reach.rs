@@ -1,0 +1,282 @@
+use std::time::Instant;
+
+use cranny_collision::{Cell, Scratch};
+use cranny_spatial::Stream;
+
+use crate::forest::Forest;
+use crate::goal_pool::GoalPool;
+use crate::joint_metric::JointMetric;
+use crate::planner::Clock;
+use crate::{
+    Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, Validity,
+    ValidityScratch,
+};
+
+/// The flagship: one search for grasp and motion at exact tolerance.
+///
+/// 1. Grasps at which the hand alone collides are left out; if none is left, no grasp can be reached.
+/// 2. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps,
+///    as further roots of one goal forest.
+/// 3. Bidirectional growth (Kuffner & LaValle 2000): the smaller side takes one step towards a random
+///    configuration, the other side then goes as far as it can towards the new node.
+/// 4. Growth looks at single configurations on the way, coarse to fine (Thomason, Kingston & Kavraki 2024);
+///    where both sides meet, every edge of the path is proven, and an edge that cannot be is cut off with
+///    all that grew from it.
+///
+/// One iteration is one random configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// How far one step goes in the metric weighted by reach. Default 0.25.
+    pub step: f64,
+    /// Configurations looked at on a step, its end included. Default 4.
+    pub looks: usize,
+    /// Attempts of inverse kinematics in one iteration. Default 4.
+    pub ik_attempts: usize,
+    /// Goals that are enough. Default 100: more do not help.
+    pub goals: usize,
+    /// The smaller side grows unless it has been chosen so many times running. Default 4: a small side may
+    /// be small because it is trapped.
+    pub patience: u32,
+}
+
+impl Default for Reach {
+    fn default() -> Self {
+        Self { step: 0.25, looks: 4, ik_attempts: 4, goals: 100, patience: 4 }
+    }
+}
+
+impl Planner for Reach {
+    fn name(&self) -> &'static str {
+        "reach"
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let clock = Clock::new(budget);
+        let Validity::Exact(cell) = &problem.validity else {
+            return Err(PlanError::Goal { planner: "reach", needs: "the exact criterion" });
+        };
+        let forest = Forest::new(problem.robot.dof(), JointMetric::by_reach(&problem.robot));
+        let mut search = Search {
+            settings: self,
+            problem,
+            cell,
+            random: Stream::new(seed, 0),
+            sides: [forest.clone(), forest],
+            scratch: ValidityScratch::Exact(Box::new(cell.scratch())),
+            proof_scratch: cell.scratch(),
+            q: problem.start.clone(),
+            clock,
+            observer,
+            statistics: Statistics::default(),
+        };
+        let ended = search.run()?;
+        let mut statistics = search.statistics;
+        statistics.nodes = search.sides.iter().map(|side| side.len() as u64).sum();
+        statistics.planning_time_s = clock.elapsed_s();
+        let (outcome, path) = match ended {
+            Ok(path) => (Outcome::Solved, path),
+            Err(outcome) => (outcome, Vec::new()),
+        };
+        Ok(PlanReport { outcome, path, statistics })
+    }
+}
+
+struct Search<'a> {
+    settings: &'a Reach,
+    problem: &'a Problem,
+    cell: &'a Cell,
+    random: Stream,
+    /// The forest from the start (of one root), and the one from the goals.
+    sides: [Forest; 2],
+    scratch: ValidityScratch,
+    proof_scratch: Scratch,
+    q: Vec<f64>,
+    clock: Clock,
+    observer: &'a mut dyn Observer,
+    statistics: Statistics,
+}
+
+type Path = Vec<Vec<f64>>;
+
+/// Where a growth towards a target ended.
+enum Growth {
+    /// At the target, by this node.
+    Reached(usize),
+    /// On the way to it, at this node, with nothing in the way so far.
+    Advanced(usize),
+    /// At an obstacle; nothing was added by the last step.
+    Blocked,
+}
+
+impl Search<'_> {
+    fn run(&mut self) -> Result<Result<Path, Outcome>, PlanError> {
+        let problem = self.problem;
+        if !problem.validity.is_free(&problem.start, &mut self.scratch) {
+            return Ok(Err(Outcome::StartInvalid));
+        }
+        self.add(0, &problem.start, None);
+        match &problem.goal {
+            Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
+            Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
+            Goal::Configurations(goals) => {
+                for goal in goals {
+                    if problem.validity.is_free(goal, &mut self.scratch) {
+                        self.add(1, goal, None);
+                    }
+                }
+                Ok(self.search(None))
+            }
+            // 1.
+            Goal::Grasps(grasps) => {
+                let pool = GoalPool::new(problem, self.cell, grasps, &mut self.proof_scratch);
+                if pool.is_hopeless() {
+                    return Ok(Err(Outcome::NoReachableGrasp));
+                }
+                Ok(self.search(Some(pool)))
+            }
+        }
+    }
+
+    fn search(&mut self, mut pool: Option<GoalPool>) -> Result<Path, Outcome> {
+        let (mut side, mut times_running) = (0, 0);
+        let mut goals = self.sides[1].len();
+        loop {
+            if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
+                return Err(outcome);
+            }
+            self.statistics.iterations += 1;
+            // 2.
+            if let Some(pool) = pool.as_mut().filter(|_| goals < self.settings.goals) {
+                for _ in 0..self.settings.ik_attempts {
+                    let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
+                    if let Some(goal) = found {
+                        self.add(1, &goal, None);
+                        goals += 1;
+                    }
+                }
+            }
+            if self.sides[1].len() == 0 {
+                continue;
+            }
+            // 3.
+            let smaller = usize::from(self.sides[1].len() < self.sides[0].len());
+            let chosen = if times_running < self.settings.patience { smaller } else { 1 - side };
+            times_running = if chosen == side { times_running + 1 } else { 0 };
+            side = chosen;
+            if let Some(path) = self.grow_both(side) {
+                return Ok(path);
+            }
+        }
+    }
+
+    /// One step of one side towards a random configuration, and the other side's way to where it ended.
+    fn grow_both(&mut self, side: usize) -> Option<Path> {
+        let mut sample = std::mem::take(&mut self.q);
+        for (value, limits) in sample.iter_mut().zip(self.problem.robot.limits()) {
+            *value = self.random.uniform_between(limits.lower, limits.upper);
+        }
+        let nearest = self.nearest(side, &sample);
+        let grown = self.step(side, nearest, &sample);
+        self.q = sample;
+        let (Growth::Reached(node) | Growth::Advanced(node)) = grown else { return None };
+        let meeting = self.sides[side].q(node).to_vec();
+        let mut other = self.nearest(1 - side, &meeting);
+        loop {
+            match self.step(1 - side, other, &meeting) {
+                Growth::Advanced(next) => other = next,
+                Growth::Reached(other) => {
+                    let ends = if side == 0 { [node, other] } else { [other, node] };
+                    return self.proven_path(ends);
+                }
+                Growth::Blocked => return None,
+            }
+        }
+    }
+
+    fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
+        let begin = Instant::now();
+        let nearest = self.sides[side].nearest(q).unwrap_or(0);
+        self.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
+        nearest
+    }
+
+    /// Adds a node one step from `from` towards `target`, if every look on the way is free.
+    fn step(&mut self, side: usize, from: usize, target: &[f64]) -> Growth {
+        let begin = Instant::now();
+        let start = self.sides[side].q(from);
+        let distance = self.sides[side].distance(start, target);
+        let fraction = if distance > self.settings.step { self.settings.step / distance } else { 1.0 };
+        let is_end = fraction >= 1.0;
+        let looks = self.settings.looks;
+        let mut q = vec![0.0; start.len()];
+        // Coarse to fine: the end, the middle, then what lies between.
+        let is_free = bit_reversed(looks).all(|look| {
+            let at = fraction * (looks - look) as f64 / looks as f64;
+            for ((q, a), b) in q.iter_mut().zip(start).zip(target) {
+                *q = if look == 0 && is_end { *b } else { a + (b - a) * at };
+            }
+            self.statistics.collision_checks += 1;
+            self.problem.validity.is_free(&q, &mut self.scratch)
+        });
+        for ((q, a), b) in q.iter_mut().zip(start).zip(target) {
+            *q = if is_end { *b } else { a + (b - a) * fraction };
+        }
+        self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        match (is_free, is_end) {
+            (false, _) => Growth::Blocked,
+            (true, true) => Growth::Reached(self.add(side, &q, Some(from))),
+            (true, false) => Growth::Advanced(self.add(side, &q, Some(from))),
+        }
+    }
+
+    /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
+    fn proven_path(&mut self, ends: [usize; 2]) -> Option<Path> {
+        let begin = Instant::now();
+        let mut refuted = None;
+        'sides: for (side, end) in ends.into_iter().enumerate() {
+            for node in self.sides[side].way_to_root(end) {
+                let Some(parent) = self.sides[side].open_edge(node) else { continue };
+                let (a, b) = (self.sides[side].q(parent), self.sides[side].q(node));
+                self.statistics.collision_checks += 1;
+                if !self.cell.motion_is_free(a, b, &mut self.proof_scratch).is_proven() {
+                    refuted = Some((side, node));
+                    break 'sides;
+                }
+                self.sides[side].set_proven(node);
+            }
+        }
+        self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        if let Some((side, node)) = refuted {
+            self.sides[side].cut(node);
+            return None;
+        }
+        let way = |side: usize| {
+            let forest = &self.sides[side];
+            forest.way_to_root(ends[side]).into_iter().map(|node| forest.q(node).to_vec())
+        };
+        let mut path: Path = way(0).collect();
+        path.reverse();
+        // Both ways end where they meet: it stands in the path once.
+        path.extend(way(1).skip(1));
+        Some(path)
+    }
+
+    fn add(&mut self, side: usize, q: &[f64], parent: Option<usize>) -> usize {
+        self.observer.node_added(side, q, parent);
+        self.sides[side].add(q, parent)
+    }
+}
+
+/// 0..`count` in the order of bit reversal: the ends first, then the middles.
+fn bit_reversed(count: usize) -> impl Iterator<Item = usize> {
+    let bits = count.next_power_of_two().trailing_zeros();
+    (0..count.next_power_of_two())
+        .map(move |i| if bits == 0 { 0 } else { i.reverse_bits() >> (usize::BITS - bits) })
+        .filter(move |i| *i < count)
+}
