@@ -192,7 +192,7 @@ impl Cell {
                 clearance_m: gap.lower_m,
                 required_m: pair.required_m,
                 depth_m: 0.0,
-                point: world_from_link * body.ball.center,
+                point: world_from_link * body.bounds.ball.center,
             })
         })
     }
@@ -216,15 +216,19 @@ impl Cell {
         least
     }
 
-    /// The deepest contact at `q`, or the one that misses its demanded clearance by most; `None` if every
-    /// pair keeps its distance. Joint limits do not enter.
+    /// A pair that is closer at `q` than it may be: the first in a fixed order, hand and wrist before the
+    /// base, the world before other links; `None` if every pair keeps its distance. Joint limits do not
+    /// enter.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn first_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
-        self.contacts(q, scratch)
-            .into_iter()
-            .max_by(|a, b| (a.depth_m - a.clearance_m).total_cmp(&(b.depth_m - b.clearance_m)))
+        self.robot.forward_kinematics(q, &mut scratch.frames);
+        let frames = &scratch.frames;
+        self.pairs
+            .iter()
+            .find(|pair| !self.keeps_distance(pair, frames))
+            .map(|pair| self.describe(pair, frames))
     }
 
     /// Every pair that is closer at `q` than it may be, link pairs and link-body pairs once each.
@@ -266,7 +270,7 @@ impl Cell {
             clearance_m,
             required_m: pair.required_m,
             depth_m: deepest.map_or(0.0, |o| o.depth_m),
-            point: deepest.map_or(frames.link(first.link) * first.ball.center, |o| o.point),
+            point: deepest.map_or(frames.link(first.link) * first.bounds.ball.center, |o| o.point),
         }
     }
 
@@ -290,7 +294,8 @@ impl Cell {
         match pair.second {
             Other::Link { body, .. } => {
                 let second = &self.bodies[body];
-                first.quick_bound_between(world_from_first, second, frames.link(second.link), enough_m)
+                let world_from_second = frames.link(second.link);
+                first.bounds.distance_bound(world_from_first, &second.bounds, world_from_second, enough_m)
             }
             Other::Part(index) => first.quick_bound_to(world_from_first, &self.parts[index].1, enough_m),
         }

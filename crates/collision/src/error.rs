@@ -10,14 +10,22 @@ pub enum CollisionError {
         /// The names that there are.
         known: String,
     },
+    /// A link's triangles cannot be checked.
+    #[error("link '{link}': {source}")]
+    Link {
+        /// Which link.
+        link: String,
+        /// What is wrong with its triangles.
+        source: cranny_shape::ShapeError,
+    },
     /// A margin is negative or not finite.
     #[error("a margin must be a finite number of metres, at least 0, but is {value}")]
     Margin {
         /// The offending value.
         value: f64,
     },
-    /// A pose has a number that is not finite.
-    #[error("the pose of body '{name}' has a number that is not finite")]
+    /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].
+    #[error("the pose of body '{name}' is not within 1000 m of the robot's root")]
     Pose {
         /// Which body.
         name: String,

@@ -1,5 +1,5 @@
 use cranny_robot::Robot;
-use cranny_shape::{Aabb, Ball, Solid, bound_between, quick_lower_bound};
+use cranny_shape::{Bounds, Solid, quick_lower_bound};
 use cranny_spatial::{Point, Pose};
 
 use crate::Part;
@@ -9,8 +9,7 @@ use crate::Part;
 pub(crate) struct LinkBody {
     pub link: usize,
     pub shapes: Vec<(Pose, Solid)>,
-    pub ball: Ball,
-    pub aabb: Aabb,
+    pub bounds: Bounds,
 }
 
 impl LinkBody {
@@ -19,7 +18,8 @@ impl LinkBody {
         (0..robot.links().len()).filter_map(|link| Self::new(robot, link)).collect()
     }
 
-    fn new(robot: &Robot, link: usize) -> Option<Self> {
+    /// The link of this index; `None` if it has no geometry.
+    pub fn new(robot: &Robot, link: usize) -> Option<Self> {
         let shapes: Vec<(Pose, Solid)> = robot.links()[link]
             .collisions
             .iter()
@@ -30,20 +30,7 @@ impl LinkBody {
             let (corners, radius_m) = solid.bounding_points()?;
             points.extend(corners.iter().map(|corner| (link_from_shape * corner, radius_m)));
         }
-        if points.is_empty() {
-            return None;
-        }
-        let spread = |sign: f64| {
-            points
-                .iter()
-                .map(|(point, radius_m)| point.coords.add_scalar(sign * radius_m))
-                .reduce(|a, b| if sign > 0.0 { a.sup(&b) } else { a.inf(&b) })
-        };
-        let (low, high) = (spread(-1.0)?, spread(1.0)?);
-        let aabb = Aabb { center: ((low + high) * 0.5).into(), half_extents: (high - low) * 0.5 };
-        let reach = |(point, radius_m): &(Point, f64)| (point - aabb.center).norm() + radius_m;
-        let radius_m = points.iter().map(reach).fold(0.0, f64::max);
-        Some(Self { link, shapes, ball: Ball { center: aabb.center, radius_m }, aabb })
+        (!points.is_empty()).then(|| Self { link, shapes, bounds: Bounds::around(&points) })
     }
 
     /// A lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative.
@@ -51,23 +38,10 @@ impl LinkBody {
     pub fn quick_bound_to(&self, world_from_link: &Pose, part: &Part, enough_m: f64) -> f64 {
         let Part { world_from_solid, solid } = part;
         if solid.is_half_space() {
-            let center = world_from_link * self.ball.center;
-            return world_from_solid.inverse_transform_point(&center).z - self.ball.radius_m;
+            let center = world_from_link * self.bounds.ball.center;
+            return world_from_solid.inverse_transform_point(&center).z - self.bounds.ball.radius_m;
         }
-        let (ball, aabb) = (solid.ball(), solid.aabb());
-        bound_between(&self.ball, &self.aabb, world_from_link, ball, aabb, world_from_solid, enough_m)
-    }
-
-    /// The same for two links.
-    pub fn quick_bound_between(
-        &self,
-        world_from_self: &Pose,
-        other: &Self,
-        world_from_other: &Pose,
-        enough_m: f64,
-    ) -> f64 {
-        let Self { ball, aabb, .. } = other;
-        bound_between(&self.ball, &self.aabb, world_from_self, ball, aabb, world_from_other, enough_m)
+        self.bounds.distance_bound(world_from_link, solid.bounds(), world_from_solid, enough_m)
     }
 }
 

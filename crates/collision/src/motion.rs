@@ -69,17 +69,16 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn motion_is_free(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
-        self.prove(a, b, scratch, 1.0)
-    }
-
-    /// [`Self::motion_is_free`] with every bound on motion multiplied by `factor`.
-    pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, factor: f64) -> Motion {
-        // 1.
         for end in [a, b] {
             if let Some(violation) = self.robot().first_limit_violation(end) {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
+        self.prove(a, b, scratch, 1.0)
+    }
+
+    /// [`Self::motion_is_free`] without joint limits, and with every bound on motion multiplied by `factor`.
+    pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, factor: f64) -> Motion {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
@@ -139,7 +138,8 @@ impl Cell {
     }
 
     /// The least distance over all pairs along the straight motion from `a` to `b`, in metres: a certified
-    /// lower bound that is at most 10 µm too low; 0 if there is contact.
+    /// lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there is nothing to
+    /// touch. Meant for motions that are proven: the closer two things come, the longer it takes.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.

@@ -4,7 +4,8 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
 
-use crate::World;
+use crate::link_body::LinkBody;
+use crate::{CollisionError, World};
 
 /// The collision check of the released planners, for comparison only (DESIGN, `paper`).
 ///
@@ -36,29 +37,39 @@ impl ReleasedScratch {
 impl ReleasedCheck {
     /// A check of the links on the chain to the tip against `obstacles` (surfaces in the planning frame).
     ///
-    /// A link whose geometry comes from a mesh is checked by its triangles, any other by its box. The
-    /// origins of `floor_links` (by link index) must stay at or above `floor_height_m`.
+    /// A link whose geometry comes from meshes is checked by their triangles, any other by the one box
+    /// around all its shapes. The origins of `floor_links` (by link index) must stay at or above
+    /// `floor_height_m`.
+    ///
+    /// # Errors
+    /// [`CollisionError::Link`] for a link whose triangles name vertices that are not there.
     pub fn new(
         robot: Arc<Robot>,
         obstacles: Vec<(Pose, Surface)>,
         floor_links: Vec<usize>,
         floor_height_m: f64,
-    ) -> Self {
+    ) -> Result<Self, CollisionError> {
         let mut chain = vec![robot.tip()];
         while let Some(parent) = robot.links()[*chain.last().unwrap_or(&0)].parent {
             chain.push(parent);
         }
         let mut links = Vec::new();
         for &link in &chain {
-            for shape in &robot.links()[link].collisions {
-                let surface = match &shape.soup {
-                    Some(soup) => Surface::new(soup).unwrap_or_else(|_| shape.solid.box_surface()),
-                    None => shape.solid.box_surface(),
-                };
-                links.push((link, shape.link_from_shape, surface));
+            let shapes = &robot.links()[link].collisions;
+            let soups: Option<Vec<_>> = shapes.iter().map(|shape| shape.soup.as_ref()).collect();
+            if let Some(soups) = soups {
+                for (shape, soup) in shapes.iter().zip(soups) {
+                    let name = || robot.links()[link].name.clone();
+                    let surface =
+                        Surface::new(soup).map_err(|source| CollisionError::Link { link: name(), source })?;
+                    links.push((link, shape.link_from_shape, surface));
+                }
+            } else {
+                let boxed = LinkBody::new(&robot, link).map(|body| Surface::of_box(&body.bounds.aabb));
+                links.extend(boxed.map(|surface| (link, Pose::identity(), surface)));
             }
         }
-        Self { robot, links, obstacles, floor_links, floor_height_m }
+        Ok(Self { robot, links, obstacles, floor_links, floor_height_m })
     }
 
     /// The surfaces of all bodies of a world that are cuboids; what is not a cuboid is taken as its box.
@@ -68,7 +79,7 @@ impl ReleasedCheck {
             .iter()
             .flat_map(|body| &body.parts)
             .filter(|part| !part.solid.is_half_space())
-            .map(|part| (part.world_from_solid, part.solid.box_surface()))
+            .map(|part| (part.world_from_solid, Surface::of_box(part.solid.aabb())))
             .collect()
     }
 

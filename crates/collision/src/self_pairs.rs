@@ -7,20 +7,9 @@ use crate::link_body::{LinkBody, group_separation};
 /// (no link with geometry between them), those the robot's SRDF disables, those that never move against
 /// each other, and those in contact in every one of [`SAMPLES`] random configurations.
 pub(crate) fn self_pairs(robot: &Robot, bodies: &[LinkBody]) -> Vec<(usize, usize)> {
-    let with_geometry = |link: usize| bodies.iter().position(|body| body.link == link);
-    // The nearest ancestor with geometry: adjacent.
-    let neighbour = |link: usize| {
-        let mut above = robot.links()[link].parent;
-        while let Some(parent) = above {
-            if let Some(body) = with_geometry(parent) {
-                return Some(body);
-            }
-            above = robot.links()[parent].parent;
-        }
-        None
-    };
-    let is_disabled = |a: usize, b: usize| {
-        robot.disabled_pairs().iter().any(|&(x, y)| (x, y) == (a, b) || (x, y) == (b, a))
+    let is_left_out = |a: usize, b: usize| {
+        let pair = (a.min(b), a.max(b));
+        robot.adjacent_pairs().contains(&pair) || robot.disabled_pairs().contains(&pair)
     };
     let moves_relatively = |a: usize, b: usize| {
         let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
@@ -30,8 +19,7 @@ pub(crate) fn self_pairs(robot: &Robot, bodies: &[LinkBody]) -> Vec<(usize, usiz
     for second in 0..bodies.len() {
         for first in 0..second {
             let (a, b) = (bodies[first].link, bodies[second].link);
-            let adjacent = neighbour(b) == Some(first) || neighbour(a) == Some(second);
-            if !adjacent && !is_disabled(a, b) && moves_relatively(a, b) {
+            if !is_left_out(a, b) && moves_relatively(a, b) {
                 pairs.push((first, second));
             }
         }

@@ -37,7 +37,7 @@ impl Travel {
         factor: f64,
     ) {
         for (body, sums) in bodies.iter().zip(&mut self.sums) {
-            let center = frames.link(body.link) * body.ball.center;
+            let center = frames.link(body.link) * body.bounds.ball.center;
             let mut sum = 0.0;
             for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
                 let speed = (slope[ancestor.joint] * ancestor.multiplier).abs();
@@ -47,7 +47,7 @@ impl Travel {
                         let joint = frames.link(ancestor.child_link);
                         let axis = joint.rotation * ancestor.axis_in_child;
                         let arm = center.coords - joint.translation.vector;
-                        axis.cross(&arm).norm() + body.ball.radius_m + sum
+                        axis.cross(&arm).norm() + body.bounds.ball.radius_m + sum
                     }
                 };
                 sum += half_width * speed * reach * factor;

@@ -1,5 +1,5 @@
 use cranny_shape::Solid;
-use cranny_spatial::Pose;
+use cranny_spatial::{FARTHEST_M, Pose};
 
 use crate::CollisionError;
 
@@ -43,13 +43,13 @@ impl World {
     /// A world of these bodies.
     ///
     /// # Errors
-    /// [`CollisionError::Pose`] for a pose with a number that is not finite.
+    /// [`CollisionError::Pose`] for a pose that is not finite, or farther away than [`FARTHEST_M`].
     pub fn new(bodies: Vec<Body>) -> Result<Self, CollisionError> {
-        let is_finite = |pose: &Pose| {
-            pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())
+        let is_usable = |pose: &Pose| {
+            pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.abs() <= FARTHEST_M)
         };
         for body in &bodies {
-            if !body.parts.iter().all(|part| is_finite(&part.world_from_solid)) {
+            if !body.parts.iter().all(|part| is_usable(&part.world_from_solid)) {
                 return Err(CollisionError::Pose { name: body.name.clone() });
             }
         }

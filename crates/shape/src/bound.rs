@@ -9,6 +9,52 @@ pub struct Ball {
     pub radius_m: f64,
 }
 
+/// A ball and a box that both contain a shape, in the shape's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The ball.
+    pub ball: Ball,
+    /// The box.
+    pub aabb: Aabb,
+}
+
+impl Bounds {
+    /// The bounds of `points`, each with a ball of its own radius (m) around it.
+    ///
+    /// # Panics
+    /// If there is no point.
+    pub fn around(points: &[(Point, f64)]) -> Self {
+        let corner = |sign: f64| {
+            let offset = points.iter().map(|(point, radius_m)| point.coords.add_scalar(sign * radius_m));
+            offset.reduce(|a, b| if sign > 0.0 { a.sup(&b) } else { a.inf(&b) })
+        };
+        let (low, high) = (corner(-1.0), corner(1.0));
+        let (low, high) = low.zip(high).expect("bounds are built around at least one point");
+        let aabb = Aabb { center: ((low + high) * 0.5).into(), half_extents: (high - low) * 0.5 };
+        let reach = |(point, radius_m): &(Point, f64)| (point - aabb.center).norm() + radius_m;
+        let radius_m = points.iter().map(reach).fold(0.0, f64::max);
+        Self { ball: Ball { center: aabb.center, radius_m }, aabb }
+    }
+
+    /// A lower bound of the distance (m) of two bounded shapes placed in a common frame, at the price of a
+    /// few multiplications; may be negative. Where the balls show that it exceeds `enough_m`, the boxes are
+    /// not asked.
+    pub fn distance_bound(
+        &self,
+        common_from_self: &Pose,
+        other: &Self,
+        common_from_other: &Pose,
+        enough_m: f64,
+    ) -> f64 {
+        let between = common_from_self * self.ball.center - common_from_other * other.ball.center;
+        let of_balls = between.norm() - self.ball.radius_m - other.ball.radius_m;
+        if of_balls > enough_m {
+            return of_balls;
+        }
+        of_balls.max(self.aabb.gap_to(&other.aabb, &common_from_self.inv_mul(common_from_other)))
+    }
+}
+
 /// A box along the axes of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -27,7 +73,7 @@ impl Aabb {
         let mut points = points.into_iter();
         let first = *points.next().expect("a box is built around at least one point");
         let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-        Self { center: nalgebra_center(&low, &high), half_extents: (high - low) * 0.5 }.grown(margin_m)
+        Self { center: midpoint(&low, &high), half_extents: (high - low) * 0.5 }.grown(margin_m)
     }
 
     /// The box with every side moved outwards by `margin_m`.
@@ -57,10 +103,9 @@ impl Aabb {
         self.center + self.half_extents
     }
 
-    /// Whether `inner` lies wholly in this box.
-    pub fn contains(&self, inner: &Self) -> bool {
-        let gap = (inner.center - self.center).abs() + inner.half_extents - self.half_extents;
-        gap.max() <= 0.0
+    /// Whether `point` lies in this box.
+    pub fn contains(&self, point: &Point) -> bool {
+        ((point - self.center).abs() - self.half_extents).max() <= 0.0
     }
 
     /// Whether the two boxes share a point.
@@ -85,13 +130,8 @@ impl Aabb {
         };
         distance(here).max(distance(there))
     }
-
-    /// Distance from `point` to the box, in metres; 0 inside.
-    pub fn distance_to(&self, point: &Point) -> f64 {
-        ((point - self.center).abs() - self.half_extents).sup(&Vector::zeros()).norm()
-    }
 }
 
-fn nalgebra_center(low: &Point, high: &Point) -> Point {
+fn midpoint(low: &Point, high: &Point) -> Point {
     low + (high - low) * 0.5
 }

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A size is zero, negative, infinite or not a number.
-    #[error("{what} must be a positive finite number of metres, but is {value}")]
+    /// A size is zero, negative, beyond [`cranny_spatial::FARTHEST_M`] or not a number.
+    #[error("{what} must be a positive number of metres, at most 1000, but is {value}")]
     Size {
         /// Which size of which shape.
         what: &'static str,
         /// The offending value.
         value: f64,
     },
-    /// A vertex has a coordinate that is infinite or not a number.
-    #[error("vertex {vertex} has a coordinate that is not a finite number: ({x}, {y}, {z})")]
+    /// A vertex has a coordinate beyond [`cranny_spatial::FARTHEST_M`], or that is not a number.
+    #[error("vertex {vertex} has a coordinate that is no number of metres within ±1000: ({x}, {y}, {z})")]
     NotFinite {
         /// Index of the vertex, from 0.
         vertex: usize,
@@ -48,6 +48,16 @@ pub enum ShapeError {
     Open {
         /// How many edges lack their second triangle.
         edges: usize,
+    },
+    /// A mesh is scaled by zero, or by something that is not a number.
+    #[error("a mesh cannot be scaled by ({x}, {y}, {z})")]
+    Scale {
+        /// The factor of x.
+        x: f64,
+        /// The factor of y.
+        y: f64,
+        /// The factor of z.
+        z: f64,
     },
     /// There is no triangle.
     #[error("the mesh has no triangles")]
@@ -91,5 +101,18 @@ impl ShapeError {
 
 /// A size, if it is one.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ShapeError> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(ShapeError::Size { what, value }) }
+    if value > 0.0 && value <= cranny_spatial::FARTHEST_M {
+        Ok(value)
+    } else {
+        Err(ShapeError::Size { what, value })
+    }
+}
+
+/// A vertex, if all its coordinates are usable.
+pub(crate) fn usable(vertex: usize, p: &cranny_spatial::Point) -> Result<(), ShapeError> {
+    if p.iter().all(|x| x.abs() <= cranny_spatial::FARTHEST_M) {
+        Ok(())
+    } else {
+        Err(ShapeError::NotFinite { vertex, x: p.x, y: p.y, z: p.z })
+    }
 }

@@ -22,10 +22,10 @@ mod separation;
 mod solid;
 mod surface;
 
-pub use bound::{Aabb, Ball};
+pub use bound::{Aabb, Ball, Bounds};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
 pub use mesh_file::TriangleSoup;
-pub use separation::{Overlap, Separation, bound_between, overlap, quick_lower_bound, separation};
+pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
 pub use solid::Solid;
 pub use surface::Surface;

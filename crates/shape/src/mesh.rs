@@ -14,6 +14,7 @@ pub(crate) struct Mesh {
     corners: Vec<[Point; 3]>,
     tree: TriangleTree,
     aabb: Aabb,
+    witnesses: Vec<Point>,
 }
 
 impl Mesh {
@@ -26,11 +27,13 @@ impl Mesh {
         let triangles = corners.iter().map(triangle).collect();
         let tree = TriangleTree::new(&corners);
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
-        Ok(Self { triangles, corners, tree, aabb })
+        Ok(Self { triangles, corners, tree, aabb, witnesses: one_vertex_per_body(soup) })
     }
 
-    pub fn aabb(&self) -> &Aabb {
-        &self.aabb
+    /// One vertex of every body of the mesh: if none of them is inside something whose surface the mesh
+    /// does not cross, nothing of the mesh is.
+    pub fn witnesses(&self) -> &[Point] {
+        &self.witnesses
     }
 
     pub fn triangles(&self) -> &[Convex] {
@@ -49,6 +52,9 @@ impl Mesh {
     /// Whether the volume contains `point` (mesh frame), by the generalised winding number (Jacobson et
     /// al. 2013), which needs no clean topology: bodies that touch or overlap are all full.
     pub fn contains(&self, point: &Point) -> bool {
+        if !self.aabb.contains(point) {
+            return false;
+        }
         let solid_angle: f64 = self.corners.iter().map(|t| signed_solid_angle(t, point)).sum();
         solid_angle.abs() > std::f64::consts::TAU
     }
@@ -78,6 +84,31 @@ pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
         }
     }
     Ok(())
+}
+
+/// The first vertex of every set of triangles that hang together by vertices.
+fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
+    // Union by the least index, with path halving.
+    let mut body: Vec<usize> = (0..soup.vertices.len()).collect();
+    fn root(body: &mut [usize], mut vertex: usize) -> usize {
+        while body[vertex] != vertex {
+            body[vertex] = body[body[vertex]];
+            vertex = body[vertex];
+        }
+        vertex
+    }
+    for triangle in &soup.triangles {
+        let [a, b, c] = triangle.map(|vertex| root(&mut body, vertex as usize));
+        let least = a.min(b).min(c);
+        for vertex in [a, b, c] {
+            body[vertex] = least;
+        }
+    }
+    let used = soup.triangles.iter().flatten().map(|&vertex| vertex as usize);
+    let mut roots: Vec<usize> = used.map(|vertex| root(&mut body, vertex)).collect();
+    roots.sort_unstable();
+    roots.dedup();
+    roots.into_iter().map(|vertex| soup.vertices[vertex]).collect()
 }
 
 /// Every edge is run through as often in one direction as in the other.

@@ -7,6 +7,7 @@ use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 
 use crate::ShapeError;
+use crate::error::usable;
 
 /// Triangles as a file gives them: no promise of a closed or connected surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,10 +46,8 @@ impl TriangleSoup {
         let mut known: HashMap<[u64; 3], u32> = HashMap::new();
         let mut corner_indices = Vec::new();
         for (vertex, corner) in corners.into_iter().enumerate() {
-            let Point { coords: c } = corner;
-            if !c.iter().all(|x| x.is_finite()) {
-                return Err(ShapeError::NotFinite { vertex, x: c.x, y: c.y, z: c.z });
-            }
+            usable(vertex, &corner)?;
+            let c = corner.coords;
             // Adding zero turns −0 into 0, so that the two compare equal.
             let key = [c.x, c.y, c.z].map(|x| (x + 0.0).to_bits());
             let index = *known.entry(key).or_insert_with(|| {

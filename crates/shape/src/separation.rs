@@ -7,7 +7,7 @@ use parry3d_f64::shape::SupportMap;
 use crate::convex::Convex;
 use crate::mesh::Mesh;
 use crate::solid::Kind;
-use crate::{Aabb, Ball, Solid, parry};
+use crate::{Aabb, Solid, parry};
 
 /// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
 ///
@@ -86,25 +86,7 @@ pub fn quick_lower_bound(
     if b.is_half_space() {
         return (common_from_b.inv_mul(common_from_a) * a.ball().center).z - a.ball().radius_m;
     }
-    bound_between(a.ball(), a.aabb(), common_from_a, b.ball(), b.aabb(), common_from_b, enough_m)
-}
-
-/// The same for anything that a ball and a box contain.
-pub fn bound_between(
-    ball_a: &Ball,
-    box_a: &Aabb,
-    common_from_a: &Pose,
-    ball_b: &Ball,
-    box_b: &Aabb,
-    common_from_b: &Pose,
-    enough_m: f64,
-) -> f64 {
-    let between = common_from_a * ball_a.center - common_from_b * ball_b.center;
-    let of_balls = between.norm() - ball_a.radius_m - ball_b.radius_m;
-    if of_balls > enough_m {
-        return of_balls;
-    }
-    of_balls.max(box_a.gap_to(box_b, &common_from_a.inv_mul(common_from_b)))
+    a.bounds().distance_bound(common_from_a, b.bounds(), common_from_b, enough_m)
 }
 
 /// How deep two solids overlap, and where; `None` if they do not.
@@ -175,8 +157,8 @@ fn mesh_convex_separation(
     beyond_m: f64,
 ) -> Separation {
     let box_in_mesh = convex_box.transformed(mesh_from_convex);
-    // 1. Something inside touches no triangle, but its box lies inside the mesh's.
-    if mesh.aabb().contains(&box_in_mesh) && mesh.contains(&(mesh_from_convex * some_point(convex))) {
+    // 1. What is wholly inside touches no triangle.
+    if mesh.contains(&(mesh_from_convex * some_point(convex))) {
         return Separation::CONTACT;
     }
     // 2. How far to look: no farther than any one triangle is.
@@ -199,13 +181,9 @@ fn mesh_convex_separation(
 }
 
 fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> Separation {
-    let box_of_b_in_a = b.aabb().transformed(a_from_b);
-    let box_of_a_in_b = a.aabb().transformed(&a_from_b.inverse());
-    let inside = |outer: &Mesh, inner_box: &Aabb, point: Point| {
-        outer.aabb().contains(inner_box) && outer.contains(&point)
-    };
-    if inside(a, &box_of_b_in_a, a_from_b * some_point(&b.triangles()[0]))
-        || inside(b, &box_of_a_in_b, a_from_b.inverse_transform_point(&some_point(&a.triangles()[0])))
+    let b_from_a = a_from_b.inverse();
+    if b.witnesses().iter().any(|point| a.contains(&(a_from_b * point)))
+        || a.witnesses().iter().any(|point| b.contains(&(b_from_a * point)))
     {
         return Separation::CONTACT;
     }

@@ -5,16 +5,15 @@ use parry3d_f64::shape::SupportMap;
 use parry3d_f64::transformation::try_convex_hull;
 
 use crate::convex::{Convex, Core, HullPoints};
-use crate::error::positive;
+use crate::error::{positive, usable};
 use crate::mesh::Mesh;
-use crate::{Aabb, Ball, ShapeError, Surface, TriangleSoup, parry};
+use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
 
 /// A full body in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Solid {
     kind: Kind,
-    ball: Ball,
-    aabb: Aabb,
+    bounds: Bounds,
 }
 
 #[derive(Clone, Debug)]
@@ -72,9 +71,7 @@ impl Solid {
     /// [`ShapeError::NotFinite`] or [`ShapeError::FlatHull`].
     pub fn hull(points: &[Point]) -> Result<Self, ShapeError> {
         for (vertex, p) in points.iter().enumerate() {
-            if !p.iter().all(|x| x.is_finite()) {
-                return Err(ShapeError::NotFinite { vertex, x: p.x, y: p.y, z: p.z });
-            }
+            usable(vertex, p)?;
         }
         let flat = ShapeError::FlatHull { points: points.len() };
         let given: Vec<_> = points.iter().map(parry::point).collect();
@@ -108,9 +105,8 @@ impl Solid {
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], or [`ShapeError::Open`] for a mesh with a hole.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         let mesh = Mesh::new(soup)?;
-        let aabb = *mesh.aabb();
-        let ball = ball_around(aabb.center, mesh.vertices(), 0.0);
-        Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), ball, aabb })
+        let bounds = Bounds::around(&mesh.vertices().map(|v| (*v, 0.0)).collect::<Vec<_>>());
+        Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
     }
 
     /// The half-space z ≤ 0: a floor whose surface is the plane z = 0.
@@ -118,19 +114,26 @@ impl Solid {
         let everywhere = f64::INFINITY;
         Self {
             kind: Kind::HalfSpace,
-            ball: Ball { center: Point::origin(), radius_m: everywhere },
-            aabb: Aabb { center: Point::origin(), half_extents: Vector::repeat(everywhere) },
+            bounds: Bounds {
+                ball: Ball { center: Point::origin(), radius_m: everywhere },
+                aabb: Aabb { center: Point::origin(), half_extents: Vector::repeat(everywhere) },
+            },
         }
     }
 
     /// A ball that contains the solid; of infinite radius for a half-space.
     pub fn ball(&self) -> &Ball {
-        &self.ball
+        &self.bounds.ball
     }
 
     /// The solid's box in its own frame; infinite for a half-space.
     pub fn aabb(&self) -> &Aabb {
-        &self.aabb
+        &self.bounds.aabb
+    }
+
+    /// Both; infinite for a half-space.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     /// Whether the solid is the half-space z ≤ 0.
@@ -178,34 +181,15 @@ impl Solid {
         }
     }
 
-    /// The triangles of the solid's box: what stands in for a link under the `paper` criterion.
-    ///
-    /// # Panics
-    /// If the solid is a half-space.
-    pub fn box_surface(&self) -> Surface {
-        assert!(!self.is_half_space(), "a half-space has no box");
-        let mut soup = Surface::cuboid_soup(&self.aabb.half_extents);
-        for vertex in &mut soup.vertices {
-            *vertex += self.aabb.center.coords;
-        }
-        Surface::of_cuboid(&soup)
-    }
-
     pub(crate) fn kind(&self) -> &Kind {
         &self.kind
     }
 
     fn convex(convex: Convex) -> Self {
-        let points = convex.bounding_points();
-        let aabb = Aabb::around(&points, convex.radius_m);
-        let ball = ball_around(aabb.center, points.iter(), convex.radius_m);
-        Self { kind: Kind::Convex(Arc::new(convex)), ball, aabb }
+        let points: Vec<(Point, f64)> =
+            convex.bounding_points().into_iter().map(|point| (point, convex.radius_m)).collect();
+        Self { kind: Kind::Convex(Arc::new(convex)), bounds: Bounds::around(&points) }
     }
-}
-
-fn ball_around<'a>(center: Point, points: impl Iterator<Item = &'a Point>, radius_m: f64) -> Ball {
-    let reach = points.map(|p| (p - center).norm()).fold(0.0, f64::max);
-    Ball { center, radius_m: reach + radius_m }
 }
 
 fn lowest(convex: &Convex, target_from_solid: &Pose) -> f64 {

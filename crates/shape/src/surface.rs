@@ -22,10 +22,10 @@ impl Surface {
     /// [`ShapeError::Empty`] or [`ShapeError::VertexIndex`].
     pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         check_indices(soup)?;
-        Ok(Self::of_cuboid(soup))
+        Ok(Self::of_checked(soup))
     }
 
-    pub(crate) fn of_cuboid(soup: &TriangleSoup) -> Self {
+    pub(crate) fn of_checked(soup: &TriangleSoup) -> Self {
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
         Self { tree: TriangleTree::new(&corners), corners, aabb }
@@ -40,6 +40,15 @@ impl Surface {
             vertices: (0..8).map(|i| corner(i).into()).collect(),
             triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
         }
+    }
+
+    /// The twelve triangles of a box.
+    pub fn of_box(aabb: &Aabb) -> Self {
+        let mut soup = Self::cuboid_soup(&aabb.half_extents);
+        for vertex in &mut soup.vertices {
+            *vertex += aabb.center.coords;
+        }
+        Self::of_checked(&soup)
     }
 
     /// The surface's box in its own frame.

@@ -143,6 +143,24 @@ proptest! {
     }
 
     #[test]
+    fn what_is_wholly_inside_a_mesh_touches_however_it_is_turned(seed in any::<u64>()) {
+        let mut random = Stream::new(seed, 3);
+        let shell = Solid::mesh(&Surface::cuboid_soup(&Vector::repeat(0.13))).unwrap();
+        let at_shell = random_pose(&mut random, 1.0);
+        let (half, radius) = (Vector::repeat(0.05), 0.1);
+        let inner = [
+            Solid::sphere(radius).unwrap(),
+            Solid::cuboid(half).unwrap(),
+            Solid::mesh(&Surface::cuboid_soup(&half)).unwrap(),
+        ];
+        for solid in inner {
+            let there = at_shell * random_pose(&mut random, 0.02);
+            prop_assert!(separation(&shell, &at_shell, &solid, &there, FAR).upper_m <= 0.0);
+            prop_assert!(separation(&solid, &there, &shell, &at_shell, FAR).upper_m <= 0.0);
+        }
+    }
+
+    #[test]
     fn a_box_is_a_box_as_cuboid_hull_and_mesh(seed in any::<u64>()) {
         let mut random = Stream::new(seed, 2);
         let mut size = || random.uniform_between(0.02, 0.2);

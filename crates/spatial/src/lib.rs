@@ -14,7 +14,7 @@ mod trigonometry;
 
 pub use difference::PoseDifference;
 pub use random::Stream;
-pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, ROUNDING_M};
+pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, FARTHEST_M, ROUNDING_M};
 pub use trigonometry::sin_cos;
 
 pub use nalgebra;

@@ -9,6 +9,11 @@ pub const EXACT_TRANSLATION_M: f64 = 1e-3;
 /// An answer is exact when the gripper is turned at most this far from a grasp: 1°, in radians.
 pub const EXACT_ROTATION_RAD: f64 = std::f64::consts::PI / 180.0;
 
+/// Nothing may be larger or farther away than this, in metres: what is, was meant in other units, and the
+/// rounding that [`ROUNDING_M`] covers would no longer hold.
+pub const FARTHEST_M: f64 = 1e3;
+
 /// What a proof takes off every `f64` distance to cover its rounding, in metres. Coordinates stay below
-/// 10 m and chains below 30 products, so the true error is under 1e-13 m; this leaves four digits to spare.
+/// [`FARTHEST_M`] and chains below 30 products, so the true error is under 1e-11 m; this leaves two digits to
+/// spare.
 pub const ROUNDING_M: f64 = 1e-9;
