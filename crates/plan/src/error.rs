@@ -31,6 +31,41 @@ pub enum PlanError {
         /// The names that there are.
         known: String,
     },
+    /// Only grasps can be annotated, and only exactly.
+    #[error("inverse kinematics is looked for at grasps, and under the exact criterion only")]
+    Annotation,
+    /// A path has no way point.
+    #[error("the path has no way points")]
+    EmptyPath,
+    /// A joint has no limit that a trajectory needs.
+    #[error(
+        "joint '{joint}' has no {quantity} limit, which a trajectory needs; give it one in the limits.yaml of \
+         the robot"
+    )]
+    MissingLimit {
+        /// Which joint.
+        joint: String,
+        /// Of what: `acceleration` or `jerk`.
+        quantity: &'static str,
+    },
+    /// A joint has a limit that no motion can keep to.
+    #[error("joint '{joint}' has a {quantity} limit of {value}, but it must be positive and finite")]
+    Limit {
+        /// Which joint.
+        joint: String,
+        /// Of what.
+        quantity: &'static str,
+        /// The limit.
+        value: f64,
+    },
+    /// A trajectory cannot be sampled at this rate.
+    #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
+    SampleRate {
+        /// The rate asked for.
+        rate_hz: f64,
+        /// The greatest that there is.
+        greatest_hz: f64,
+    },
     /// The planner needs another kind of goal.
     #[error("planner '{planner}' reaches for {needs}, which this problem does not give")]
     Goal {

@@ -1,5 +1,5 @@
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_spatial::{Pose, PoseDifference, Vector, nalgebra::Quaternion};
+use cranny_spatial::{EXACT_TRANSLATION_M, Pose, PoseDifference, Vector, nalgebra::Quaternion};
 
 /// Measures grippers against all grasps of a set by the released metric `d = ½·mm + ½·deg`, and remembers
 /// for each grasp the node of a tree that came nearest.
@@ -31,7 +31,9 @@ impl GoalMeter {
     /// Measures the gripper of a new node against every grasp. Returns the first grasp at which it has
     /// arrived, if any.
     ///
-    /// The translation alone bounds `d` from below; the rotation is measured only where it can matter.
+    /// The translation alone bounds `d` from below; the rotation is measured only where the node may be the
+    /// nearest so far, or may have arrived by the `exact` criterion. (By `paper` the first node to arrive is
+    /// the nearest so far.)
     pub fn measure(
         &mut self,
         node: usize,
@@ -44,7 +46,8 @@ impl GoalMeter {
         for (grasp, (goal, nearest)) in self.positions.iter().zip(&mut self.nearest).enumerate() {
             let bar = nearest.0 / HALF_MILLIMETRES_PER_METRE;
             let distance_squared_m2 = (goal - position).norm_squared();
-            if distance_squared_m2 >= bar * bar {
+            let may_arrive = distance_squared_m2 <= EXACT_TRANSLATION_M * EXACT_TRANSLATION_M;
+            if distance_squared_m2 >= bar * bar && !may_arrive {
                 continue;
             }
             let direct = self.rotations[grasp].dot(rotation).abs();
@@ -56,9 +59,9 @@ impl GoalMeter {
             let d = difference.paper_metric();
             if d < nearest.0 {
                 *nearest = (d, node);
-                if arrived.is_none() && is_arrival(&difference) {
-                    arrived = Some(grasp);
-                }
+            }
+            if arrived.is_none() && is_arrival(&difference) {
+                arrived = Some(grasp);
             }
         }
         arrived

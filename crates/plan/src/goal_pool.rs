@@ -1,10 +1,11 @@
 use std::time::Instant;
 
-use cranny_collision::Cell;
+use cranny_collision::{Cell, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IkSearch, IkSearchSettings};
-use cranny_spatial::Stream;
+use cranny_spatial::{Pose, Stream};
 
+use crate::grasp_poses::all_open_poses;
 use crate::{Problem, Statistics, ValidityScratch};
 
 /// Goal configurations of a problem, found one at a time by inverse kinematics from random starts.
@@ -12,32 +13,20 @@ use crate::{Problem, Statistics, ValidityScratch};
 /// Grasps at which the hand alone collides are left out from the beginning: no arm can hold them.
 pub(crate) struct GoalPool<'a> {
     problem: &'a Problem,
-    grasps: &'a GraspSet,
-    reachable: Vec<usize>,
+    poses: Vec<Pose>,
     search: IkSearch<'a>,
 }
 
 impl<'a> GoalPool<'a> {
-    pub fn new(
-        problem: &'a Problem,
-        cell: &Cell,
-        grasps: &'a GraspSet,
-        scratch: &mut cranny_collision::Scratch,
-    ) -> Self {
-        let pose = |grasp: usize| &grasps.grasps()[grasp].world_from_gripper;
-        let reachable =
-            (0..grasps.len()).filter(|&grasp| cell.hand_is_free(pose(grasp), scratch)).collect::<Vec<_>>();
-        let first = pose(reachable.first().copied().unwrap_or(0));
-        let search = IkSearch::new(&problem.robot, first, IkSearchSettings::default());
-        Self { problem, grasps, reachable, search }
+    /// The pool of all poses of the grasps that the hand alone can take; `None` if there is none.
+    pub fn new(problem: &'a Problem, cell: &Cell, grasps: &GraspSet, scratch: &mut Scratch) -> Option<Self> {
+        let poses: Vec<Pose> =
+            all_open_poses(cell, grasps, scratch).into_iter().map(|(_, pose)| pose).collect();
+        let search = IkSearch::new(&problem.robot, poses.first()?, IkSearchSettings::default());
+        Some(Self { problem, poses, search })
     }
 
-    /// Whether the hand alone collides at every grasp.
-    pub fn is_hopeless(&self) -> bool {
-        self.reachable.is_empty()
-    }
-
-    /// One attempt at a random grasp; a configuration if it is free.
+    /// One attempt at a random pose; a configuration if it is free.
     pub fn draw(
         &mut self,
         random: &mut Stream,
@@ -45,8 +34,8 @@ impl<'a> GoalPool<'a> {
         statistics: &mut Statistics,
     ) -> Option<Vec<f64>> {
         let begin = Instant::now();
-        let grasp = self.reachable[random.index(self.reachable.len())];
-        self.search.retarget(&self.grasps.grasps()[grasp].world_from_gripper);
+        let pose = self.poses[random.index(self.poses.len())];
+        self.search.retarget(&pose);
         let mut is_free = |q: &[f64]| {
             statistics.collision_checks += 1;
             self.problem.validity.is_free(q, scratch)

@@ -6,6 +6,7 @@ use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::Stream;
 use rayon::prelude::*;
 
+use crate::grasp_poses::open_poses;
 use crate::{Goal, PlanError, Problem, Validity};
 
 /// How hard to look for configurations at the grasps of a problem.
@@ -44,7 +45,7 @@ pub struct IkAnnotation {
 pub enum IkStatus {
     /// At least one free configuration was found.
     Solved,
-    /// The hand alone collides there, whatever the arm does.
+    /// The hand alone collides there and at the twin, whatever the arm does; at the grasp itself:
     HandCollides {
         /// Which link of the hand.
         link: String,
@@ -85,12 +86,13 @@ pub struct AnnotatedSolution {
     pub clearance_m: f64,
 }
 
-/// Looks for free configurations at every grasp of an `exact` problem, on all cores; the answer depends on
+/// Looks for free configurations at every grasp of an `exact` problem or its twin, on all cores: first from
+/// the start with a pull towards it (the paper's annotation), then from random configurations; the answer depends on
 /// problem and settings alone. `done` is called once for each grasp that is finished, from any thread;
 /// where `stop` becomes true the grasps left over come back as [`IkStatus::Stopped`].
 ///
 /// # Errors
-/// [`PlanError::Goal`] if the problem has no grasps or is under the `paper` criterion.
+/// [`PlanError::Annotation`] if the problem has no grasps or is under the `paper` criterion.
 pub fn annotate_ik(
     problem: &Problem,
     settings: &IkAnnotationSettings,
@@ -98,10 +100,10 @@ pub fn annotate_ik(
     stop: &AtomicBool,
 ) -> Result<Vec<IkAnnotation>, PlanError> {
     let (Goal::Grasps(grasps), Validity::Exact(cell)) = (&problem.goal, &problem.validity) else {
-        return Err(PlanError::Goal { planner: "ik", needs: "grasps under the exact criterion" });
+        return Err(PlanError::Annotation);
     };
     let annotate = |(grasp, g): (usize, &Grasp)| {
-        let annotation = annotate_one(cell, grasp, g, settings, stop);
+        let annotation = annotate_one(cell, &problem.start, (grasp, g), settings, stop);
         done();
         annotation
     };
@@ -110,36 +112,50 @@ pub fn annotate_ik(
 
 fn annotate_one(
     cell: &Cell,
-    grasp: usize,
-    goal: &Grasp,
+    start: &[f64],
+    (grasp, goal): (usize, &Grasp),
     settings: &IkAnnotationSettings,
     stop: &AtomicBool,
 ) -> IkAnnotation {
     let mut scratch = cell.scratch();
-    if let Some(contact) = cell.hand_contact(&goal.world_from_gripper, &mut scratch) {
-        let name = |collider: Collider| cell.name(collider).to_owned();
-        let status = IkStatus::HandCollides { link: name(contact.first), body: name(contact.second) };
-        return IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 };
-    }
+    let poses = match open_poses(cell, goal, &mut scratch) {
+        Ok(poses) => poses,
+        Err(contact) => {
+            let name = |collider: Collider| cell.name(collider).to_owned();
+            let status = IkStatus::HandCollides { link: name(contact.first), body: name(contact.second) };
+            return IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 };
+        }
+    };
     let mut random = Stream::new(settings.seed, grasp as u64);
-    let mut search = IkSearch::new(cell.robot(), &goal.world_from_gripper, IkSearchSettings::default());
-    let mut blocked = 0;
-    while search.attempts() < settings.attempts
-        && search.solutions().len() < settings.solutions
-        && !stop.load(Ordering::Relaxed)
-    {
-        /// Attempts between two looks at whether to stop.
-        const BATCH: usize = 50;
-        let batch = BATCH.min(settings.attempts - search.attempts());
-        search.next_solution(&mut random, batch, &mut |q| {
+    let new_search = |pose| IkSearch::new(cell.robot(), pose, IkSearchSettings::default());
+    let mut searches: Vec<IkSearch> = poses.iter().map(new_search).collect();
+    let (mut attempts, mut found, mut blocked) = (0, 0, 0);
+    // The grasp and its twin in turns.
+    for turn in 0.. {
+        if attempts >= settings.attempts || found >= settings.solutions || stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let turns = searches.len();
+        let search = &mut searches[turn % turns];
+        let before = search.attempts();
+        let mut is_free = |q: &[f64]| {
             let is_free = cell.is_free(q, &mut scratch);
             blocked += usize::from(!is_free);
             is_free
-        });
+        };
+        let solution = if before == 0 {
+            search.next_from(start, &mut is_free)
+        } else {
+            /// Attempts in one turn.
+            const TURN: usize = 50;
+            search.next_solution(&mut random, TURN.min(settings.attempts - attempts), &mut is_free)
+        };
+        found += usize::from(solution.is_some());
+        attempts += search.attempts() - before;
     }
-    let solutions: Vec<AnnotatedSolution> = search
-        .solutions()
+    let solutions: Vec<AnnotatedSolution> = searches
         .iter()
+        .flat_map(IkSearch::solutions)
         .map(|solution| AnnotatedSolution {
             q: solution.q.clone(),
             translation_error_m: solution.translation_error_m,
@@ -149,10 +165,10 @@ fn annotate_one(
         .collect();
     let status = if !solutions.is_empty() {
         IkStatus::Solved
-    } else if search.attempts() < settings.attempts {
+    } else if attempts < settings.attempts {
         IkStatus::Stopped
     } else {
         IkStatus::NoSolution { blocked }
     };
-    IkAnnotation { grasp, status, solutions, attempts: search.attempts() }
+    IkAnnotation { grasp, status, solutions, attempts }
 }

@@ -1,11 +1,14 @@
 use std::time::Instant;
 
+use cranny_grasp::GraspSet;
 use cranny_robot::{IkSearch, IkSearchSettings};
-use cranny_spatial::Stream;
+use cranny_spatial::{Pose, Stream};
+use serde::Serialize;
 
+use crate::grasp_poses::{all_open_poses, poses};
 use crate::planner::Clock;
 use crate::search_tree::SearchTree;
-use crate::step::Stepper;
+use crate::step::{RELEASED_STEP_M, Stepper};
 use crate::{
     Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, Validity,
     ValidityScratch,
@@ -16,16 +19,17 @@ use crate::{
 ///
 /// 1. Grasps at which the hand alone collides are left out (`exact`); if none is left, no grasp can be
 ///    reached.
-/// 2. The next grasp in order, round after round: a configuration that is not known yet, free under `exact`,
-///    unchecked under `paper`, as released.
+/// 2. The next grasp in order, or its twin, round after round: a configuration that is not known yet, free
+///    under `exact`, unchecked under `paper`, as released; first from the start with a pull towards it, then
+///    from random configurations.
 /// 3. A tree from the start and a tree from that goal both grow towards the same random configuration (with
 ///    probability `p_goal` towards the goal) until each reaches it or is blocked. Where both reach it they
 ///    make a path.
 /// 4. After `goal_iterations` without a path, on to 2.
 ///
 /// A problem with goal configurations instead of grasps starts at 3. One iteration is one random
-/// configuration.
-#[derive(Clone, Debug, PartialEq)]
+/// configuration of 3, or one turn of a grasp in 2.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IkRrt {
     /// Probability of growing towards the goal itself, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,
@@ -40,13 +44,17 @@ pub struct IkRrt {
 
 impl Default for IkRrt {
     fn default() -> Self {
-        Self { p_goal: 0.01, step_m: 0.1, goal_iterations: 20_000, ik_attempts: 100 }
+        Self { p_goal: 0.01, step_m: RELEASED_STEP_M, goal_iterations: 20_000, ik_attempts: 100 }
     }
 }
 
 impl Planner for IkRrt {
     fn name(&self) -> &'static str {
         "ik-rrt"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
     }
 
     fn plan(
@@ -110,36 +118,32 @@ impl Search<'_> {
                 }
                 Ok(Err(Outcome::BudgetExhausted))
             }
-            Goal::Grasps(_) => Ok(self.pipeline()),
+            Goal::Grasps(grasps) => Ok(self.pipeline(grasps)),
         }
     }
 
-    fn pipeline(&mut self) -> Result<Path, Outcome> {
-        let Goal::Grasps(grasps) = &self.problem.goal else { return Err(Outcome::NoReachableGrasp) };
+    fn pipeline(&mut self, grasps: &GraspSet) -> Result<Path, Outcome> {
         let problem = self.problem;
         // 1.
-        let mut searches: Vec<(usize, IkSearch)> = grasps
-            .by_score()
-            .into_iter()
-            .filter(|&grasp| match (&problem.validity, &mut self.scratch) {
-                (Validity::Exact(cell), ValidityScratch::Exact(scratch)) => {
-                    cell.hand_is_free(&grasps.grasps()[grasp].world_from_gripper, scratch)
-                }
-                _ => true,
-            })
-            .map(|grasp| {
-                let pose = &grasps.grasps()[grasp].world_from_gripper;
-                (grasp, IkSearch::new(&problem.robot, pose, IkSearchSettings::default()))
-            })
-            .collect();
-        if searches.is_empty() {
+        let both = |grasp: usize| poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
+        let open: Vec<(usize, Pose)> = match (&problem.validity, &mut self.scratch) {
+            (Validity::Exact(cell), ValidityScratch::Exact(scratch)) => all_open_poses(cell, grasps, scratch),
+            (Validity::Exact(_) | Validity::Paper { .. }, _) => {
+                grasps.by_score().into_iter().flat_map(both).collect()
+            }
+        };
+        if open.is_empty() {
             return Err(Outcome::NoReachableGrasp);
         }
+        let new_search =
+            |(_, pose): &(usize, Pose)| IkSearch::new(&problem.robot, pose, IkSearchSettings::default());
+        let mut searches: Vec<IkSearch> = open.iter().map(new_search).collect();
         loop {
-            for (_, search) in &mut searches {
+            for search in &mut searches {
                 if let Some(outcome) = self.verdict() {
                     return Err(outcome);
                 }
+                self.statistics.iterations += 1;
                 // 2.
                 let Some(goal) = self.next_goal(search) else { continue };
                 // 3. and 4.
@@ -163,9 +167,15 @@ impl Search<'_> {
             }
             Validity::Paper { .. } => true,
         };
-        let found = search
-            .next_solution(&mut self.random, self.settings.ik_attempts, &mut is_free)
-            .map(|solution| solution.q.clone());
+        // The paper's way first: from the start, pulled towards it; then from random configurations.
+        let from_start = match attempts_before {
+            0 => search.next_from(&self.problem.start, &mut is_free).map(|solution| solution.q.clone()),
+            _ => None,
+        };
+        let found = from_start.or_else(|| {
+            let drawn = search.next_solution(&mut self.random, self.settings.ik_attempts, &mut is_free);
+            drawn.map(|solution| solution.q.clone())
+        });
         self.statistics.ik_attempts += (search.attempts() - attempts_before) as u64;
         self.statistics.ik_time_s += begin.elapsed().as_secs_f64();
         found

@@ -3,11 +3,12 @@ use std::time::Instant;
 use cranny_grasp::GraspSet;
 use cranny_robot::{Jacobian, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::{Pose, PoseDifference, Stream};
+use serde::Serialize;
 
 use crate::goal_meter::GoalMeter;
 use crate::planner::Clock;
 use crate::search_tree::SearchTree;
-use crate::step::Stepper;
+use crate::step::{RELEASED_STEP_M, Stepper};
 use crate::{
     Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, ValidityScratch,
 };
@@ -22,7 +23,7 @@ use crate::{
 /// 3. Every new node is measured against all grasps; the first that has arrived ends the search.
 ///
 /// One iteration is one pass through 1 or 2.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JPlusRrt {
     /// Probability of step 2, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,
@@ -36,18 +37,19 @@ pub struct JPlusRrt {
 }
 
 /// How a planner picks a grasp to go for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum GraspChoice {
     /// Every grasp is as likely as any other.
     #[default]
     Uniform,
-    /// With probability proportional to the score; unscored grasps count as half.
+    /// With probability proportional to the score; a set without scores is drawn from uniformly.
     ByScore,
 }
 
 impl Default for JPlusRrt {
     fn default() -> Self {
-        Self { p_goal: 0.01, step_m: 0.1, choice: GraspChoice::Uniform, damping: 0.05 }
+        Self { p_goal: 0.01, step_m: RELEASED_STEP_M, choice: GraspChoice::Uniform, damping: 0.05 }
     }
 }
 
@@ -59,6 +61,10 @@ impl Planner for JPlusRrt {
         "j-plus-rrt"
     }
 
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
     fn plan(
         &self,
         problem: &Problem,
@@ -66,7 +72,7 @@ impl Planner for JPlusRrt {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
-        let clock = Clock::new(budget);
+        let mut clock = Clock::new(budget);
         let Goal::Grasps(grasps) = &problem.goal else {
             return Err(PlanError::Goal { planner: "j-plus-rrt", needs: "grasps" });
         };
@@ -74,7 +80,7 @@ impl Planner for JPlusRrt {
             return Err(PlanError::NoGoal);
         }
         let mut search = Search::new(self, problem, grasps, seed);
-        let ended = search.run(&clock, observer);
+        let ended = search.run(&mut clock, observer);
         let mut statistics = search.statistics;
         statistics.nodes = search.tree.len() as u64;
         statistics.planning_time_s = clock.elapsed_s();
@@ -119,7 +125,7 @@ impl<'a> Search<'a> {
     }
 
     /// The node at which the search arrived, or why it ended without.
-    fn run(&mut self, clock: &Clock, observer: &mut dyn Observer) -> Result<usize, Outcome> {
+    fn run(&mut self, clock: &mut Clock, observer: &mut dyn Observer) -> Result<usize, Outcome> {
         let start = self.problem.start.clone();
         if !self.problem.validity.is_free(&start, &mut self.scratch) {
             return Err(Outcome::StartInvalid);
@@ -243,15 +249,18 @@ impl<'a> Search<'a> {
         match self.settings.choice {
             GraspChoice::Uniform => self.random.index(self.grasps.len()),
             GraspChoice::ByScore => {
-                const UNSCORED: f64 = 0.5;
-                let weight = |index: usize| self.grasps.grasps()[index].score.unwrap_or(UNSCORED);
+                let weight = |index: usize| self.grasps.grasps()[index].score.unwrap_or(0.0);
                 let total: f64 = (0..self.grasps.len()).map(weight).sum();
                 let mut left = self.random.uniform() * total;
                 let passes = |index: &usize| {
                     left -= weight(*index);
                     left < 0.0
                 };
-                (0..self.grasps.len()).find(passes).unwrap_or(0)
+                // Without a score anywhere every grasp is as good as any other.
+                match (0..self.grasps.len()).find(passes) {
+                    Some(picked) => picked,
+                    None => self.random.index(self.grasps.len()),
+                }
             }
         }
     }

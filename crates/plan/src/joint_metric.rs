@@ -2,8 +2,7 @@ use cranny_robot::{JointKind, Robot};
 use cranny_spatial::Point;
 
 /// A metric of configuration space whose joints weigh as much as they move: the farthest that any point of
-/// the robot beyond the joint can lie from its axis, relative to one metre, softened by a square root; 1 for
-/// a prismatic joint.
+/// the robot beyond the joint lies from its origin at `q = 0`, in metres, at most 1; 1 for a prismatic joint.
 ///
 /// With weights by reach a sample is near where the robot looks alike, not where its wrist happens to be
 /// turned alike.
@@ -33,7 +32,7 @@ impl JointMetric {
                     .fold(0.0, f64::max);
                 // A joint that moves nothing still tells configurations apart.
                 const LEAST_WEIGHT: f64 = 0.1;
-                reach_m.min(1.0).max(LEAST_WEIGHT)
+                reach_m.clamp(LEAST_WEIGHT, 1.0)
             }
         };
         Self { weights: robot.joints().iter().map(weight).collect() }

@@ -67,8 +67,12 @@ pub struct Statistics {
     pub planning_time_s: f64,
     /// Seconds of it spent on inverse kinematics and the validity of its solutions.
     pub ik_time_s: f64,
-    /// Seconds of it spent on collision checks and proofs during the search.
+    /// Seconds of it spent on collision checks during the search, and on proofs where the tree grows on
+    /// proven edges.
     pub collision_time_s: f64,
+    /// Seconds of it spent on proving a path that was found, where that is apart from the search.
+    #[serde(default)]
+    pub proof_time_s: f64,
     /// Seconds of it spent on the nearest neighbours.
     pub nearest_time_s: f64,
 }
@@ -110,6 +114,9 @@ pub trait Planner: Send + Sync {
     /// The name by which the registry knows it.
     fn name(&self) -> &'static str;
 
+    /// Its settings, for the record.
+    fn settings(&self) -> serde_json::Value;
+
     /// Looks for a path.
     ///
     /// # Errors
@@ -130,12 +137,13 @@ pub(crate) struct Clock {
     begin: Instant,
     deadline: Option<Instant>,
     iterations: u64,
+    calls: u64,
 }
 
 impl Clock {
     pub fn new(budget: &Budget) -> Self {
         let begin = Instant::now();
-        Self { begin, deadline: begin.checked_add(budget.time), iterations: budget.iterations }
+        Self { begin, deadline: begin.checked_add(budget.time), iterations: budget.iterations, calls: 0 }
     }
 
     pub fn elapsed_s(&self) -> f64 {
@@ -143,13 +151,14 @@ impl Clock {
     }
 
     /// Why the search must end after `iterations`, if it must.
-    pub fn verdict(&self, iterations: u64, observer: &mut dyn Observer) -> Option<Outcome> {
+    pub fn verdict(&mut self, iterations: u64, observer: &mut dyn Observer) -> Option<Outcome> {
         if iterations >= self.iterations {
             return Some(Outcome::BudgetExhausted);
         }
-        /// Looking at the clock costs as much as a distance; one look in so many iterations is enough.
+        /// Looking at the clock costs as much as a distance; one look in so many calls is enough.
         const LOOK_EVERY: u64 = 16;
-        if !iterations.is_multiple_of(LOOK_EVERY) {
+        self.calls += 1;
+        if !self.calls.is_multiple_of(LOOK_EVERY) {
             return None;
         }
         observer.progress(iterations);

@@ -2,6 +2,7 @@ use std::time::Instant;
 
 use cranny_collision::{Cell, Scratch};
 use cranny_spatial::Stream;
+use serde::Serialize;
 
 use crate::forest::Forest;
 use crate::goal_pool::GoalPool;
@@ -17,14 +18,14 @@ use crate::{
 /// 1. Grasps at which the hand alone collides are left out; if none is left, no grasp can be reached.
 /// 2. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps,
 ///    as further roots of one goal forest.
-/// 3. Bidirectional growth (Kuffner & LaValle 2000): the smaller side takes one step towards a random
+/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards a random
 ///    configuration, the other side then goes as far as it can towards the new node.
 /// 4. Growth looks at single configurations on the way, coarse to fine (Thomason, Kingston & Kavraki 2024);
 ///    where both sides meet, every edge of the path is proven, and an edge that cannot be is cut off with
 ///    all that grew from it.
 ///
 /// One iteration is one random configuration.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reach {
     /// How far one step goes in the metric weighted by reach. Default 0.25.
     pub step: f64,
@@ -48,6 +49,10 @@ impl Default for Reach {
 impl Planner for Reach {
     fn name(&self) -> &'static str {
         "reach"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
     }
 
     fn plan(
@@ -134,11 +139,10 @@ impl Search<'_> {
             }
             // 1.
             Goal::Grasps(grasps) => {
-                let pool = GoalPool::new(problem, self.cell, grasps, &mut self.proof_scratch);
-                if pool.is_hopeless() {
-                    return Ok(Err(Outcome::NoReachableGrasp));
+                match GoalPool::new(problem, self.cell, grasps, &mut self.proof_scratch) {
+                    Some(pool) => Ok(self.search(Some(pool))),
+                    None => Ok(Err(Outcome::NoReachableGrasp)),
                 }
-                Ok(self.search(Some(pool)))
             }
         }
     }
@@ -251,7 +255,7 @@ impl Search<'_> {
                 self.sides[side].set_proven(node);
             }
         }
-        self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        self.statistics.proof_time_s += begin.elapsed().as_secs_f64();
         if let Some((side, node)) = refuted {
             self.sides[side].cut(node);
             return None;

@@ -1,4 +1,4 @@
-use crate::{IkRrt, JPlusRrt, PlanError, Planner, Reach};
+use crate::{Criterion, IkRrt, JPlusRrt, PlanError, Planner, Reach};
 
 /// Every planner, with its default settings, in the order in which lists show them.
 fn all() -> Vec<Box<dyn Planner>> {
@@ -19,4 +19,13 @@ pub fn planner(name: &str) -> Result<Box<dyn Planner>, PlanError> {
 /// The names of all planners.
 pub fn planner_names() -> Vec<&'static str> {
     all().iter().map(|planner| planner.name()).collect()
+}
+
+/// The planner to take where none is named: the flagship, or under `paper`, which it does not take, the
+/// better of the paper's two.
+pub fn default_planner(criterion: Criterion) -> Box<dyn Planner> {
+    match criterion {
+        Criterion::Exact => Box::new(Reach::default()),
+        Criterion::Paper => Box::new(IkRrt::default()),
+    }
 }

@@ -1,6 +1,9 @@
 use cranny_robot::{JointKind, LinkFrames, Robot};
 use cranny_spatial::Vector;
 
+/// How far the released planners step at most, in metres (ε).
+pub(crate) const RELEASED_STEP_M: f64 = 0.1;
+
 /// Steps through configuration space whose size is measured at the links: the largest displacement of the
 /// origin of any link frame on the chain to the tip, in metres (as in the released code; the paper speaks
 /// of a bound on each joint).

@@ -1,8 +1,9 @@
 use cranny_collision::{Cell, Collider, Contact, Motion, Scratch};
 use cranny_grasp::GraspSet;
-use cranny_spatial::PoseDifference;
+use cranny_spatial::{CONTACT_M, PoseDifference};
 use serde::{Deserialize, Serialize};
 
+use crate::step::{RELEASED_STEP_M, Stepper};
 use crate::{Goal, PlanError, Problem, Validity};
 
 /// What a judge found in a path.
@@ -14,10 +15,11 @@ pub struct Verification {
     pub violations: Vec<Violation>,
     /// How the path ends: the nearest grasp, and how far it is.
     pub goal: Option<GoalError>,
-    /// The least distance along the whole path, in metres, certified from below (`exact` only).
+    /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
+    /// there is nothing to touch.
     pub clearance_m: Option<f64>,
-    /// The same for every edge (`exact` only).
-    pub clearances_per_edge_m: Vec<f64>,
+    /// The same for every edge (`exact` only); 0 for an edge that is not proven.
+    pub clearances_per_edge_m: Vec<Option<f64>>,
 }
 
 /// The end of a path against the nearest grasp.
@@ -65,6 +67,8 @@ pub enum ViolationKind {
     Clearance,
     /// No contact was found, but none could be excluded either.
     Unresolved,
+    /// Under `paper`: a step farther than any that the released planners take between two checks.
+    Step,
 }
 
 /// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
@@ -76,25 +80,26 @@ pub fn path_length(path: &[Vec<f64>]) -> f64 {
     let edge = |pair: &[Vec<f64>]| -> f64 {
         pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
     };
-    path.windows(2).map(edge).sum()
+    path.windows(2).map(edge).fold(0.0, |sum, length| sum + length)
 }
 
 /// Judges a path, whoever made it, by the criterion of `problem`.
 ///
 /// 1. It begins at the start.
 /// 2. Every way point is within the joint limits.
-/// 3. Under `exact` every edge is proven; under `paper` every way point but the first and the last, which
-///    the released planners do not check, passes the released check.
+/// 3. Under `exact` every edge is proven; under `paper` every way point but the first and the last (a goal
+///    root is not checked by the released planners) passes the released check, and no step is longer than
+///    theirs.
 /// 4. It ends at a goal.
 ///
 /// # Errors
 /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a way point that is no configuration of the
-/// robot, [`PlanError::NoGoal`] for a path without way points.
+/// robot, [`PlanError::EmptyPath`] for a path without way points.
 pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, PlanError> {
     for q in path {
         problem.check_configuration("way point", q)?;
     }
-    let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PlanError::NoGoal) };
+    let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PlanError::EmptyPath) };
     let mut violations = Vec::new();
     // 1.
     let joint_names = problem.robot.joint_names();
@@ -121,12 +126,21 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
             let single = [first.clone(), first.clone()];
             let edges = if path.len() == 1 { &single[..] } else { path };
             for (edge, pair) in edges.windows(2).enumerate() {
-                violations.extend(judge_edge(cell, edge, &pair[0], &pair[1], &mut scratch));
-                clearances_per_edge_m.push(cell.least_clearance(&pair[0], &pair[1], &mut scratch));
+                let (found, clearance_m) = judge_edge(cell, edge, &pair[0], &pair[1], &mut scratch);
+                violations.extend(found);
+                clearances_per_edge_m.push(clearance_m);
             }
         }
         Validity::Paper { check, .. } => {
             let mut scratch = check.scratch();
+            let mut stepper = Stepper::new(&problem.robot);
+            for (edge, pair) in path.windows(2).enumerate() {
+                let (_, is_one_step) =
+                    stepper.towards(&problem.robot, &pair[0], &pair[1], RELEASED_STEP_M * (1.0 + 1e-9));
+                if !is_one_step {
+                    violations.push(at_way_point(ViolationKind::Step, edge, "", 0.0));
+                }
+            }
             for (index, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
                 if problem.robot.within_limits(q) && !check.is_free(q, &mut scratch) {
                     violations.push(at_way_point(ViolationKind::Contact, index, "", 0.0));
@@ -158,7 +172,7 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
             None
         }
     };
-    let clearance_m = clearances_per_edge_m.iter().copied().reduce(f64::min);
+    let clearance_m = clearances_per_edge_m.iter().copied().flatten().reduce(f64::min);
     Ok(Verification { valid: violations.is_empty(), violations, goal, clearance_m, clearances_per_edge_m })
 }
 
@@ -179,7 +193,14 @@ fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usiz
     }
 }
 
-fn judge_edge(cell: &Cell, edge: usize, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Vec<Violation> {
+/// What is wrong with an edge, and the least distance along it if it is proven.
+fn judge_edge(
+    cell: &Cell,
+    edge: usize,
+    a: &[f64],
+    b: &[f64],
+    scratch: &mut Scratch,
+) -> (Vec<Violation>, Option<f64>) {
     let describe = |kind: ViolationKind, at: f64, contact: &Contact| Violation {
         kind,
         edge,
@@ -188,25 +209,36 @@ fn judge_edge(cell: &Cell, edge: usize, a: &[f64], b: &[f64], scratch: &mut Scra
         second: cell.name(contact.second).to_owned(),
         depth_m: contact.depth_m,
     };
-    let of_contact = |at: f64, contact: &Contact| {
-        let kind = if contact.clearance_m <= 0.0 { ViolationKind::Contact } else { ViolationKind::Clearance };
-        describe(kind, at, contact)
+    let seed = match cell.motion_is_free(a, b, scratch) {
+        Motion::Proven { .. } => {
+            let least = cell.least_clearance(a, b, scratch);
+            return (Vec::new(), least.is_finite().then_some(least));
+        }
+        Motion::Unresolved { at, contact } => {
+            return (vec![describe(ViolationKind::Unresolved, at, &contact)], Some(0.0));
+        }
+        Motion::Contact { at, contact } => Some((at, contact)),
+        // The limits are judged at the way points; what touches on the way counts all the same.
+        Motion::OutOfLimits { .. } => None,
     };
-    match cell.motion_is_free(a, b, scratch) {
-        // Limits are judged at the way points.
-        Motion::Proven { .. } | Motion::OutOfLimits { .. } => Vec::new(),
-        Motion::Unresolved { at, contact } => vec![describe(ViolationKind::Unresolved, at, &contact)],
-        Motion::Contact { .. } => deepest_contacts(cell, a, b, scratch)
-            .iter()
-            .map(|(at, contact)| of_contact(*at, contact))
-            .collect(),
-    }
+    let violations = deepest_contacts(cell, a, b, seed, scratch).into_iter().map(|(at, contact)| {
+        let touches = contact.clearance_m < CONTACT_M;
+        let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
+        describe(kind, at, &contact)
+    });
+    (violations.collect(), Some(0.0))
 }
 
-/// Every pair that touches on an edge where contact was proven, each at the deepest of many samples.
-fn deepest_contacts(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Vec<(f64, Contact)> {
+/// Every pair that touches on an edge, each at the deepest of many samples and of `seed`.
+fn deepest_contacts(
+    cell: &Cell,
+    a: &[f64],
+    b: &[f64],
+    seed: Option<(f64, Contact)>,
+    scratch: &mut Scratch,
+) -> Vec<(f64, Contact)> {
     const SAMPLES: u32 = 64;
-    let mut found: Vec<(f64, Contact)> = Vec::new();
+    let mut found: Vec<(f64, Contact)> = Vec::from_iter(seed);
     let mut keep = |at: f64, contact: Contact| {
         let same = |c: &(f64, Contact)| (c.1.first, c.1.second) == (contact.first, contact.second);
         let rank = |c: &Contact| c.depth_m - c.clearance_m;
@@ -216,9 +248,6 @@ fn deepest_contacts(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) ->
             None => found.push((at, contact)),
         }
     };
-    if let Motion::Contact { at, contact } = cell.motion_is_free(a, b, scratch) {
-        keep(at, contact);
-    }
     for sample in 0..=SAMPLES {
         let at = f64::from(sample) / f64::from(SAMPLES);
         let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect();

@@ -1,0 +1,35 @@
+use cranny_collision::{Cell, Contact, Scratch};
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_spatial::Pose;
+
+/// The two gripper poses of a grasp: it and its twin with the fingers swapped. An arm may reach only one of
+/// them, within its joint limits.
+pub(crate) fn poses(grasp: &Grasp) -> [Pose; 2] {
+    [grasp.world_from_gripper, grasp.twin().world_from_gripper]
+}
+
+/// The poses of a grasp that the hand alone can take; if it can take neither, what it touches at the first.
+pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> Result<Vec<Pose>, Contact> {
+    let mut blocked = None;
+    let mut open = Vec::new();
+    for pose in poses(grasp) {
+        match cell.hand_contact(&pose, scratch) {
+            Some(contact) => blocked = blocked.or(Some(contact)),
+            None => open.push(pose),
+        }
+    }
+    match blocked {
+        Some(contact) if open.is_empty() => Err(contact),
+        _ => Ok(open),
+    }
+}
+
+/// All poses that the hand alone can take, with the index of their grasp, from the highest score down.
+pub(crate) fn all_open_poses(cell: &Cell, grasps: &GraspSet, scratch: &mut Scratch) -> Vec<(usize, Pose)> {
+    let mut all = Vec::new();
+    for index in grasps.by_score() {
+        let open = open_poses(cell, &grasps.grasps()[index], scratch).unwrap_or_default();
+        all.extend(open.into_iter().map(|pose| (index, pose)));
+    }
+    all
+}
