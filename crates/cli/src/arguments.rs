@@ -1,3 +1,4 @@
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -61,12 +62,12 @@ pub struct TaskArguments {
     /// What counts as solved and as free [default: the scenario's own, exact unless it says otherwise]
     #[arg(long, value_enum)]
     pub criterion: Option<CriterionArgument>,
-    /// Clearance that every check and proof demands between any two things, in millimetres
-    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub margin: f64,
-    /// The same for hand and fingers against the target and what carries it, in millimetres
-    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub grasp_margin: f64,
+    /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub margin: Option<f64>,
+    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub grasp_margin: Option<f64>,
     /// Another robot's URDF (with SRDF and limits.yaml beside it) instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -86,9 +87,9 @@ pub struct TaskArguments {
 pub struct PlanArguments {
     #[command(flatten)]
     pub task: TaskArguments,
-    /// Which planner (see `cranny list`)
-    #[arg(long, value_name = "NAME", default_value = "ik-rrt")]
-    pub planner: String,
+    /// Which planner (see `cranny list`) [default: reach under exact, ik-rrt under paper]
+    #[arg(long, value_name = "NAME")]
+    pub planner: Option<String>,
     /// Seed of all randomness: the same seed gives the same path
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -112,7 +113,8 @@ pub struct PlanArguments {
   cranny verify path/to/scenarios/011 way_points.csv --margin 2
   cranny verify 021 021.plan.json --criterion paper
 
-Way points: a plan file, or one configuration a line, comma-separated (.csv, .try).")]
+Way points: a plan file, or one configuration a line, comma-separated (.csv, .try). Criterion and margins
+are those of the plan file unless flags say otherwise.")]
 pub struct VerifyArguments {
     #[command(flatten)]
     pub task: TaskArguments,
@@ -133,11 +135,11 @@ pub struct IkArguments {
     #[arg(long, value_name = "N")]
     pub grasp: Option<usize>,
     /// Distinct solutions to look for at each grasp
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub solutions: usize,
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub solutions: NonZeroUsize,
     /// Attempts at each grasp
-    #[arg(long, value_name = "N", default_value_t = 2000)]
-    pub attempts: usize,
+    #[arg(long, value_name = "N", default_value = "2000")]
+    pub attempts: NonZeroUsize,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -166,6 +168,16 @@ pub enum GeometryArgument {
     Scene,
     /// The merged obstacle mesh that the released planners used
     Export,
+}
+
+impl GeometryArgument {
+    /// What flags and plan files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Export => "export",
+        }
+    }
 }
 
 impl From<GeometryArgument> for Geometry {

@@ -3,6 +3,7 @@ use std::fmt::Write;
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
+use cranny_scenario::PlanMargins;
 use serde::Serialize;
 
 use crate::Answer;
@@ -38,7 +39,7 @@ struct Solution {
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, mut problem } = Task::open(&arguments.task)?;
+    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, None, PlanMargins::default())?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());
@@ -48,12 +49,13 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
             Goal::Grasps(GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?);
     }
     let settings = IkAnnotationSettings {
-        solutions: arguments.solutions,
-        attempts: arguments.attempts,
+        solutions: arguments.solutions.get(),
+        attempts: arguments.attempts.get(),
         seed: arguments.seed,
     };
     let stop = stop_on_interrupt()?;
-    let progress = bar(scenario.grasps.len() as u64, output.quiet);
+    let count = if arguments.grasp.is_some() { 1 } else { scenario.grasps.len() };
+    let progress = bar(count as u64, output.quiet);
     let mut annotations = annotate_ik(&problem, &settings, &|| progress.inc(1), &stop)?;
     progress.finish_and_clear();
     if let Some(grasp) = arguments.grasp {
@@ -107,8 +109,12 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
             IkStatus::HandCollides { .. } => {
                 format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
             }
-            IkStatus::NoSolution { blocked: 0 } => "the arm does not reach the pose".to_owned(),
-            IkStatus::NoSolution { .. } => "the arm reaches the pose, but never freely".to_owned(),
+            IkStatus::NoSolution { blocked: 0 } => {
+                format!("the arm did not reach the pose in {} attempts", annotation.attempts)
+            }
+            IkStatus::NoSolution { .. } => {
+                format!("the arm reached the pose, but never freely in {} attempts", annotation.attempts)
+            }
             IkStatus::Stopped => "stopped before it was tried".to_owned(),
         };
         *reasons.entry(reason).or_default() += 1;

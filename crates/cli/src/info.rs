@@ -1,11 +1,13 @@
 use std::fmt::Write;
 
 use cranny_plan::Validity;
+use cranny_scenario::PlanMargins;
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
+use crate::start;
 use crate::task::Task;
 use crate::text;
 
@@ -18,7 +20,7 @@ struct Info {
     start: Vec<f64>,
     start_is_free: bool,
     start_clearance_m: Option<f64>,
-    start_contacts: Vec<(String, String)>,
+    start_faults: Vec<String>,
     bodies: Vec<Body>,
     target: Option<String>,
     grasps: usize,
@@ -34,7 +36,7 @@ struct Body {
 }
 
 pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem } = Task::open(arguments)?;
+    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default())?;
     let (robot, world) = (&scenario.robot, &scenario.world);
     let mut scratch = problem.validity.scratch();
     let mut info = Info {
@@ -45,7 +47,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
         start: scenario.start.clone(),
         start_is_free: problem.validity.is_free(&scenario.start, &mut scratch),
         start_clearance_m: None,
-        start_contacts: Vec::new(),
+        start_faults: start::faults(&problem),
         bodies: world
             .bodies()
             .iter()
@@ -59,12 +61,8 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
     };
     if let Validity::Exact(cell) = &problem.validity {
         let mut scratch = cell.scratch();
-        info.start_clearance_m = Some(cell.clearance(&scenario.start, &mut scratch));
-        info.start_contacts = cell
-            .contacts(&scenario.start, &mut scratch)
-            .iter()
-            .map(|c| (cell.name(c.first).to_owned(), cell.name(c.second).to_owned()))
-            .collect();
+        let clearance_m = cell.clearance(&scenario.start, &mut scratch);
+        info.start_clearance_m = Some(clearance_m).filter(|c| c.is_finite());
         info.self_collision_pairs = cell.self_pairs().len();
     }
     if output.json {
@@ -93,8 +91,8 @@ fn page(info: &Info) -> String {
         info.start_clearance_m.map_or_else(String::new, |c| format!(", {}", text::millimetres(c)));
     let state = if info.start_is_free { "free" } else { "NOT free" };
     line("start", format!("{state}{clearance}"));
-    for (first, second) in &info.start_contacts {
-        line("", format!("{first} touches {second}"));
+    for fault in &info.start_faults {
+        line("", fault.clone());
     }
     page
 }

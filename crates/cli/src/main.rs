@@ -9,10 +9,12 @@ mod info;
 mod list;
 mod plan;
 mod progress;
+mod start;
 mod task;
 mod text;
 mod verify;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -41,7 +43,8 @@ fn main() -> ExitCode {
         Ok(Answer::Done) => ExitCode::SUCCESS,
         Ok(Answer::No) => ExitCode::from(1),
         Err(failure) => {
-            eprintln!("error: {failure}");
+            // Where not even this can be written, the exit code says it.
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
             ExitCode::from(2)
         }
     }

@@ -10,6 +10,7 @@ use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
 use crate::progress::{SearchProgress, stop_on_interrupt};
+use crate::start;
 use crate::task::Task;
 use crate::text::{self, degrees, millimetres};
 
@@ -22,24 +23,25 @@ struct Answered<'a> {
     preparation_time_s: f64,
     iterations: u64,
     valid: bool,
-    start_contacts: Vec<(String, String)>,
+    start_faults: Vec<String>,
     plan_file: Option<&'a Path>,
 }
 
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
-    let planner = cranny_plan::planner(&arguments.planner)?;
+    let named = arguments.planner.as_deref().map(cranny_plan::planner).transpose()?;
     let begin = Instant::now();
-    let Task { scenario, mut problem } = Task::open(&arguments.task)?;
+    let Task { scenario, mut problem, margins } = Task::open(&arguments.task, None, PlanMargins::default())?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let file = destination(arguments, &scenario)?;
     set_threshold(arguments, &mut problem)?;
+    let planner = named.unwrap_or_else(|| cranny_plan::default_planner(problem.criterion()));
     let budget = Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit };
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
     let report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
     progress.finish();
 
-    let judged = judge(arguments, &scenario, &problem, planner.as_ref(), &budget, &report)?;
+    let judged = judge(arguments, &scenario, &problem, margins, planner.as_ref(), &report)?;
     let solved = report.outcome == Outcome::Solved && judged.valid;
     if solved {
         judged.plan.write(&file)?;
@@ -49,7 +51,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
         preparation_time_s,
         iterations: report.statistics.iterations,
         valid: judged.valid,
-        start_contacts: start_contacts(&problem, report.outcome),
+        start_faults: start::faults(&problem),
         plan_file: solved.then_some(file.as_path()),
         plan: &judged.plan,
     };
@@ -71,26 +73,30 @@ fn judge(
     arguments: &PlanArguments,
     scenario: &Scenario,
     problem: &Problem,
+    margins: PlanMargins,
     planner: &dyn Planner,
-    budget: &Budget,
     report: &PlanReport,
 ) -> Result<Judged, Failure> {
     let verification = if report.path.is_empty() { None } else { Some(verify(problem, &report.path)?) };
     let goal = verification.as_ref().and_then(|v| v.goal);
     let plan = PlanFile {
         scenario: scenario.id.clone(),
+        robot: arguments.task.robot.as_ref().map(|file| file.display().to_string()),
+        geometry: arguments.task.geometry.map(|geometry| geometry.name().to_owned()),
         planner: planner.name().to_owned(),
+        settings: planner.settings(),
+        goal_threshold: match &problem.validity {
+            Validity::Paper { threshold, .. } => Some(*threshold),
+            Validity::Exact(_) => None,
+        },
         criterion: problem.criterion(),
         seed: arguments.seed,
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        version: PlanFile::VERSION.to_owned(),
         outcome: report.outcome,
-        margins: PlanMargins {
-            margin_m: arguments.task.margin / 1000.0,
-            grasp_margin_m: arguments.task.grasp_margin / 1000.0,
-        },
+        margins,
         budget: PlanBudget {
             iterations: arguments.iterations,
-            time_limit_s: Some(budget.time.as_secs_f64()),
+            time_limit_s: Some(arguments.time_limit.as_secs_f64()),
         },
         joint_names: problem.robot.joint_names().to_vec(),
         grasp: goal.map(|g| g.grasp),
@@ -111,16 +117,20 @@ fn judge(
 fn destination(arguments: &PlanArguments, scenario: &Scenario) -> Result<PathBuf, Failure> {
     let file =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.plan.json", scenario.id)));
-    match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            Err(Failure::NoFolder { path: file })
-        }
-        _ => Ok(file),
+    if file.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+        return Err(Failure::NoFolder { path: file });
     }
+    // Better now than after the search.
+    PlanFile::check_writable(&file)?;
+    Ok(file)
 }
 
 fn set_threshold(arguments: &PlanArguments, problem: &mut Problem) -> Result<(), Failure> {
     let is_default = (arguments.goal_threshold - cranny_plan::PAPER_THRESHOLD).abs() < f64::EPSILON;
+    if !(arguments.goal_threshold.is_finite() && arguments.goal_threshold >= 0.0) {
+        let problem = format!("'{}' is no threshold; give a number, at least 0", arguments.goal_threshold);
+        return Err(Failure::Flag { flag: "goal-threshold", problem });
+    }
     match &mut problem.validity {
         Validity::Paper { threshold, .. } => *threshold = arguments.goal_threshold,
         Validity::Exact(_) if is_default => {}
@@ -130,17 +140,6 @@ fn set_threshold(arguments: &PlanArguments, problem: &mut Problem) -> Result<(),
         }
     }
     Ok(())
-}
-
-fn start_contacts(problem: &Problem, outcome: Outcome) -> Vec<(String, String)> {
-    match &problem.validity {
-        Validity::Exact(cell) if outcome == Outcome::StartInvalid => cell
-            .contacts(&problem.start, &mut cell.scratch())
-            .iter()
-            .map(|c| (cell.name(c.first).to_owned(), cell.name(c.second).to_owned()))
-            .collect(),
-        _ => Vec::new(),
-    }
 }
 
 fn page(answered: &Answered, scenario: &Scenario) -> String {
@@ -188,15 +187,19 @@ fn page(answered: &Answered, scenario: &Scenario) -> String {
     line(
         "time",
         format!(
-            "{:.3} s collision, {:.3} s IK, {:.3} s nearest neighbours; {:.3} s to load",
+            "{:.3} s collision, {:.3} s proof, {:.3} s IK, {:.3} s nearest neighbours; {:.3} s to load",
             statistics.collision_time_s,
+            statistics.proof_time_s,
             statistics.ik_time_s,
             statistics.nearest_time_s,
             answered.preparation_time_s
         ),
     );
-    for (first, second) in &answered.start_contacts {
-        line("start", format!("{first} touches {second}"));
+    for fault in &answered.start_faults {
+        line("start", fault.clone());
+    }
+    if plan.outcome == Outcome::Solved && !answered.valid {
+        line("judged", "NOT valid; please report this".to_owned());
     }
     if plan.outcome == Outcome::BudgetExhausted {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());

@@ -46,9 +46,7 @@ impl SearchProgress {
 
 impl Observer for SearchProgress {
     fn progress(&mut self, iterations: u64) {
-        /// A terminal need not hear of every look at the clock.
-        const SHOW_EVERY: u64 = 256;
-        if iterations.is_multiple_of(SHOW_EVERY) && self.begin.elapsed() > PATIENCE {
+        if self.begin.elapsed() > PATIENCE {
             self.spinner.set_position(iterations);
         }
     }

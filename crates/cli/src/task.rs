@@ -1,5 +1,5 @@
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Demands, OpenOptions, Scenario};
+use cranny_scenario::{Demands, OpenOptions, PlanMargins, Scenario};
 
 use crate::arguments::TaskArguments;
 use crate::failure::Failure;
@@ -8,29 +8,38 @@ use crate::failure::Failure;
 pub struct Task {
     pub scenario: Scenario,
     pub problem: Problem,
+    pub margins: PlanMargins,
 }
 
 impl Task {
-    pub fn open(arguments: &TaskArguments) -> Result<Self, Failure> {
+    /// What the flags say; where they are silent the given criterion and margins, else the defaults.
+    pub fn open(
+        arguments: &TaskArguments,
+        criterion: Option<Criterion>,
+        margins: PlanMargins,
+    ) -> Result<Self, Failure> {
         let options = OpenOptions {
-            criterion: arguments.criterion.map(Criterion::from),
+            criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
         };
         let scenario = Scenario::open(&arguments.id, &options)?;
-        let problem = scenario.problem(&Demands {
-            margin_m: metres("margin", arguments.margin)?,
-            grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?,
-        })?;
-        Ok(Self { scenario, problem })
+        let margins = PlanMargins {
+            margin_m: metres("margin", arguments.margin)?.unwrap_or(margins.margin_m),
+            grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
+        };
+        let PlanMargins { margin_m, grasp_margin_m } = margins;
+        let problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        Ok(Self { scenario, problem, margins })
     }
 }
 
-fn metres(flag: &'static str, millimetres: f64) -> Result<f64, Failure> {
-    if millimetres.is_finite() && millimetres >= 0.0 {
-        Ok(millimetres / 1000.0)
-    } else {
-        let problem = format!("'{millimetres}' is no clearance; give millimetres, at least 0");
-        Err(Failure::Flag { flag, problem })
+fn metres(flag: &'static str, millimetres: Option<f64>) -> Result<Option<f64>, Failure> {
+    match millimetres {
+        Some(value) if !(value.is_finite() && value >= 0.0) => {
+            let problem = format!("'{value}' is no clearance; give millimetres, at least 0");
+            Err(Failure::Flag { flag, problem })
+        }
+        other => Ok(other.map(|value| value / 1000.0)),
     }
 }

@@ -1,7 +1,8 @@
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 
 use cranny_plan::{Verification, ViolationKind};
-use cranny_scenario::read_waypoints;
+use cranny_scenario::{PlanFile, read_waypoints};
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
@@ -10,7 +11,31 @@ use crate::task::Task;
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { problem, .. } = Task::open(&arguments.task)?;
+    let is_plan = arguments.plan.extension().is_some_and(|extension| extension == "json");
+    let plan = if is_plan { Some(PlanFile::read(&arguments.plan)?) } else { None };
+    let criterion = plan.as_ref().map(|plan| plan.criterion);
+    let margins = plan.as_ref().map(|plan| plan.margins).unwrap_or_default();
+    let Task { scenario, problem, .. } = Task::open(&arguments.task, criterion, margins)?;
+    if let Some(plan) = &plan {
+        let (found, expected) = (&plan.joint_names, problem.robot.joint_names());
+        if let Some((found, expected)) =
+            found.iter().zip(expected).find(|(found, expected)| found != expected)
+        {
+            return Err(Failure::OtherRobot {
+                path: arguments.plan.clone(),
+                found: found.clone(),
+                expected: expected.clone(),
+            });
+        }
+        if plan.scenario != scenario.id {
+            let _ = writeln!(
+                std::io::stderr(),
+                "note: the plan was made for scenario '{}', and is judged against '{}'",
+                plan.scenario,
+                scenario.id
+            );
+        }
+    }
     let path = read_waypoints(&arguments.plan, problem.robot.dof())?;
     let verification = cranny_plan::verify(&problem, &path)?;
     if output.json {
@@ -52,6 +77,13 @@ fn page(verification: &Verification, way_points: usize) -> String {
                 "  limit       way point {}: {} is {:.4} beyond its limit",
                 violation.edge, violation.first, violation.depth_m
             ),
+            ViolationKind::Step => {
+                writeln!(
+                    page,
+                    "  step        edge {}: longer than the released planners step",
+                    violation.edge
+                )
+            }
             ViolationKind::Start => writeln!(
                 page,
                 "  start       {} is {:.6} off the start of the scenario",

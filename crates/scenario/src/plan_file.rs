@@ -15,11 +15,19 @@ use crate::{ScenarioError, atomic_file};
 pub struct PlanFile {
     /// Id of the scenario: a built-in id, or the name of its folder.
     pub scenario: String,
+    /// The URDF that was given instead of the scenario's robot.
+    pub robot: Option<String>,
+    /// The geometry of a released scenario, where it was asked for.
+    pub geometry: Option<String>,
     /// Name of the planner.
     pub planner: String,
+    /// The planner's settings.
+    pub settings: serde_json::Value,
     /// What counted as solved.
     #[serde(with = "CriterionName")]
     pub criterion: Criterion,
+    /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
+    pub goal_threshold: Option<f64>,
     /// What the random numbers were drawn from.
     pub seed: u64,
     /// The version of Cranny: with the same version the seed gives the same path.
@@ -40,8 +48,8 @@ pub struct PlanFile {
     pub rotation_error_rad: Option<f64>,
     /// The least clearance along the whole path, proven, in metres.
     pub clearance_m: Option<f64>,
-    /// The same for each edge of the path, in metres; empty without a proof.
-    pub clearances_per_edge_m: Vec<f64>,
+    /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
+    pub clearances_per_edge_m: Vec<Option<f64>>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
     /// The path: one value per joint each (m, rad), straight lines between.
@@ -87,6 +95,14 @@ impl PlanFile {
         atomic_file::write(path, &text)
     }
 
+    /// Whether a plan could be written there, found out without touching what stands there.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unwritable`] for a folder, or where no file can be made.
+    pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
+        atomic_file::check(path)
+    }
+
     /// Reads a plan.
     ///
     /// # Errors
@@ -120,11 +136,13 @@ impl PlanFile {
     }
 
     fn field_not_finite(&self) -> Option<&'static str> {
-        let Statistics { planning_time_s, ik_time_s, collision_time_s, nearest_time_s, .. } = self.statistics;
-        let times = [planning_time_s, ik_time_s, collision_time_s, nearest_time_s];
-        let fields: [(&'static str, Vec<f64>); 9] = [
+        let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
+            self.statistics;
+        let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
+        let fields: [(&'static str, Vec<f64>); 10] = [
             ("waypoints", self.waypoints.concat()),
-            ("clearances_per_edge_m", self.clearances_per_edge_m.clone()),
+            ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
+            ("goal_threshold", self.goal_threshold.into_iter().collect()),
             ("clearance_m", self.clearance_m.into_iter().collect()),
             ("translation_error_m", self.translation_error_m.into_iter().collect()),
             ("rotation_error_rad", self.rotation_error_rad.into_iter().collect()),
@@ -144,7 +162,11 @@ mod tests {
     fn plan() -> PlanFile {
         PlanFile {
             scenario: "021".into(),
+            robot: None,
+            geometry: None,
             planner: "ik-rrt".into(),
+            settings: serde_json::json!({"p_goal": 0.01}),
+            goal_threshold: None,
             criterion: Criterion::Exact,
             seed: u64::MAX,
             version: PlanFile::VERSION.into(),
@@ -156,7 +178,7 @@ mod tests {
             translation_error_m: Some(1e-4 / 3.0),
             rotation_error_rad: Some(0.1 + 0.2),
             clearance_m: None,
-            clearances_per_edge_m: vec![5e-324],
+            clearances_per_edge_m: vec![Some(5e-324), None],
             path_length: std::f64::consts::SQRT_2,
             waypoints: vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]],
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },

@@ -119,7 +119,8 @@ impl Scenario {
                     None => ReleasedCheck::surfaces_of(&self.world),
                 };
                 let floor_links = hand::floor_links(&robot);
-                let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M);
+                let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M)
+                    .map_err(cranny_plan::PlanError::from)?;
                 Ok(Problem::paper(check, start, goal)?)
             }
         }

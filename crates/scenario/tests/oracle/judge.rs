@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cranny_robot::{LinkFrames, Robot};
 use cranny_spatial::nalgebra::Matrix4;
-use cranny_spatial::{Point, Pose, Stream, Vector};
+use cranny_spatial::{Point, Pose, Stream};
 
 use crate::hull::convex_hull;
 use crate::mesh::{Bounds, Mesh, Placed};
@@ -17,7 +17,8 @@ pub const STEP_M: f64 = 0.5e-3;
 /// Height of the floor in the root frame, in metres.
 const FLOOR_M: f64 = -0.05;
 
-/// The published limits (m, rad).
+/// The limits of the URDF (m, rad).
+#[expect(clippy::approx_constant, reason = "the file says so")]
 pub const LIMITS: [[f64; 2]; 9] = [
     [-1.0, 1.0],
     [-1.0, 1.0],
@@ -38,7 +39,7 @@ pub struct Oracle {
     /// Which links are looked at together, as indices into `links`.
     pub pairs: Vec<(usize, usize)>,
     start: Vec<f64>,
-    grasps: Vec<Matrix4<f64>>,
+    pub grasps: Vec<Matrix4<f64>>,
 }
 
 /// The hull of a piece of a link, in the frame of the link.
@@ -65,6 +66,7 @@ pub struct Sight {
 }
 
 /// All meshes at their places for one configuration.
+#[derive(Clone)]
 pub struct Pictures<'a> {
     frames: LinkFrames,
     pub links: Vec<Placed<'a>>,
@@ -88,7 +90,8 @@ impl Oracle {
                 links.push(LinkMesh { link, name: description.name.clone(), mesh, bounds });
             }
         }
-        let (obstacles, start, grasps) = (scene::obstacles(folder), scene::start(folder), scene::grasps(folder));
+        let (obstacles, start, grasps) =
+            (scene::obstacles(folder), scene::start(folder), scene::grasps(folder));
         let mut oracle = Self { robot, links, obstacles, pairs: Vec::new(), start, grasps };
         oracle.pairs = oracle.pairs_to_look_at();
         oracle
@@ -132,8 +135,7 @@ impl Oracle {
 
     pub fn pictures(&self) -> Pictures<'_> {
         let still = Pose::identity();
-        let parts = |obstacle: &'_ Obstacle| obstacle.parts.len();
-        let mut obstacles = Vec::with_capacity(self.obstacles.iter().map(parts).sum());
+        let mut obstacles = Vec::new();
         for obstacle in &self.obstacles {
             obstacles.extend(obstacle.parts.iter().map(|part| (obstacle.name.as_str(), part.placed(&still))));
         }
@@ -162,7 +164,8 @@ impl Oracle {
                 return touch(link, name);
             }
         }
-        let touches = |&&(first, second): &&(usize, usize)| pictures.links[first].meets(&pictures.links[second]);
+        let touches =
+            |&&(first, second): &&(usize, usize)| pictures.links[first].meets(&pictures.links[second]);
         self.pairs.iter().find(touches).and_then(|&(first, second)| touch(first, &self.links[second].name))
     }
 
@@ -185,7 +188,8 @@ impl Oracle {
         let mut frames = self.robot.frames();
         let mut corners_at = move |t: f64| {
             self.robot.forward_kinematics(&between(a, b, t), &mut frames);
-            let corners = |link: &LinkMesh| link.bounds.corners().map(|corner| frames.link(link.link) * corner);
+            let corners =
+                |link: &LinkMesh| link.bounds.corners().map(|corner| frames.link(link.link) * corner);
             self.links.iter().flat_map(corners).collect::<Vec<Point>>()
         };
         let (mut here, mut step) = (corners_at(0.0), 1.0);
@@ -199,7 +203,7 @@ impl Oracle {
                 let way = |(from, to): (&Point, &Point)| (to - from).norm();
                 let farthest = here.iter().zip(&there).map(way).fold(0.0, f64::max);
                 // Aim a little lower, so that the next step rarely needs a second attempt.
-                step = (0.95 * step * STEP_M / farthest).min(2.0 * step);
+                step = (0.95 * (next - t) * STEP_M / farthest).min(2.0 * step);
                 if farthest <= STEP_M {
                     here = there;
                     return Some(next);
@@ -210,9 +214,12 @@ impl Oracle {
 
     /// What is wrong with the ends of a path and the joint limits of its way points.
     pub fn faults_of_way_points(&self, path: &[Vec<f64>]) -> Vec<String> {
-        let (Some(first), Some(last)) = (path.first(), path.last()) else { return vec!["no path".to_owned()] };
+        let (Some(first), Some(last)) = (path.first(), path.last()) else {
+            return vec!["no path".to_owned()];
+        };
         let mut faults = Vec::new();
-        if first.len() != self.start.len() || first.iter().zip(&self.start).any(|(a, b)| (a - b).abs() > 1e-9) {
+        if first.len() != self.start.len() || first.iter().zip(&self.start).any(|(a, b)| (a - b).abs() > 1e-9)
+        {
             faults.push("it does not begin at the start".to_owned());
         }
         for (index, q) in path.iter().enumerate() {
@@ -228,7 +235,7 @@ impl Oracle {
     }
 
     /// Whether the gripper is within 1 mm and 1° of the grasp or its twin at `q`.
-    fn is_reached(&self, grasp: &Matrix4<f64>, q: &[f64]) -> bool {
+    pub fn is_reached(&self, grasp: &Matrix4<f64>, q: &[f64]) -> bool {
         let mut frames = self.robot.frames();
         self.robot.forward_kinematics(q, &mut frames);
         let gripper = frames.link(self.robot.link_index("panda_grasptarget").unwrap()).to_homogeneous();
@@ -236,11 +243,10 @@ impl Oracle {
         let relative = grasp.fixed_view::<3, 3>(0, 0).transpose() * gripper.fixed_view::<3, 3>(0, 0);
         let [x, y, z] = [0, 1, 2].map(|axis| relative[(axis, axis)]);
         // The trace of a rotation is 1 + 2 cos; the twin's x and y axes point the other way.
-        let cosine = (x + y + z).max(z - x - y).midpoint(-1.0);
+        let cosine = 0.5 * ((x + y + z).max(z - x - y) - 1.0);
         distance_m <= 1e-3 && cosine >= 1.0_f64.to_radians().cos()
     }
 }
-
 
 /// The point `t` of the straight motion from `a` to `b`.
 pub fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {

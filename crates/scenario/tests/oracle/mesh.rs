@@ -62,7 +62,8 @@ impl Mesh {
     #[must_use]
     pub fn without_unused_vertices(&self) -> Self {
         let used: BTreeSet<usize> = self.triangles.iter().flatten().copied().collect();
-        let position: BTreeMap<usize, usize> = used.iter().enumerate().map(|(new, &old)| (old, new)).collect();
+        let position: BTreeMap<usize, usize> =
+            used.iter().enumerate().map(|(new, &old)| (old, new)).collect();
         let vertices = used.iter().map(|&old| self.vertices[old]).collect();
         Self::new(vertices, self.triangles.iter().map(|t| t.map(|old| position[&old])).collect())
     }
@@ -105,14 +106,25 @@ impl Placed<'_> {
     /// Whether an edge of this mesh goes through a triangle of `other`. Both meshes can only cross within
     /// `shared`.
     fn has_edge_through(&self, other: &Self, shared: &Bounds) -> bool {
-        let edges = self.mesh.edges.iter().map(|edge| edge.map(|vertex| self.vertices[vertex]));
-        let edges: Vec<_> = with_bounds_in(edges, shared).collect();
-        if edges.is_empty() {
-            return false;
-        }
-        let triangles = other.mesh.triangles.iter().map(|t| t.map(|vertex| other.vertices[vertex]));
-        with_bounds_in(triangles, shared).any(|(triangle, bounds)| {
-            edges.iter().any(|(edge, near)| near.meets(&bounds) && goes_through(edge, &triangle))
+        let edges: Vec<_> = self.those_near(&self.mesh.edges, shared).collect();
+        !edges.is_empty()
+            && other.those_near(&other.mesh.triangles, shared).any(|(triangle, bounds)| {
+                edges.iter().any(|(edge, near)| near.meets(&bounds) && goes_through(edge, &triangle))
+            })
+    }
+
+    /// The corners and bounds of those edges or triangles that do not lie beyond one side of `region`.
+    fn those_near<const N: usize>(
+        &self,
+        pieces: &[[usize; N]],
+        region: &Bounds,
+    ) -> impl Iterator<Item = ([Point; N], Bounds)> {
+        let sides: Vec<u8> = self.vertices.iter().map(|vertex| region.sides_beyond(vertex)).collect();
+        let is_near =
+            move |piece: &&[usize; N]| piece.iter().fold(u8::MAX, |all, &vertex| all & sides[vertex]) == 0;
+        pieces.iter().filter(is_near).map(|piece| {
+            let corners = piece.map(|vertex| self.vertices[vertex]);
+            (corners, Bounds::around(&corners))
         })
     }
 
@@ -127,8 +139,11 @@ impl Placed<'_> {
     fn contains(&self, point: &Point) -> bool {
         /// Longer than any scene, in metres.
         const RAY_M: f64 = 100.0;
-        let directions =
-            [Vector::new(0.267, 0.535, 0.802), Vector::new(-0.81, 0.31, 0.497), Vector::new(0.13, -0.79, 0.6)];
+        let directions = [
+            Vector::new(0.267, 0.535, 0.802),
+            Vector::new(-0.81, 0.31, 0.497),
+            Vector::new(0.13, -0.79, 0.6),
+        ];
         let is_odd = |direction: &&Vector| {
             let ray = [*point, point + **direction * RAY_M];
             let triangles = self.mesh.triangles.iter().map(|t| t.map(|vertex| self.vertices[vertex]));
@@ -136,14 +151,6 @@ impl Placed<'_> {
         };
         directions.iter().filter(is_odd).count() >= 2
     }
-}
-
-/// Those of the edges or triangles whose bounds meet `region`, with their bounds.
-fn with_bounds_in<const N: usize>(
-    pieces: impl Iterator<Item = [Point; N]>,
-    region: &Bounds,
-) -> impl Iterator<Item = ([Point; N], Bounds)> {
-    pieces.map(|corners| (corners, Bounds::around(&corners))).filter(|(_, bounds)| bounds.meets(region))
 }
 
 /// Whether the segment has a point in common with the triangle, touching included. A segment in the
@@ -193,6 +200,14 @@ impl Bounds {
 
     fn is_empty(&self) -> bool {
         (0..3).any(|axis| self.low[axis] > self.high[axis])
+    }
+
+    /// One bit for each of the six sides that the point lies beyond.
+    fn sides_beyond(&self, point: &Point) -> u8 {
+        let beyond = |axis: usize| {
+            u8::from(point[axis] < self.low[axis]) | u8::from(point[axis] > self.high[axis]) << 1
+        };
+        beyond(0) | beyond(1) << 2 | beyond(2) << 4
     }
 
     fn meets(&self, other: &Self) -> bool {

@@ -54,7 +54,8 @@ pub fn obstacles(folder: &Path) -> Vec<Obstacle> {
     let background = scene.bg_objects.iter().map(|object| {
         let entry = entry(object);
         let (vertices, triangles) = placed(&library_folder.join(&entry.mesh_fn), entry.scale, object);
-        let cuboid = |faces: &[[usize; 3]]| Mesh::new(vertices.clone(), faces.to_vec()).without_unused_vertices();
+        let cuboid =
+            |faces: &[[usize; 3]]| Mesh::new(vertices.clone(), faces.to_vec()).without_unused_vertices();
         Obstacle { name: entry.identifier.clone(), parts: triangles.chunks(12).map(cuboid).collect() }
     });
     let targets = scene.objects.iter().map(|object| {

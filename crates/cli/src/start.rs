@@ -1,0 +1,40 @@
+use cranny_plan::{Problem, Validity};
+
+use crate::text::millimetres;
+
+/// At most so many reasons are listed.
+const MOST: usize = 8;
+
+/// Why the start of a problem is not free, a line each; nothing if it is.
+pub fn faults(problem: &Problem) -> Vec<String> {
+    if problem.validity.is_free(&problem.start, &mut problem.validity.scratch()) {
+        return Vec::new();
+    }
+    if let Some(violation) = problem.robot.first_limit_violation(&problem.start) {
+        let name = &problem.robot.joint_names()[violation.joint];
+        return vec![format!(
+            "{name} is {:.4}, outside its limits [{:.4}, {:.4}]",
+            violation.value, violation.lower, violation.upper
+        )];
+    }
+    let Validity::Exact(cell) = &problem.validity else {
+        return vec![
+            "the released check refuses it: a link touches, or is below the floor height".to_owned(),
+        ];
+    };
+    let contacts = cell.contacts(&problem.start, &mut cell.scratch());
+    let describe = |contact: &cranny_collision::Contact| {
+        let (first, second) = (cell.name(contact.first), cell.name(contact.second));
+        if contact.clearance_m < cranny_spatial::CONTACT_M {
+            format!("{first} touches {second}, {} deep", millimetres(contact.depth_m))
+        } else {
+            let (is, demanded) = (millimetres(contact.clearance_m), millimetres(contact.required_m));
+            format!("{first} is {is} from {second}, but {demanded} is demanded")
+        }
+    };
+    let mut faults: Vec<String> = contacts.iter().take(MOST).map(describe).collect();
+    if contacts.len() > MOST {
+        faults.push(format!("and {} more pairs", contacts.len() - MOST));
+    }
+    faults
+}

@@ -1,0 +1,203 @@
+//! Plans every problem of a folder of `MotionBenchMaker` families, several seeds each:
+//! `cargo run --release -p cranny-scenario --example motion_bench -- FOLDER [PLANNER] [SEEDS] [--real]`
+//!
+//! FOLDER holds a folder for each family, with `sceneNNNN.yaml` and `requestNNNN.yaml`, and beside them
+//! `panda_spherized.urdf` and `panda.srdf`. With `--real` the robot is the one of detailed meshes in
+//! `$CRANNY_DATA/jogramop/robots/franka_panda/panda.urdf`, each link as its hull.
+//!
+//! Times are in microseconds, over the solved runs; "search" is planning without the proof of the path that
+//! was found, as far as the planner tells the two apart. A problem is valid if its start and a goal are free.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use cranny_collision::Cell;
+use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, Validity, planner, verify};
+use cranny_scenario::{Demands, MoveItOptions, MoveItProblem};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (flags, words): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word.starts_with("--"));
+    let is_real = match flags.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => false,
+        ["--real"] => true,
+        _ => return Err("the only flag is --real".into()),
+    };
+    let folder = words.first().ok_or("usage: motion_bench FOLDER [PLANNER] [SEEDS] [--real]")?;
+    let planner = planner(words.get(1).map_or("reach", String::as_str))?;
+    let seeds: u64 = words.get(2).map_or(Ok(1), |word| word.parse())?;
+    let robot = match (is_real, std::env::var_os("CRANNY_DATA")) {
+        (false, _) => None,
+        (true, Some(data)) => Some(PathBuf::from(data).join("jogramop/robots/franka_panda/panda.urdf")),
+        (true, None) => return Err("--real needs CRANNY_DATA".into()),
+    };
+    let options = MoveItOptions { robot, ..MoveItOptions::default() };
+
+    println!(
+        "{} with {seeds} seed(s), {}",
+        planner.name(),
+        if is_real { "real geometry" } else { "spheres" }
+    );
+    println!(
+        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>23} | {:>23}",
+        "", "", "", "", "", "", "search: median p95 max", "with proof"
+    );
+    println!(
+        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}",
+        "family", "problems", "valid", "runs", "solved", "proven", "µs", "µs", "µs", "µs", "µs", "µs"
+    );
+    let mut total = Tally::default();
+    for family in folders_in(Path::new(folder))? {
+        let mut tally = Tally::default();
+        for scene in scenes_in(&family)? {
+            run(&scene, &options, planner.as_ref(), seeds, &mut tally)?;
+        }
+        if tally.problems > 0 {
+            tally.print(&family.file_name().unwrap_or_default().to_string_lossy());
+        }
+        total.add(tally);
+    }
+    total.print("all");
+    for note in &total.notes {
+        println!("{note}");
+    }
+    Ok(())
+}
+
+/// What became of the problems of a family.
+#[derive(Default)]
+struct Tally {
+    problems: usize,
+    valid: usize,
+    runs: usize,
+    solved: usize,
+    proven: usize,
+    search_s: Vec<f64>,
+    planning_s: Vec<f64>,
+    /// Problems that are not valid, and runs that failed.
+    notes: Vec<String>,
+}
+
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.problems += other.problems;
+        self.valid += other.valid;
+        self.runs += other.runs;
+        self.solved += other.solved;
+        self.proven += other.proven;
+        self.search_s.extend(other.search_s);
+        self.planning_s.extend(other.planning_s);
+        self.notes.extend(other.notes);
+    }
+
+    fn print(&self, name: &str) {
+        let [search, planning] = [&self.search_s, &self.planning_s].map(|times| {
+            let microseconds = |fraction| format!("{:>7.0}", quantile(times, fraction) * 1e6);
+            [0.5, 0.95, 1.0].map(microseconds).join(" ")
+        });
+        let Self { problems, valid, runs, solved, proven, .. } = self;
+        println!(
+            "{name:<22} {problems:>8} {valid:>5} {runs:>6} {solved:>6} {proven:>6} | {search} | {planning}"
+        );
+    }
+}
+
+/// The least value that at least this fraction of all do not exceed.
+fn quantile(values: &[f64], fraction: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let index = sorted.iter().enumerate().position(|(i, _)| (i + 1) as f64 >= fraction * sorted.len() as f64);
+    index.map_or(f64::NAN, |index| sorted[index])
+}
+
+fn run(
+    scene: &Path,
+    options: &MoveItOptions,
+    planner: &dyn Planner,
+    seeds: u64,
+    tally: &mut Tally,
+) -> Result<(), Box<dyn Error>> {
+    let opened = MoveItProblem::open(scene, &request_of(scene), options)?;
+    let problem = opened.problem(&Demands::default())?;
+    let Validity::Exact(cell) = &problem.validity else { return Err("a MoveIt problem is exact".into()) };
+    tally.problems += 1;
+    let family = scene.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy();
+    let name = format!("{family}/{}", opened.id);
+    let faults = faults(&problem, cell);
+    if !faults.is_empty() {
+        tally.notes.push(format!("not valid: {name}: {}", faults.join("; ")));
+        return Ok(());
+    }
+    tally.valid += 1;
+    for seed in 0..seeds {
+        let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
+        let report = planner.plan(&problem, &budget, seed, &mut Unobserved)?;
+        tally.runs += 1;
+        if report.outcome != Outcome::Solved {
+            tally.notes.push(format!("not solved: {name}, seed {seed}: {}", report.outcome.name()));
+            continue;
+        }
+        tally.solved += 1;
+        let statistics = report.statistics;
+        tally.planning_s.push(statistics.planning_time_s);
+        tally.search_s.push(statistics.planning_time_s - statistics.proof_time_s);
+        match verify(&problem, &report.path)?.violations.first() {
+            None => tally.proven += 1,
+            Some(violation) => tally.notes.push(format!("not proven: {name}, seed {seed}: {violation:?}")),
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with start and goals; nothing if the start and a goal are free.
+fn faults(problem: &Problem, cell: &Cell) -> Vec<String> {
+    let mut scratch = cell.scratch();
+    let mut faults_of = |what: &str, q: &[f64]| -> Vec<String> {
+        let limit = problem.robot.first_limit_violation(q).map(|found| {
+            let joint = &problem.robot.joint_names()[found.joint];
+            format!("{what}: {joint} at {} is outside {} to {}", found.value, found.lower, found.upper)
+        });
+        let contacts = cell.contacts(q, &mut scratch);
+        let touching = contacts.iter().map(|contact| {
+            let (first, second) = (cell.name(contact.first), cell.name(contact.second));
+            format!("{what}: {first} meets {second}, {:.3} mm deep", contact.depth_m * 1000.0)
+        });
+        limit.into_iter().chain(touching).collect()
+    };
+    let mut faults = faults_of("start", &problem.start);
+    if let Goal::Configurations(goals) = &problem.goal {
+        let of_goals: Vec<Vec<String>> = goals.iter().map(|goal| faults_of("goal", goal)).collect();
+        if !of_goals.iter().any(Vec::is_empty) {
+            faults.extend(of_goals.into_iter().flatten());
+        }
+    }
+    faults
+}
+
+fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let entries: std::io::Result<Vec<PathBuf>> =
+        fs::read_dir(folder)?.map(|entry| entry.map(|e| e.path())).collect();
+    let mut folders: Vec<PathBuf> = entries?.into_iter().filter(|path| path.is_dir()).collect();
+    folders.sort();
+    Ok(folders)
+}
+
+fn scenes_in(family: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let entries: std::io::Result<Vec<PathBuf>> =
+        fs::read_dir(family)?.map(|entry| entry.map(|e| e.path())).collect();
+    let is_scene = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("scene") && path.extension().is_some_and(|extension| extension == "yaml")
+    };
+    let mut scenes: Vec<PathBuf> = entries?.into_iter().filter(is_scene).collect();
+    scenes.sort();
+    Ok(scenes)
+}
+
+/// `scene0001.yaml` → `request0001.yaml`
+fn request_of(scene: &Path) -> PathBuf {
+    let name = scene.file_name().unwrap_or_default().to_string_lossy();
+    scene.with_file_name(name.replacen("scene", "request", 1))
+}

@@ -1,0 +1,98 @@
+//! The released scenarios, each with a path that the planner under test found.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, Once, OnceLock};
+use std::time::Duration;
+
+use cranny_collision::Cell;
+use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, Validity, planner};
+use cranny_scenario::{Demands, OpenOptions, Scenario};
+
+use crate::judge::Oracle;
+
+/// A released scenario.
+pub struct Case {
+    pub id: String,
+    pub oracle: Oracle,
+    /// What is to be judged.
+    pub cell: Arc<Cell>,
+    pub start: Vec<f64>,
+    /// Way points from the start to a grasp; `None` where the planner found none.
+    pub path: Option<Vec<Vec<f64>>>,
+}
+
+/// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
+pub fn cases() -> Option<&'static [Case]> {
+    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
+    let Some(folder) = scenarios() else {
+        assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
+        static SAID: Once = Once::new();
+        // Straight to the stream: what a test prints is shown only where the test fails.
+        SAID.call_once(|| {
+            let _ =
+                writeln!(io::stderr(), "SKIPPED: the oracle judges no released scenario; set CRANNY_DATA");
+        });
+        return None;
+    };
+    Some(CASES.get_or_init(|| {
+        let ids: Vec<String> =
+            (1..=4).flat_map(|e| (1..=5).map(move |level| format!("0{e}{level}"))).collect();
+        for_each(&ids, |id| case(&folder.join(id)))
+    }))
+}
+
+fn scenarios() -> Option<PathBuf> {
+    std::env::var_os("CRANNY_DATA").map(|data| PathBuf::from(data).join("jogramop/scenarios"))
+}
+
+fn case(folder: &Path) -> Case {
+    let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
+    assert_eq!(scenario.criterion, Criterion::Exact);
+    let problem = scenario.problem(&Demands::default()).unwrap();
+    let Validity::Exact(cell) = &problem.validity else { panic!("{}: not exact", scenario.id) };
+    Case {
+        id: scenario.id.clone(),
+        oracle: Oracle::new(scenario.robot.clone(), folder),
+        cell: cell.clone(),
+        start: problem.start.clone(),
+        path: path(&scenario.id, &problem),
+    }
+}
+
+/// What IK-RRT finds with the first seed that lets it.
+fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
+    const SEEDS: u64 = 3;
+    let planner = planner("reach").unwrap();
+    let budget = Budget { time: Duration::from_secs(30), ..Budget::default() };
+    for seed in 0..SEEDS {
+        let report = planner.plan(problem, &budget, seed, &mut Unobserved).unwrap();
+        let (outcome, seconds) = (report.outcome.name(), report.statistics.planning_time_s);
+        println!("{id}: seed {seed}: {outcome} after {seconds:.1} s");
+        if report.outcome == Outcome::Solved {
+            return Some(report.path);
+        }
+    }
+    None
+}
+
+/// What `work` makes of each item, on two threads; in the order of the items.
+pub fn for_each<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(BTreeMap::new());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(index) else { break };
+                    let result = work(item);
+                    done.lock().unwrap().insert(index, result);
+                }
+            });
+        }
+    });
+    done.into_inner().unwrap().into_values().collect()
+}
