@@ -83,7 +83,7 @@ impl Cell {
             *slope = b - a;
         }
         scratch.doubtful.clear();
-        scratch.doubtful.extend(0..u32::try_from(self.pairs.len()).unwrap_or(u32::MAX));
+        scratch.doubtful.extend(self.all_pairs());
         scratch.intervals.clear();
         scratch.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs: (0, self.pairs.len()) });
 
@@ -148,7 +148,7 @@ impl Cell {
             *slope = b - a;
         }
         let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch));
-        let all: Vec<u32> = (0..u32::try_from(self.pairs.len()).unwrap_or(u32::MAX)).collect();
+        let all: Vec<u32> = self.all_pairs().collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.

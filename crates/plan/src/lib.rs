@@ -30,6 +30,8 @@ mod search_tree;
 mod step;
 mod time_law;
 mod time_optimal;
+#[cfg(test)]
+mod time_optimal_tests;
 mod trajectory;
 mod verification;
 

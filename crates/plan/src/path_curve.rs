@@ -59,8 +59,8 @@ impl PathCurve {
         for (index, edge) in edges.iter().enumerate() {
             let before = if index == 0 { 0.0 } else { blend(index - 1) };
             let after = blend(index);
-            let after_stop = index == 0
-                || (before <= 0.0 && !is_straight_on(&edges[index - 1], edge, velocity));
+            let after_stop =
+                index == 0 || (before <= 0.0 && !is_straight_on(&edges[index - 1], edge, velocity));
             if after_stop {
                 s = 0.0;
             }
@@ -108,7 +108,10 @@ impl Piece {
         }
         let ratio = sigma / self.length;
         match &self.curvature {
-            None => self.origin.iter().zip(&self.end).map(|(a, b)| a + (b - a) * ratio).collect(),
+            // Rounding must not lead past an end, which may lie at a limit of the joint.
+            None => (self.origin.iter().zip(&self.end))
+                .map(|(a, b)| (a + (b - a) * ratio).clamp(a.min(*b), a.max(*b)))
+                .collect(),
             Some(curvature) => (self.origin.iter().zip(&self.slope).zip(curvature))
                 .map(|((q, slope), bend)| q + sigma * (slope + 0.5 * bend * sigma))
                 .collect(),

@@ -15,9 +15,9 @@ use crate::{
 
 /// The flagship: one search for grasp and motion at exact tolerance.
 ///
-/// 1. Grasps at which the hand alone collides are left out; if none is left, no grasp can be reached.
-/// 2. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps,
-///    as further roots of one goal forest.
+/// 1. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps or
+///    their twins, as further roots of one goal forest.
+/// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
 /// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards a random
 ///    configuration, the other side then goes as far as it can towards the new node.
 /// 4. Growth looks at single configurations on the way, coarse to fine (Thomason, Kingston & Kavraki 2024);
@@ -137,13 +137,7 @@ impl Search<'_> {
                 }
                 Ok(self.search(None))
             }
-            // 1.
-            Goal::Grasps(grasps) => {
-                match GoalPool::new(problem, self.cell, grasps, &mut self.proof_scratch) {
-                    Some(pool) => Ok(self.search(Some(pool))),
-                    None => Ok(Err(Outcome::NoReachableGrasp)),
-                }
-            }
+            Goal::Grasps(grasps) => Ok(self.search(Some(GoalPool::new(problem, self.cell, grasps)))),
         }
     }
 
@@ -155,10 +149,13 @@ impl Search<'_> {
                 return Err(outcome);
             }
             self.statistics.iterations += 1;
-            // 2.
+            // 1. and 2.
             if let Some(pool) = pool.as_mut().filter(|_| goals < self.settings.goals) {
                 for _ in 0..self.settings.ik_attempts {
-                    let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
+                    if pool.is_hopeless() {
+                        return Err(Outcome::NoReachableGrasp);
+                    }
+                    let found = pool.draw(&mut self.random, &mut self.proof_scratch, &mut self.statistics);
                     if let Some(goal) = found {
                         self.add(1, &goal, None);
                         goals += 1;

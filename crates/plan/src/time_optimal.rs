@@ -18,12 +18,16 @@ use crate::time_law::{PathState, TimeLaw};
 /// in s along a stage, and limits kept at both of its ends are kept between them: no limit is exceeded
 /// anywhere, not only on the grid. The limit of velocity is taken at the faster end of a stage.
 pub(crate) fn time_optimal(curve: &PathCurve, limits: &MotionLimits) -> TimeLaw {
+    on_grid(curve, limits, STAGES_PER_PARABOLA)
+}
+
+pub(crate) fn on_grid(curve: &PathCurve, limits: &MotionLimits, stages_per_parabola: u32) -> TimeLaw {
     // 1.
     let stages: Vec<Stage> = curve
         .pieces
         .iter()
         .enumerate()
-        .flat_map(|(index, piece)| Stage::of_piece(index, piece, limits, STAGES_PER_PARABOLA))
+        .flat_map(|(index, piece)| Stage::of_piece(index, piece, limits, stages_per_parabola))
         .collect();
     let mut cap = vec![f64::INFINITY; stages.len() + 1];
     for (index, stage) in stages.iter().enumerate() {

@@ -1,9 +1,9 @@
+use crate::PlanError;
 use crate::jerk_limited::jerk_limited;
 use crate::motion_limits::{MotionLimits, TimingMethod};
 use crate::path_curve::PathCurve;
 use crate::time_law::TimeLaw;
 use crate::time_optimal::time_optimal;
-use crate::PlanError;
 
 /// A path with its time: where every joint is at any instant, how fast, and how hard it accelerates. It
 /// begins and ends at rest and keeps to every limit at every instant.
@@ -31,8 +31,8 @@ pub struct TrajectorySample {
     pub acceleration: Vec<f64>,
 }
 
-/// The greatest rate at which a trajectory is sampled, in Hz: a hundred times that of a robot's controller.
-pub const MAX_SAMPLE_RATE_HZ: f64 = 1e5;
+/// The greatest rate at which a trajectory is sampled, in Hz: ten times that of a robot's controller.
+pub const MAX_SAMPLE_RATE_HZ: f64 = 1e4;
 
 impl Trajectory {
     /// The fastest trajectory exactly along the straight edges of `path`, by the method of `limits`. It

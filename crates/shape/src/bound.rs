@@ -93,6 +93,11 @@ impl Aabb {
         }
     }
 
+    /// Distance from `point` to the box, in metres; 0 inside.
+    pub fn distance_to(&self, point: &Point) -> f64 {
+        ((point - self.center).abs() - self.half_extents).sup(&Vector::zeros()).norm()
+    }
+
     /// The corner with the least coordinates.
     pub fn low(&self) -> Point {
         self.center - self.half_extents

@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
 use cranny_spatial::{Point, Vector};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f64x8};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
 
@@ -133,27 +134,30 @@ impl HullPoints {
 
 /// Chunk and lane of the farthest corner; of equal ones the one in the first lane.
 #[inline(always)]
-fn farthest_corner<S: Simd>(_: S, chunks: &[[[f64; LANES]; 3]], direction: ParryVector) -> (usize, usize) {
-    let mut best = [f64::NEG_INFINITY; LANES];
+fn farthest_corner<S: Simd>(simd: S, chunks: &[[[f64; LANES]; 3]], direction: ParryVector) -> (usize, usize) {
+    let [dx, dy, dz] = direction.to_array().map(|d| f64x8::splat(simd, d));
+    let mut best = f64x8::splat(simd, f64::NEG_INFINITY);
     // A chunk's number as f64 has the width of what it is chosen by.
-    let mut best_chunk = [0.0; LANES];
+    let mut best_chunk = f64x8::splat(simd, 0.0);
     let mut number = 0.0;
     for [x, y, z] in chunks {
-        for lane in 0..LANES {
-            let reach = x[lane] * direction.x + y[lane] * direction.y + z[lane] * direction.z;
-            let is_farther = reach > best[lane];
-            best[lane] = if is_farther { reach } else { best[lane] };
-            best_chunk[lane] = if is_farther { number } else { best_chunk[lane] };
-        }
+        let [x, y, z] = [x, y, z].map(|lanes| f64x8::from_slice(simd, lanes));
+        let reach = x * dx + y * dy + z * dz;
+        let is_farther = reach.simd_gt(best);
+        best = is_farther.select(reach, best);
+        best_chunk = is_farther.select(f64x8::splat(simd, number), best_chunk);
         number += 1.0;
     }
+    let (mut reaches, mut numbers) = ([0.0; LANES], [0.0; LANES]);
+    best.store_slice(&mut reaches);
+    best_chunk.store_slice(&mut numbers);
     let mut lane = 0;
     for other in 1..LANES {
-        if best[other] > best[lane] {
+        if reaches[other] > reaches[lane] {
             lane = other;
         }
     }
     // Chunk numbers are small whole numbers.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    (best_chunk[lane] as usize, lane)
+    (numbers[lane] as usize, lane)
 }

@@ -5,12 +5,13 @@ use parry3d_f64::bounding_volume::Aabb as ParryAabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 
 use crate::convex::{Convex, Core};
-use crate::{Aabb, ShapeError, TriangleSoup, parry};
+use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.
 #[derive(Clone, Debug)]
 pub(crate) struct Mesh {
     triangles: Vec<Convex>,
+    balls: Vec<Ball>,
     corners: Vec<[Point; 3]>,
     tree: TriangleTree,
     aabb: Aabb,
@@ -25,9 +26,10 @@ impl Mesh {
         check_closed(soup)?;
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let triangles = corners.iter().map(triangle).collect();
+        let balls = corners.iter().map(|t| Bounds::around(&t.map(|corner| (corner, 0.0))).ball).collect();
         let tree = TriangleTree::new(&corners);
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
-        Ok(Self { triangles, corners, tree, aabb, witnesses: one_vertex_per_body(soup) })
+        Ok(Self { triangles, balls, corners, tree, aabb, witnesses: one_vertex_per_body(soup) })
     }
 
     /// One vertex of every body of the mesh: if none of them is inside something whose surface the mesh
@@ -38,6 +40,11 @@ impl Mesh {
 
     pub fn triangles(&self) -> &[Convex] {
         &self.triangles
+    }
+
+    /// A ball around each triangle.
+    pub fn balls(&self) -> &[Ball] {
+        &self.balls
     }
 
     pub fn vertices(&self) -> impl Iterator<Item = &Point> {

@@ -171,8 +171,13 @@ fn mesh_convex_separation(
     // 3. The nearest of the triangles within that reach.
     let mut best = Separation { lower_m: reach, upper_m: first.upper_m };
     for index in mesh.triangles_near(&box_in_mesh.grown(reach)) {
-        let triangle = &mesh.triangles()[index as usize];
-        best = best.least(convex_separation(triangle, convex, &relative, best.upper_m.min(beyond_m)));
+        let (triangle, ball) = (&mesh.triangles()[index as usize], &mesh.balls()[index as usize]);
+        let reach = best.upper_m.min(beyond_m);
+        let center = mesh_from_convex.inverse_transform_point(&ball.center);
+        if convex_box.distance_to(&center) - ball.radius_m > reach {
+            continue;
+        }
+        best = best.least(convex_separation(triangle, convex, &relative, reach));
         if best.upper_m <= 0.0 {
             return Separation::CONTACT;
         }

@@ -1,0 +1,60 @@
+//! Times a planner over seeds: for each scenario how many plans are solved and verified, and the median, 95th
+//! percentile and maximum of `planning_time_s`, one thread, one process.
+//!
+//! `cargo run --release -p cranny-scenario --example campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`
+
+use std::time::Duration;
+
+use cranny_plan::{Budget, Outcome, Unobserved, path_length, verify};
+use cranny_scenario::{Demands, OpenOptions, Scenario};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [planner, seeds, margin, grasp_margin, scenarios @ ..] = &arguments[..] else {
+        eprintln!("usage: campaign PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…");
+        std::process::exit(2);
+    };
+    let number = |text: &String| text.parse::<f64>().expect("a number of millimetres") / 1000.0;
+    let demands = Demands { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
+    let seeds: u64 = seeds.parse().expect("a number of seeds");
+    let planner = cranny_plan::planner(planner).expect("a planner");
+    let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
+    println!(
+        "| scenario | solved | verified | median ms | p95 ms | max ms | median length | median clearance mm |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for id in scenarios {
+        let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
+        let problem = scenario.problem(&demands).expect("a problem");
+        let (mut times, mut lengths, mut clearances) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut solved, mut verified) = (0, 0);
+        for seed in 0..seeds {
+            let report = planner.plan(&problem, &budget, seed, &mut Unobserved).expect("a good problem");
+            times.push(report.statistics.planning_time_s * 1e3);
+            if report.outcome == Outcome::Solved {
+                solved += 1;
+                let verdict = verify(&problem, &report.path).expect("a path of this robot");
+                verified += usize::from(verdict.valid);
+                lengths.push(path_length(&report.path));
+                clearances.push(verdict.clearance_m.unwrap_or(f64::INFINITY) * 1e3);
+            }
+        }
+        println!(
+            "| {} | {solved}/{seeds} | {verified} | {:.1} | {:.1} | {:.1} | {:.2} | {:.2} |",
+            scenario.id,
+            quantile(&mut times, 0.5),
+            quantile(&mut times, 0.95),
+            quantile(&mut times, 1.0),
+            quantile(&mut lengths, 0.5),
+            quantile(&mut clearances, 0.5),
+        );
+    }
+}
+
+/// The nearest-rank quantile; NaN of nothing.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn quantile(values: &mut [f64], fraction: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let rank = (fraction * values.len() as f64).ceil().max(1.0) as usize;
+    values.get(rank - 1).copied().unwrap_or(f64::NAN)
+}
