@@ -218,7 +218,9 @@ impl Cell {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut least = f64::INFINITY;
         for pair in &self.pairs {
-            if self.quick_bound(pair, &scratch.frames, least) < least {
+            let is_farther = self.quick_bound(pair, &scratch.frames, least) >= least;
+            // What is not a number is not farther: it is measured, and found in contact.
+            if !is_farther {
                 least = least.min(self.distance(pair, &scratch.frames, least).lower_m);
             }
             if least <= 0.0 {

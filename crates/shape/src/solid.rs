@@ -188,7 +188,12 @@ impl Solid {
     fn convex(convex: Convex) -> Self {
         let points: Vec<(Point, f64)> =
             convex.bounding_points().into_iter().map(|point| (point, convex.radius_m)).collect();
-        Self { kind: Kind::Convex(Arc::new(convex)), bounds: Bounds::around(&points) }
+        let mut bounds = Bounds::around(&points);
+        if let Core::Cylinder { half_length, radius } = convex.core {
+            // The points are those of a prism around the cylinder; its own box is narrower.
+            bounds.aabb.half_extents = Vector::new(radius, radius, half_length);
+        }
+        Self { kind: Kind::Convex(Arc::new(convex)), bounds }
     }
 }
 
