@@ -58,6 +58,9 @@ pub enum PlanError {
         /// The limit.
         value: f64,
     },
+    /// Corners are cut under limits of acceleration only.
+    #[error("corners cannot be cut where jerk is limited: a parabola begins with a jump of the acceleration")]
+    BlendedJerk,
     /// A trajectory cannot be sampled at this rate.
     #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
     SampleRate {

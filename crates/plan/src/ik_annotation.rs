@@ -165,7 +165,7 @@ fn annotate_one(
         .collect();
     let status = if !solutions.is_empty() {
         IkStatus::Solved
-    } else if attempts < settings.attempts {
+    } else if stop.load(Ordering::Relaxed) {
         IkStatus::Stopped
     } else {
         IkStatus::NoSolution { blocked }

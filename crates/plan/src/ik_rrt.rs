@@ -82,7 +82,7 @@ impl Planner for IkRrt {
             Ok(path) => (Outcome::Solved, path),
             Err(outcome) => (outcome, Vec::new()),
         };
-        Ok(PlanReport { outcome, path, statistics })
+        Ok(PlanReport { outcome, path, statistics, failures: Vec::new() })
     }
 }
 

@@ -88,7 +88,7 @@ impl Planner for JPlusRrt {
             Ok(node) => (Outcome::Solved, search.tree.path_to(node)),
             Err(outcome) => (outcome, Vec::new()),
         };
-        Ok(PlanReport { outcome, path, statistics })
+        Ok(PlanReport { outcome, path, statistics, failures: Vec::new() })
     }
 }
 

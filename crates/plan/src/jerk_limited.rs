@@ -106,8 +106,9 @@ mod tests {
         law.duration_s
     }
 
-    /// Published: Biagiotti & Melchiorri 2008, example 3.9 with speeds 0 at both ends has the same limits
-    /// (`h = 10`, `v = 5`, `a = 10`, `j = 30`): `T_j = 1/3`, `T_a = 5/6`, `T_v = 7/6`.
+    /// Published: Biagiotti & Melchiorri 2008, example 3.9 comes to rest within the same limits (`h = 10`,
+    /// `v = 5`, `a = 10`, `j = 30`) with `T_j = 0.333` and `T_d = 0.833`; from rest to rest the rise takes as
+    /// long.
     #[test]
     fn the_double_s_has_the_phases_of_the_closed_form() {
         let full = DoubleS::new(10.0, 5.0, 10.0, 30.0);

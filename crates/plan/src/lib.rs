@@ -3,16 +3,19 @@
 //! A [`Problem`] goes to a [`Planner`] with a [`Budget`] and a seed, and comes back as a [`PlanReport`]. The
 //! planners are pure functions of these, found by name through [`planner`]. Under the `exact` criterion a
 //! tree grows only along proven edges, so no path leaves a planner unproven; [`verify`] judges any path,
-//! whoever made it.
+//! whoever made it. A [`Trajectory`] gives a path its time.
 //!
 //! ## Limits
-//! Paths are way points joined by straight lines in configuration space, without time. Obstacles stand
-//! still.
+//! Paths are way points joined by straight lines in configuration space, and trajectories stop where two
+//! lines meet at an angle, unless the corner may be cut. They keep to limits of joints, not of torques or of the speed of a link. Obstacles
+//! stand still.
 
+mod corner_blend;
 mod error;
 mod forest;
 mod goal_meter;
 mod goal_pool;
+mod grasp_failure;
 mod grasp_poses;
 mod ik_annotation;
 mod ik_rrt;
@@ -27,6 +30,7 @@ mod problem;
 mod reach;
 mod registry;
 mod search_tree;
+mod shortcut;
 mod step;
 mod time_law;
 mod time_optimal;
@@ -36,6 +40,7 @@ mod trajectory;
 mod verification;
 
 pub use error::PlanError;
+pub use grasp_failure::{FailureReason, GraspFailure};
 pub use ik_annotation::{AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
 pub use ik_rrt::IkRrt;
 pub use j_plus_rrt::{GraspChoice, JPlusRrt};
@@ -45,5 +50,6 @@ pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Un
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
 pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names};
+pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
 pub use verification::{GoalError, Verification, Violation, ViolationKind, path_length, verify};

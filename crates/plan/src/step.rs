@@ -71,6 +71,13 @@ impl Stepper {
         }
     }
 
+    /// How far the origin of any link frame on the chain lies from where it was, in metres.
+    pub fn displacement_between(&mut self, robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
+        robot.forward_kinematics(from, &mut self.from_frames);
+        robot.forward_kinematics(to, &mut self.to_frames);
+        self.displacement()
+    }
+
     /// Link frames of the configuration that the last step led to.
     pub fn frames(&self) -> &LinkFrames {
         &self.to_frames

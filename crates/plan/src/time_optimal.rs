@@ -52,8 +52,14 @@ pub(crate) fn on_grid(curve: &PathCurve, limits: &MotionLimits, stages_per_parab
     law
 }
 
-/// Stages of a parabola. Twice as many shorten a blended path by less than a thousandth.
-const STAGES_PER_PARABOLA: u32 = 32;
+/// Stages of a parabola. What this takes longer than a grid without limit is below a hundredth, where corners
+/// are cut as far as can be, and falls with the number of stages.
+const STAGES_PER_PARABOLA: u32 = 256;
+
+/// A slope below this part of its change over a stage is none: near such a turning point of a joint the
+/// bounds of u that its row gives are differences of large numbers. What is ignored is a hundredth of what
+/// limits keep in reserve.
+const NO_SLOPE: f64 = 1e-7;
 
 /// A stretch of the path with its limits.
 struct Stage {
@@ -115,8 +121,10 @@ impl Stage {
                 cap = cap.min((limits.velocity[j] / at_begin.abs().max(at_end.abs())).powi(2));
                 // At the end `x` has grown by 2·step·u.
                 for slope in [at_begin, at_end + 2.0 * step * bend] {
+                    let is_flat = slope.abs() <= NO_SLOPE * step * bend.abs();
                     let bend = if slope < 0.0 { -bend } else { bend };
-                    rows.push(Row { bend, slope: slope.abs(), limit: limits.acceleration[j] });
+                    let slope = if is_flat { 0.0 } else { slope.abs() };
+                    rows.push(Row { bend, slope, limit: limits.acceleration[j] });
                 }
             }
             let after_stop = piece.after_stop && k == 0;

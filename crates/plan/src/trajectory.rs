@@ -1,4 +1,7 @@
+use cranny_collision::Cell;
+
 use crate::PlanError;
+use crate::corner_blend::{LinkReach, proven_blend};
 use crate::jerk_limited::jerk_limited;
 use crate::motion_limits::{MotionLimits, TimingMethod};
 use crate::path_curve::PathCurve;
@@ -10,6 +13,7 @@ use crate::time_optimal::time_optimal;
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     method: TimingMethod,
+    is_blended: bool,
     joint_names: Vec<String>,
     first: Vec<f64>,
     last: Vec<f64>,
@@ -46,6 +50,27 @@ impl Trajectory {
         Self::with_blends(path, limits, &[])
     }
 
+    /// The fastest trajectory along `path` that cuts its corners by parabolas where the clearance of `cell`
+    /// proves these, and stops at the others. Each parabola is as large as was found to be proven.
+    ///
+    /// # Errors
+    /// As [`Self::along`]; [`PlanError::BlendedJerk`] where jerk is limited, which jumps at the ends of a
+    /// parabola.
+    pub fn blended(path: &[Vec<f64>], limits: &MotionLimits, cell: &Cell) -> Result<Self, PlanError> {
+        if limits.method == TimingMethod::JerkLimited {
+            return Err(PlanError::BlendedJerk);
+        }
+        // Refuses what is no path.
+        let stopping = Self::along(path, limits)?;
+        let reach = LinkReach::new(cell.robot());
+        let mut scratch = cell.scratch();
+        let blends = PathCurve::blends(path, &limits.velocity, |corner, slopes, greatest| {
+            proven_blend(cell, &reach, corner, slopes, greatest, &mut scratch)
+        });
+        let blended = Self::with_blends(path, limits, &blends)?;
+        Ok(if blended.duration_s() < stopping.duration_s() { blended } else { stopping })
+    }
+
     /// The same with parabolas instead of stops (see [`PathCurve::along`]), for `TimeOptimal` only.
     pub(crate) fn with_blends(
         path: &[Vec<f64>],
@@ -76,6 +101,7 @@ impl Trajectory {
         }
         Ok(Self {
             method: limits.method,
+            is_blended: curve.pieces.iter().any(|piece| piece.curvature.is_some()),
             joint_names: limits.joint_names.clone(),
             first: first.clone(),
             last: last.clone(),
@@ -90,6 +116,11 @@ impl Trajectory {
         self.method
     }
 
+    /// Whether it cuts a corner of its path instead of stopping there.
+    pub fn is_blended(&self) -> bool {
+        self.is_blended
+    }
+
     /// The names of the joints, in the order of every sample.
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
@@ -100,7 +131,7 @@ impl Trajectory {
         self.law.duration_s
     }
 
-    /// When each way point of the path is passed, in seconds; ascending, from 0 to the duration.
+    /// When each way point of the path is passed (a corner that is cut: half passed), in seconds; ascending, from 0 to the duration.
     pub fn waypoint_times_s(&self) -> &[f64] {
         &self.waypoint_times_s
     }

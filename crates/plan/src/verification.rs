@@ -135,10 +135,10 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
             let mut scratch = check.scratch();
             let mut stepper = Stepper::new(&problem.robot);
             for (edge, pair) in path.windows(2).enumerate() {
-                let (_, is_one_step) =
-                    stepper.towards(&problem.robot, &pair[0], &pair[1], RELEASED_STEP_M * (1.0 + 1e-9));
-                if !is_one_step {
-                    violations.push(at_way_point(ViolationKind::Step, edge, "", 0.0));
+                let moved_m = stepper.displacement_between(&problem.robot, &pair[0], &pair[1]);
+                if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
+                    let excess_m = moved_m - RELEASED_STEP_M;
+                    violations.push(at_way_point(ViolationKind::Step, edge, "", excess_m));
                 }
             }
             for (index, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {

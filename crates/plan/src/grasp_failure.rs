@@ -1,0 +1,67 @@
+use serde::{Deserialize, Serialize};
+
+/// Why one grasp was not reached by a search that found no path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GraspFailure {
+    /// Index of the grasp.
+    pub grasp: usize,
+    /// What stood in the way.
+    #[serde(flatten)]
+    pub reason: FailureReason,
+    /// Attempts of inverse kinematics at it and its twin.
+    pub attempts: u64,
+}
+
+/// What can stand between a robot and a grasp. Only the first is certain: the others say what was met, not
+/// that there is no way.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "reason")]
+#[non_exhaustive]
+pub enum FailureReason {
+    /// The hand alone collides there and at the twin.
+    HandCollides {
+        /// Which link of the hand.
+        link: String,
+        /// Which body of the world.
+        body: String,
+    },
+    /// No attempt of inverse kinematics came to the pose.
+    NoIk,
+    /// The arm came to the pose, but touched the world; seen last:
+    ArmCollides {
+        /// Which link.
+        link: String,
+        /// Which body of the world.
+        body: String,
+    },
+    /// The arm came to the pose, but touched itself; seen last:
+    SelfCollision {
+        /// One link.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Free configurations hold the grasp, but no path to any of them was found.
+    NotConnected {
+        /// How many.
+        goals: u64,
+    },
+    /// The search ended before it came to this grasp.
+    NotTried,
+}
+
+impl FailureReason {
+    /// The reason in words, without the grasp.
+    pub fn sentence(&self) -> String {
+        match self {
+            Self::HandCollides { link, body } => format!("the hand alone collides: {link} against {body}"),
+            Self::NoIk => "no attempt of inverse kinematics came there".to_owned(),
+            Self::ArmCollides { link, body } => format!("the arm came there, but {link} touched {body}"),
+            Self::SelfCollision { first, second } => {
+                format!("the arm came there, but touched itself: {first} against {second}")
+            }
+            Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
+            Self::NotTried => "not tried".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! What every planner of the registry promises.
+
+mod fixture;
+
+use std::time::{Duration, Instant};
+
+use cranny_plan::{
+    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Unobserved, planner, planner_names, verify,
+};
+use fixture::{
+    START, arm, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life, walled_in,
+};
+
+/// The names of those that also reach for configurations.
+const TAKE_CONFIGURATIONS: [&str; 2] = ["reach", "ik-rrt"];
+
+/// The names of those that know which grasps the hand alone can take.
+const KNOW_THE_HAND: [&str; 2] = ["reach", "ik-rrt"];
+
+fn bits(report: &PlanReport) -> Vec<Vec<u64>> {
+    report.path.iter().map(|q| q.iter().map(|value| value.to_bits()).collect()).collect()
+}
+
+fn under_paper() -> Problem {
+    fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()))
+}
+
+fn assert_solves(name: &str, problem: &Problem, seed: u64) -> PlanReport {
+    let report = plan(name, problem, 1_000_000, seed);
+    assert_eq!(report.outcome, Outcome::Solved, "{name}");
+    assert_eq!(report.path[0], problem.start, "{name}");
+    let verification = verify(problem, &report.path).expect("way points of the robot");
+    assert!(verification.valid, "{name}: {:?}", verification.violations);
+    report
+}
+
+#[test]
+fn a_solved_path_verifies() {
+    for name in planner_names() {
+        for seed in 0..3 {
+            let report = assert_solves(name, &easy(), seed);
+            assert!(report.path.len() > 1 && report.statistics.collision_checks > 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_path_under_the_papers_criterion_verifies_by_it() {
+    let problem = under_paper();
+    for seed in 0..3 {
+        assert_solves("ik-rrt", &problem, seed);
+        assert_solves("j-plus-rrt", &problem, seed);
+    }
+}
+
+#[test]
+fn under_the_papers_criterion_a_seed_gives_the_same_bytes_too() {
+    for name in ["ik-rrt", "j-plus-rrt"] {
+        let run = || plan(name, &under_paper(), 100_000, 7);
+        assert_eq!(run().outcome, Outcome::Solved, "{name}");
+        assert_eq!(bits(&run()), bits(&run()), "{name}");
+    }
+}
+
+#[test]
+fn a_seed_and_a_number_of_iterations_give_the_same_bytes() {
+    for name in planner_names() {
+        let run = |seed| plan(name, &easy(), 100_000, seed);
+        let (first, again) = (run(7), run(7));
+        assert_eq!(first.outcome, again.outcome, "{name}");
+        assert_eq!(bits(&first), bits(&again), "{name}");
+        assert_eq!(first.statistics.iterations, again.statistics.iterations, "{name}");
+        assert_eq!(first.statistics.nodes, again.statistics.nodes, "{name}");
+        assert_eq!(first.statistics.collision_checks, again.statistics.collision_checks, "{name}");
+        assert_ne!(bits(&first), bits(&run(8)), "{name}");
+    }
+}
+
+#[test]
+fn a_greater_budget_does_not_change_a_path_that_was_found() {
+    for name in planner_names() {
+        let found = plan(name, &easy(), u64::MAX, 7);
+        let just_enough = plan(name, &easy(), found.statistics.iterations + 1, 7);
+        assert_eq!(bits(&found), bits(&just_enough), "{name}");
+    }
+}
+
+#[test]
+fn a_start_at_a_grasp_is_solved() {
+    let mut problem = easy();
+    let path = assert_solves("reach", &problem, 0).path;
+    problem.start.clone_from(path.last().expect("a path has way points"));
+    for name in planner_names() {
+        assert_solves(name, &problem, 0);
+    }
+}
+
+#[test]
+fn a_start_in_collision_or_outside_the_limits_is_told() {
+    let mut bodies = still_life();
+    bodies.push(block("rock", [START[0], 0.0, 0.3], [0.1; 3]));
+    let in_rock = exact(&arm(), bodies, &START, grasps(easy_grasps()));
+    let outside = exact(&arm(), still_life(), &[1.1, 1.5, 0.0, 0.0, 0.0], grasps(easy_grasps()));
+    for name in planner_names() {
+        for problem in [&in_rock, &outside] {
+            let report = plan(name, problem, 1000, 0);
+            assert_eq!((report.outcome, report.path.len()), (Outcome::StartInvalid, 0), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_hand_that_collides_at_every_grasp_is_told_apart_from_a_spent_budget() {
+    for name in planner_names() {
+        let excluded = plan(name, &walled_in(), 200, 0).outcome;
+        let unreached = plan(name, &out_of_reach(), 200, 0);
+        assert_eq!((unreached.outcome, unreached.path.len()), (Outcome::BudgetExhausted, 0), "{name}");
+        if KNOW_THE_HAND.contains(&name) {
+            assert_eq!(excluded, Outcome::NoReachableGrasp, "{name}");
+        } else {
+            assert_ne!(excluded, Outcome::Solved, "{name}");
+        }
+    }
+}
+
+#[test]
+fn iterations_are_kept_to() {
+    for name in planner_names() {
+        for iterations in [0, 1, 33] {
+            let report = plan(name, &out_of_reach(), iterations, 0);
+            assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
+            assert_eq!(report.statistics.iterations, iterations, "{name}");
+        }
+    }
+    for name in TAKE_CONFIGURATIONS {
+        assert_eq!(plan(name, &divided(), 1, 0).outcome, Outcome::BudgetExhausted, "{name}");
+        assert_eq!(plan(name, &divided(), 500, 0).outcome, Outcome::BudgetExhausted, "{name}");
+    }
+}
+
+fn plan_for(name: &str, problem: &Problem, time: Duration) -> (PlanReport, Duration) {
+    let begin = Instant::now();
+    let budget = Budget { time, ..Budget::default() };
+    let report = planner(name)
+        .and_then(|planner| planner.plan(problem, &budget, 0, &mut Unobserved))
+        .expect("a problem it can take");
+    (report, begin.elapsed())
+}
+
+#[test]
+fn time_is_kept_to() {
+    let allowed = Duration::from_millis(50);
+    // Generous, since other tests run at the same time.
+    let tolerated = Duration::from_secs(1);
+    let mut cases: Vec<_> = planner_names().into_iter().map(|name| (name, out_of_reach())).collect();
+    cases.extend(TAKE_CONFIGURATIONS.map(|name| (name, divided())));
+    for (name, problem) in cases {
+        let (report, took) = plan_for(name, &problem, allowed);
+        assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
+        assert!(took >= allowed && took < allowed + tolerated, "{name}: {took:?}");
+        assert!(report.statistics.planning_time_s >= allowed.as_secs_f64(), "{name}");
+    }
+}
+
+/// Stops a search, and counts what it hears.
+#[derive(Default)]
+struct Impatient {
+    stop_after: u64,
+    reports: u64,
+    nodes: u64,
+}
+
+impl Observer for Impatient {
+    fn node_added(&mut self, _tree: usize, _q: &[f64], _parent: Option<usize>) {
+        self.nodes += 1;
+    }
+
+    fn progress(&mut self, _iterations: u64) {
+        self.reports += 1;
+    }
+
+    fn should_stop(&self) -> bool {
+        self.reports >= self.stop_after
+    }
+}
+
+#[test]
+fn an_observer_can_stop_a_search() {
+    for name in planner_names() {
+        let mut observer = Impatient { stop_after: 3, ..Impatient::default() };
+        let planner = planner(name).expect("a planner of the registry");
+        let report = planner.plan(&out_of_reach(), &Budget::default(), 0, &mut observer);
+        let report = report.expect("a good problem");
+        assert_eq!((report.outcome, report.path.len()), (Outcome::Cancelled, 0), "{name}");
+        assert_eq!(observer.reports, 3, "{name}");
+    }
+}
+
+#[test]
+fn watching_does_not_change_a_search() {
+    for name in planner_names() {
+        let mut observer = Impatient { stop_after: u64::MAX, ..Impatient::default() };
+        let planner = planner(name).expect("a planner of the registry");
+        let watched = planner.plan(&easy(), &Budget::default(), 7, &mut observer).expect("a good problem");
+        assert_eq!(bits(&watched), bits(&plan(name, &easy(), u64::MAX, 7)), "{name}");
+        assert!(observer.nodes >= watched.path.len() as u64, "{name}");
+    }
+}
+
+#[test]
+fn a_goal_configuration_in_collision_does_not_keep_a_planner_from_the_next() {
+    let goals = [vec![0.5, 1.0, -2.6, 0.0, 0.0], vec![0.5, 2.0, -1.0, 0.5, 0.1]];
+    let robot = arm();
+    let mut frames = robot.frames();
+    robot.forward_kinematics(&goals[0], &mut frames);
+    let hand = frames.link(robot.tip()).translation;
+    let cushion = || vec![block("cushion", [hand.x, hand.y, hand.z], [0.08; 3])];
+    let to = |goals: &[Vec<f64>]| exact(&robot, cushion(), &START, Goal::Configurations(goals.to_vec()));
+    for name in TAKE_CONFIGURATIONS {
+        assert_eq!(plan(name, &to(&goals[..1]), 500, 2).outcome, Outcome::BudgetExhausted, "{name}");
+        let report = assert_solves(name, &to(&goals), 2);
+        assert_eq!(report.path.last(), Some(&goals[1]), "{name}");
+    }
+}
+
+#[test]
+fn every_planner_has_a_name_and_settings_for_the_record() {
+    for name in planner_names() {
+        let planner: Box<dyn Planner> = planner(name).expect("a planner of the registry");
+        assert_eq!(planner.name(), name);
+        assert!(planner.settings().is_object(), "{name}");
+    }
+}

@@ -1,0 +1,258 @@
+//! What a judge finds in paths that are known to be wrong, and in what way.
+
+mod fixture;
+
+use cranny_collision::{Body, Margins, World};
+use cranny_grasp::Grasp;
+use cranny_plan::{Goal, Problem, Verification, Violation, ViolationKind, path_length, verify};
+use cranny_spatial::{CONTACT_M, Pose, Vector};
+use fixture::{ball, block, exact, grasps, paper};
+
+/// Of the ball, in metres.
+const RADIUS_M: f64 = 0.05;
+
+const FROM: [f64; 3] = [-0.5, 0.0, 0.0];
+const TO: [f64; 3] = [0.5, 0.0, 0.0];
+
+fn there() -> Goal {
+    Goal::Configurations(vec![TO.to_vec()])
+}
+
+fn judged(bodies: Vec<Body>, path: &[[f64; 3]]) -> Verification {
+    verify_path(&exact(&ball(), bodies, &FROM, there()), path)
+}
+
+fn verify_path(problem: &Problem, path: &[[f64; 3]]) -> Verification {
+    let path: Vec<Vec<f64>> = path.iter().map(|q| q.to_vec()).collect();
+    let verification = verify(problem, &path).expect("way points of the robot");
+    assert_eq!(verification.valid, verification.violations.is_empty());
+    verification
+}
+
+fn only(verification: &Verification) -> &Violation {
+    assert_eq!(verification.violations.len(), 1, "{verification:?}");
+    &verification.violations[0]
+}
+
+fn kinds(verification: &Verification) -> Vec<ViolationKind> {
+    verification.violations.iter().map(|violation| violation.kind).collect()
+}
+
+#[test]
+fn a_good_path_is_valid_with_the_clearance_of_each_edge() {
+    let verification = judged(vec![Body::floor(-0.4)], &[FROM, [0.0, 0.0, -0.2], TO]);
+    assert!(verification.valid && verification.goal.is_none());
+    let least = 0.4 - 0.2 - RADIUS_M;
+    assert!(verification.clearance_m.is_some_and(|clearance| (clearance - least).abs() <= 1.1e-5));
+    assert_eq!(verification.clearances_per_edge_m.len(), 2);
+}
+
+#[test]
+fn where_there_is_nothing_to_touch_there_is_no_clearance() {
+    let verification = judged(Vec::new(), &[FROM, TO]);
+    assert!(verification.valid);
+    assert_eq!((verification.clearance_m, verification.clearances_per_edge_m), (None, vec![None]));
+}
+
+#[test]
+fn a_path_that_begins_elsewhere_is_told() {
+    let verification = judged(Vec::new(), &[[-0.5, 0.1, 0.0], TO]);
+    let violation = only(&verification);
+    assert_eq!((violation.kind, violation.edge, violation.first.as_str()), (ViolationKind::Start, 0, "y"));
+    assert!((violation.depth_m - 0.1).abs() < 1e-12);
+    // Way points written with six digits still begin at the start.
+    assert!(judged(Vec::new(), &[[-0.500004, 0.000004, 0.0], TO]).valid);
+}
+
+#[test]
+fn a_path_that_ends_elsewhere_is_told() {
+    let verification = judged(Vec::new(), &[FROM, [0.0, 0.0, 0.0], [0.5, -0.2, 0.0]]);
+    let violation = only(&verification);
+    assert_eq!((violation.kind, violation.edge), (ViolationKind::Goal, 2));
+    assert!((violation.depth_m - 0.2).abs() < 1e-12);
+}
+
+fn ball_grasp(at: [f64; 3], score: f64) -> Grasp {
+    let world_from_gripper = Pose::translation(at[0], at[1], at[2]);
+    Grasp { world_from_gripper, score: Some(score), width_m: None }
+}
+
+#[test]
+fn the_end_is_measured_at_the_nearest_grasp_or_its_twin() {
+    let near = ball_grasp([0.5, 0.002, 0.0], 0.1).twin();
+    let problem = exact(&ball(), Vec::new(), &FROM, grasps(vec![ball_grasp([0.0, 0.5, 0.0], 0.9), near]));
+    let verification = verify_path(&problem, &[FROM, TO]);
+    let violation = only(&verification);
+    assert_eq!((violation.kind, violation.edge), (ViolationKind::Goal, 1));
+    let goal = verification.goal.expect("the nearest grasp");
+    assert_eq!(goal.grasp, 1);
+    for off_m in [violation.depth_m, goal.translation_error_m] {
+        assert!((off_m - 0.002).abs() < 1e-12);
+    }
+    assert!(goal.rotation_error_rad < 1e-9);
+    assert!(verify_path(&problem, &[FROM, [0.5, 0.0015, 0.0]]).valid);
+}
+
+#[test]
+fn a_gripper_that_is_turned_too_far_has_not_arrived() {
+    for (degrees, has_arrived) in [(0.9_f64, true), (1.1, false)] {
+        let turned = Pose::new(TO.into(), Vector::new(degrees.to_radians(), 0.0, 0.0));
+        let grasp = Grasp { world_from_gripper: turned, score: None, width_m: None };
+        let verification = verify_path(&exact(&ball(), Vec::new(), &FROM, grasps(vec![grasp])), &[FROM, TO]);
+        assert_eq!(verification.valid, has_arrived, "{degrees}");
+        let goal = verification.goal.expect("the only grasp");
+        assert!((goal.rotation_error_rad - degrees.to_radians()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn of_the_grasps_at_which_a_path_ends_the_best_scored_is_named() {
+    let set =
+        vec![ball_grasp(TO, 0.1), ball_grasp([0.5, 0.0005, 0.0], 0.7), ball_grasp([0.0, 0.5, 0.0], 0.9)];
+    let verification = verify_path(&exact(&ball(), Vec::new(), &FROM, grasps(set)), &[FROM, TO]);
+    assert!(verification.valid);
+    assert_eq!(verification.goal.map(|goal| goal.grasp), Some(1));
+}
+
+#[test]
+fn a_way_point_outside_the_limits_does_not_hide_what_its_edges_touch() {
+    let wall = block("wall", [0.0, 0.0, 0.0], [0.02, 0.4, 0.4]);
+    let verification = judged(vec![wall], &[FROM, [0.0, 1.2, 0.0], TO]);
+    let limit = &verification.violations[0];
+    assert_eq!((limit.kind, limit.edge, limit.first.as_str()), (ViolationKind::JointLimit, 1, "y"));
+    assert!((limit.depth_m - 0.2).abs() < 1e-12);
+    assert_eq!(verification.violations.len(), 1, "round the wall there is no contact");
+    let wall = block("wall", [0.0, 0.0, 0.0], [0.02, 2.0, 0.4]);
+    let verification = judged(vec![wall], &[FROM, [0.0, 1.2, 0.0], TO]);
+    let expected = [ViolationKind::JointLimit, ViolationKind::Contact, ViolationKind::Contact];
+    assert_eq!(kinds(&verification), expected);
+    assert_eq!(verification.clearance_m, Some(0.0));
+}
+
+#[test]
+fn a_contact_is_told_with_its_depth_and_place() {
+    // The ball passes 0.08 m above the middle of a block 0.1 m high: 0.07 m deep.
+    let verification = judged(vec![block("block", [0.0, 0.0, -0.08], [0.3, 0.3, 0.1])], &[FROM, TO]);
+    let violation = only(&verification);
+    assert_eq!((violation.kind, violation.edge), (ViolationKind::Contact, 0));
+    assert_eq!((violation.first.as_str(), violation.second.as_str()), ("ball", "block"));
+    assert!((violation.depth_m - 0.07).abs() < 1e-6, "{violation:?}");
+    // The edge is 1 m long, and the ball over the block from 0.15 to 0.85 of it.
+    assert!(violation.at > 0.15 && violation.at < 0.85);
+    assert_eq!(verification.clearances_per_edge_m, [Some(0.0)]);
+}
+
+#[test]
+fn everything_that_an_edge_touches_is_listed_and_the_others_keep_their_clearance() {
+    let bodies = vec![
+        block("second", [0.2, 0.0, 0.0], [0.02; 3]),
+        block("first", [-0.2, 0.0, 0.0], [0.02; 3]),
+        Body::floor(-0.5),
+    ];
+    let verification = judged(bodies, &[FROM, [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], TO]);
+    let touched: Vec<_> = verification.violations.iter().map(|v| (v.edge, v.second.as_str())).collect();
+    assert_eq!(touched, [(0, "second"), (0, "first")]);
+    assert_eq!(verification.clearance_m, Some(0.0));
+    assert_eq!(verification.clearances_per_edge_m[0], Some(0.0));
+    assert!(verification.clearances_per_edge_m[1..].iter().all(|c| c.is_some_and(|c| c > 0.2)));
+}
+
+fn with_margin(margin_m: f64, bodies: Vec<Body>) -> Problem {
+    let world = World::new(bodies).expect("good poses");
+    let margins = Margins { margin_m, ..Margins::default() };
+    Problem::exact(ball(), world, None, FROM.to_vec(), there(), margins).expect("a good problem")
+}
+
+#[test]
+fn what_comes_nearer_than_the_margin_is_told_apart_from_contact() {
+    let floor = || vec![Body::floor(-0.02 - RADIUS_M)];
+    let verification = verify_path(&with_margin(0.03, floor()), &[FROM, TO]);
+    let violation = only(&verification);
+    assert_eq!((violation.kind, violation.second.as_str()), (ViolationKind::Clearance, "floor"));
+    assert!(violation.depth_m <= 0.0);
+    assert!(verify_path(&with_margin(0.019, floor()), &[FROM, TO]).valid);
+    // Under a margin a contact is a contact all the same.
+    let deep = vec![Body::floor(-0.01)];
+    let verification = verify_path(&with_margin(0.03, deep), &[FROM, TO]);
+    assert_eq!(only(&verification).kind, ViolationKind::Contact);
+    assert!((only(&verification).depth_m - 0.04).abs() < 1e-9);
+}
+
+#[test]
+fn what_is_neither_proven_nor_refuted_is_told_as_that() {
+    let goal = Goal::Configurations(vec![vec![-0.499, 0.0, 0.0]]);
+    let floor = Body::floor(-RADIUS_M - CONTACT_M - 5e-8);
+    let verification = verify_path(&exact(&ball(), vec![floor], &FROM, goal), &[FROM, [-0.499, 0.0, 0.0]]);
+    assert_eq!(only(&verification).kind, ViolationKind::Unresolved);
+    assert_eq!(only(&verification).second, "floor");
+    assert_eq!(verification.clearance_m, Some(0.0));
+}
+
+#[test]
+fn a_path_of_one_way_point_is_judged_like_any_other() {
+    let stay = || Goal::Configurations(vec![FROM.to_vec()]);
+    let free = verify_path(&exact(&ball(), vec![Body::floor(-0.2)], &FROM, stay()), &[FROM]);
+    assert!(free.valid);
+    assert!(free.clearance_m.is_some_and(|clearance| (clearance - 0.15).abs() <= 1.1e-5));
+    let sunk = verify_path(&exact(&ball(), vec![Body::floor(-0.02)], &FROM, stay()), &[FROM]);
+    assert_eq!(only(&sunk).kind, ViolationKind::Contact);
+    assert!((only(&sunk).depth_m - 0.03).abs() < 1e-9);
+    let elsewhere = judged(Vec::new(), &[FROM]);
+    assert_eq!((only(&elsewhere).kind, only(&elsewhere).edge), (ViolationKind::Goal, 0));
+}
+
+/// `FROM` to `TO`, 1 m apart, in so many steps.
+fn in_steps(count: u32) -> Vec<[f64; 3]> {
+    (0..=count).map(|k| [-0.5 + f64::from(k) / f64::from(count), 0.0, 0.0]).collect()
+}
+
+#[test]
+fn under_paper_only_way_points_between_start_and_goal_are_checked() {
+    let judge =
+        |bodies: Vec<Body>, path: &[[f64; 3]]| verify_path(&paper(&ball(), bodies, &FROM, there()), path);
+    assert!(judge(Vec::new(), &in_steps(10)).valid);
+    assert_eq!(judge(Vec::new(), &in_steps(10)).clearance_m, None);
+    // A plate that the fourth way point touches with its surface.
+    let plate = || block("plate", [-0.2, 0.0, 0.0], [0.001, 0.2, 0.2]);
+    let verification = judge(vec![plate()], &in_steps(10));
+    assert_eq!((only(&verification).kind, only(&verification).edge), (ViolationKind::Contact, 3));
+    // At start and goal it does not matter.
+    for x in [-0.5, 0.5] {
+        assert!(judge(vec![block("plate", [x, 0.0, 0.0], [0.001, 0.02, 0.02])], &in_steps(10)).valid);
+    }
+}
+
+#[test]
+fn under_paper_a_step_beyond_the_released_one_is_told() {
+    let problem = paper(&ball(), Vec::new(), &FROM, there());
+    let mut path = in_steps(10);
+    path.remove(4);
+    let verification = verify_path(&problem, &path);
+    assert_eq!((only(&verification).kind, only(&verification).edge), (ViolationKind::Step, 3));
+    assert_eq!(kinds(&verify_path(&problem, &in_steps(8))), [ViolationKind::Step; 8]);
+}
+
+#[test]
+fn under_paper_a_gripper_within_ten_centimetres_has_arrived() {
+    let goal = |off_m: f64| grasps(vec![ball_grasp([0.5, off_m, 0.0], 0.5)]);
+    for (off_m, has_arrived) in [(0.099, true), (0.101, false)] {
+        let problem = paper(&ball(), Vec::new(), &FROM, goal(off_m));
+        assert_eq!(verify_path(&problem, &in_steps(10)).valid, has_arrived, "{off_m}");
+    }
+}
+
+#[test]
+fn kinds_of_violations_have_the_names_that_files_use() {
+    let name = |kind: ViolationKind| serde_json::to_string(&kind).expect("a name");
+    assert_eq!(name(ViolationKind::JointLimit), "\"joint-limit\"");
+    assert_eq!(name(ViolationKind::Contact), "\"contact\"");
+}
+
+#[test]
+fn the_length_of_a_path_is_the_sum_of_its_edges() {
+    let path = [[0.0, 0.0, 0.0], [0.3, 0.0, 0.4], [0.3, 1.2, 0.9]].map(|q| q.to_vec());
+    assert!((path_length(&path) - 1.8).abs() < 1e-12);
+    for short in [&path[..1], &[]] {
+        assert_eq!(path_length(short).to_bits(), 0.0_f64.to_bits());
+    }
+}
