@@ -2,8 +2,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::ArgPredicate;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use cranny_plan::Criterion;
+use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::Geometry;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
@@ -83,10 +84,25 @@ pub struct TaskArguments {
   cranny plan 023 --planner j-plus-rrt --criterion paper --seed 4
   cranny plan path/to/scenarios/035 --time-limit 60 -o reach.plan.json
   cranny plan 021 --margin 5 --grasp-margin 1
-  cranny plan 021 --json --quiet")]
+  cranny plan 021 --rate 100 --jerk-limited
+  cranny plan --moveit scene0001.yaml request0001.yaml
+  cranny plan 021 --json --quiet", mut_arg("id", |id| id
+    .required(false)
+    .required_unless_present("moveit")
+    .default_value_if("moveit", ArgPredicate::IsPresent, "")))]
 pub struct PlanArguments {
     #[command(flatten)]
     pub task: TaskArguments,
+    // An attribute, because `MoveIt` would stand in backticks in a comment, and so in the help.
+    #[arg(
+        long,
+        num_args = 2,
+        value_names = ["SCENE", "REQUEST"],
+        conflicts_with_all = ["id", "criterion", "grasp_margin", "geometry", "goal_threshold"],
+        help = "Plan a MoveIt scene and request (YAML) in place of a scenario, for the robot of the scene's \
+                model, whose URDF and SRDF lie beside the scene or in the folder above, or for --robot"
+    )]
+    pub moveit: Vec<PathBuf>,
     /// Which planner (see `cranny list`) [default: reach under exact, ik-rrt under paper]
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
@@ -99,9 +115,22 @@ pub struct PlanArguments {
     /// Iterations after which the search ends [default: no limit]
     #[arg(long, value_name = "N")]
     pub iterations: Option<u64>,
+    /// Leave the path as the planner found it
+    #[arg(long)]
+    pub no_shortcut: bool,
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
     #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
     pub goal_threshold: f64,
+    /// Write the trajectory beside the plan, as <ID>.trajectory.csv: position, velocity and acceleration of
+    /// every joint, at so many samples a second
+    #[arg(long, value_name = "HZ", value_parser = sample_rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Time the path under limits of jerk too, not of velocity and acceleration alone
+    #[arg(long)]
+    pub jerk_limited: bool,
+    /// Cut corners of the path where its clearance proves that free, instead of a stop at each
+    #[arg(long, conflicts_with = "jerk_limited")]
+    pub blend: bool,
     /// Where to write the plan [default: <ID>.plan.json in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -192,4 +221,13 @@ impl From<GeometryArgument> for Geometry {
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| format!("'{text}' is no number of seconds"))?;
     Duration::try_from_secs_f64(seconds).map_err(|_| "a time limit is a positive number of seconds".into())
+}
+
+fn sample_rate(text: &str) -> Result<f64, String> {
+    let rate_hz: f64 = text.parse().map_err(|_| format!("'{text}' is no number of samples a second"))?;
+    if rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ {
+        Ok(rate_hz)
+    } else {
+        Err(format!("a rate is above 0 and at most {MAX_SAMPLE_RATE_HZ} samples a second"))
+    }
 }

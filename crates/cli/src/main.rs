@@ -8,10 +8,12 @@ mod ik;
 mod info;
 mod list;
 mod plan;
+mod plan_task;
 mod progress;
 mod start;
 mod task;
 mod text;
+mod timing;
 mod verify;
 
 use std::io::Write;

@@ -2,17 +2,22 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cranny_plan::{Budget, Outcome, PlanReport, Planner, Problem, Validity, path_length, verify};
-use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, Scenario};
+use cranny_grasp::GraspSet;
+use cranny_plan::{
+    Budget, GraspFailure, Outcome, PlanReport, Planner, Problem, ShortcutSettings, Shortened, Validity,
+    path_length, shortcut, verify,
+};
+use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanTiming};
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
+use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
-use crate::task::Task;
 use crate::text::{self, degrees, millimetres};
+use crate::timing::Timing;
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -21,46 +26,78 @@ struct Answered<'a> {
     plan: &'a PlanFile,
     planning_time_s: f64,
     preparation_time_s: f64,
+    shortcut_time_s: Option<f64>,
     iterations: u64,
+    failures: &'a [GraspFailure],
     valid: bool,
     start_faults: Vec<String>,
     plan_file: Option<&'a Path>,
+    duration_s: Option<f64>,
+    timing_time_s: Option<f64>,
+    trajectory_file: Option<&'a Path>,
+    /// Why there is no trajectory.
+    #[serde(skip)]
+    untimed: Option<String>,
 }
 
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
     let named = arguments.planner.as_deref().map(cranny_plan::planner).transpose()?;
     let begin = Instant::now();
-    let Task { scenario, mut problem, margins } = Task::open(&arguments.task, None, PlanMargins::default())?;
+    let PlanTask { id, grasps, mut problem, margins } = PlanTask::open(arguments, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let file = destination(arguments, &scenario)?;
+    let file = destination(arguments, &id)?;
     set_threshold(arguments, &mut problem)?;
     let planner = named.unwrap_or_else(|| cranny_plan::default_planner(problem.criterion()));
+    let timing = Timing::new(arguments, &problem)?;
     let budget = Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit };
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
+    let mut report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
     progress.finish();
+    let shortcut_time_s = shorten(arguments, &problem, &mut report);
 
-    let judged = judge(arguments, &scenario, &problem, margins, planner.as_ref(), &report)?;
+    let mut judged = judge(arguments, id, &problem, margins, planner.as_ref(), &report)?;
     let solved = report.outcome == Outcome::Solved && judged.valid;
+    let timed = if solved { timing.time(&report.path)? } else { None };
+    judged.plan.timing = timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory));
+    let mut trajectory_file = None;
     if solved {
+        trajectory_file = timed.as_ref().map(|timed| timed.write(arguments, &file)).transpose()?.flatten();
         judged.plan.write(&file)?;
     }
     let answered = Answered {
         planning_time_s: report.statistics.planning_time_s,
+        shortcut_time_s,
+        failures: &report.failures,
         preparation_time_s,
         iterations: report.statistics.iterations,
         valid: judged.valid,
         start_faults: start::faults(&problem),
         plan_file: solved.then_some(file.as_path()),
+        duration_s: timed.as_ref().map(|timed| timed.trajectory.duration_s()),
+        timing_time_s: timed.as_ref().map(|timed| timed.timing_time_s),
+        trajectory_file: trajectory_file.as_deref(),
+        untimed: timing.hindrance(),
         plan: &judged.plan,
     };
     if output.json {
         text::print_json(&answered)?;
     } else if !output.quiet {
-        text::print(&page(&answered, &scenario))?;
+        text::print(&page(&answered, &grasps))?;
     }
     Ok(if solved { Answer::Done } else { Answer::No })
+}
+
+/// Shortens a path found under `exact`, unless the flags forbid it; the seconds that it took.
+fn shorten(arguments: &PlanArguments, problem: &Problem, report: &mut PlanReport) -> Option<f64> {
+    let Validity::Exact(cell) = &problem.validity else { return None };
+    if report.path.is_empty() || arguments.no_shortcut {
+        return None;
+    }
+    let settings = ShortcutSettings { seed: arguments.seed, ..ShortcutSettings::default() };
+    let Shortened { path, time_s } = shortcut(cell, &report.path, settings);
+    report.path = path;
+    Some(time_s)
 }
 
 struct Judged {
@@ -71,7 +108,7 @@ struct Judged {
 /// Every answer is judged like anybody's before it is called solved.
 fn judge(
     arguments: &PlanArguments,
-    scenario: &Scenario,
+    id: String,
     problem: &Problem,
     margins: PlanMargins,
     planner: &dyn Planner,
@@ -80,7 +117,7 @@ fn judge(
     let verification = if report.path.is_empty() { None } else { Some(verify(problem, &report.path)?) };
     let goal = verification.as_ref().and_then(|v| v.goal);
     let plan = PlanFile {
-        scenario: scenario.id.clone(),
+        scenario: id,
         robot: arguments.task.robot.as_ref().map(|file| file.display().to_string()),
         geometry: arguments.task.geometry.map(|geometry| geometry.name().to_owned()),
         planner: planner.name().to_owned(),
@@ -109,14 +146,14 @@ fn judge(
             .unwrap_or_default(),
         path_length: path_length(&report.path),
         waypoints: report.path.clone(),
+        timing: None,
         statistics: report.statistics,
     };
     Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
 }
 
-fn destination(arguments: &PlanArguments, scenario: &Scenario) -> Result<PathBuf, Failure> {
-    let file =
-        arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.plan.json", scenario.id)));
+fn destination(arguments: &PlanArguments, id: &str) -> Result<PathBuf, Failure> {
+    let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
     if file.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
         return Err(Failure::NoFolder { path: file });
     }
@@ -142,7 +179,7 @@ fn set_threshold(arguments: &PlanArguments, problem: &mut Problem) -> Result<(),
     Ok(())
 }
 
-fn page(answered: &Answered, scenario: &Scenario) -> String {
+fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
     let statistics = &plan.statistics;
     let mut page = format!(
@@ -160,8 +197,8 @@ fn page(answered: &Answered, scenario: &Scenario) -> String {
     if let (Some(grasp), Some(translation), Some(rotation)) =
         (plan.grasp, plan.translation_error_m, plan.rotation_error_rad)
     {
-        let count = scenario.grasps.len();
-        let score = text::score(scenario.grasps.grasps()[grasp].score);
+        let count = grasps.len();
+        let score = text::score(grasps.grasps()[grasp].score);
         line("grasp", format!("{grasp} of {count} (score {score})"));
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
     }
@@ -195,6 +232,9 @@ fn page(answered: &Answered, scenario: &Scenario) -> String {
             answered.preparation_time_s
         ),
     );
+    for (reason, count) in counted(answered.failures) {
+        line("blocked", format!("{count:>4} grasps: {reason}"));
+    }
     for fault in &answered.start_faults {
         line("start", fault.clone());
     }
@@ -204,8 +244,32 @@ fn page(answered: &Answered, scenario: &Scenario) -> String {
     if plan.outcome == Outcome::BudgetExhausted {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
     }
+    if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
+        let (duration_s, method) = (timing.duration_s, timing.method.name());
+        let corners = if timing.blended { ", corners cut where proven" } else { "" };
+        line("trajectory", format!("{duration_s:.3} s, {method}{corners}; {:.3} ms to time", seconds * 1e3));
+    } else if let (true, Some(hindrance)) = (answered.valid, &answered.untimed) {
+        line("trajectory", format!("none: {hindrance}"));
+    }
+    if let Some(file) = answered.trajectory_file {
+        line("samples in", file.display().to_string());
+    }
     if let Some(file) = answered.plan_file {
         line("written to", file.display().to_string());
     }
     page
+}
+
+/// How many grasps failed for each reason, the commonest first.
+fn counted(failures: &[GraspFailure]) -> Vec<(String, usize)> {
+    let mut counts: Vec<(String, usize)> = Vec::new();
+    for failure in failures {
+        let reason = failure.reason.sentence();
+        match counts.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((reason, 1)),
+        }
+    }
+    counts.sort_by(|(a, m), (b, n)| n.cmp(m).then_with(|| a.cmp(b)));
+    counts
 }

@@ -34,7 +34,8 @@ impl Task {
     }
 }
 
-fn metres(flag: &'static str, millimetres: Option<f64>) -> Result<Option<f64>, Failure> {
+/// The length that a flag gives in millimetres, if it is given.
+pub fn metres(flag: &'static str, millimetres: Option<f64>) -> Result<Option<f64>, Failure> {
     match millimetres {
         Some(value) if !(value.is_finite() && value >= 0.0) => {
             let problem = format!("'{value}' is no clearance; give millimetres, at least 0");

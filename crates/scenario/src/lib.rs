@@ -1,5 +1,6 @@
 //! The files and recipes that describe a task, and the files that hold an answer: scenarios of the built-in
-//! catalogue, of Cranny's own layout and of the paper's released layout; plans and bare way points.
+//! catalogue, of Cranny's own layout and of the paper's released layout; `MoveIt` scenes and requests; plans and
+//! bare way points.
 //!
 //! ```
 //! use cranny_scenario::{Demands, OpenOptions, Scenario};
@@ -14,14 +15,20 @@
 //! planning frame, the root frame of the robot.
 //!
 //! ## Limits
-//! Of the catalogue, only environment 02 (a ball under a table) is built in. Scenarios in a zip file and
-//! `MoveIt` scenes are not read. Meshes of obstacles must be closed; point clouds are no obstacles yet.
+//! Of the catalogue, only environment 02 (a ball under a table) is built in. Scenarios in a zip file are not
+//! read. Meshes of obstacles must be closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
+//! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
 
 mod atomic_file;
 mod builtin_robot;
 mod catalogue;
 mod error;
 mod hand;
+mod moveit;
+mod moveit_file;
+mod moveit_request;
+mod moveit_robot;
+mod moveit_world;
 mod number_table;
 mod object_library;
 mod own_layout;
@@ -30,12 +37,15 @@ mod released;
 mod robot_file;
 mod scenario;
 mod scenario_file;
+mod trajectory_file;
 mod waypoints;
 mod yaml;
 
 pub use builtin_robot::panda_mobile;
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::ScenarioError;
-pub use plan_file::{PlanBudget, PlanFile, PlanMargins};
+pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};
+pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanTiming};
 pub use scenario::{Demands, Geometry, OpenOptions, Scenario};
+pub use trajectory_file::write_trajectory_csv;
 pub use waypoints::{read_waypoints, write_waypoints_csv};

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_plan::{Criterion, Outcome, Statistics};
+use cranny_plan::{Criterion, Outcome, Statistics, TimingMethod, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
@@ -54,6 +54,9 @@ pub struct PlanFile {
     pub path_length: f64,
     /// The path: one value per joint each (m, rad), straight lines between.
     pub waypoints: Vec<Vec<f64>>,
+    /// When they are passed; `None` for a robot without limits of acceleration.
+    #[serde(default)]
+    pub timing: Option<PlanTiming>,
     /// What the search cost.
     pub statistics: Statistics,
 }
@@ -65,6 +68,32 @@ pub struct PlanMargins {
     pub margin_m: f64,
     /// Between the hand and what it grasps, in metres.
     pub grasp_margin_m: f64,
+}
+
+/// When a path is run through. With the limits of the robot it determines the trajectory:
+/// [`Trajectory::along`] the way points by the same method, or [`Trajectory::blended`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanTiming {
+    /// How the path was given its time.
+    pub method: TimingMethod,
+    /// Whether corners are cut where that is proven, instead of a stop at each.
+    pub blended: bool,
+    /// From the first way point to the last, in seconds.
+    pub duration_s: f64,
+    /// When each way point is passed, or its cut corner half passed, in seconds.
+    pub waypoint_times_s: Vec<f64>,
+}
+
+impl PlanTiming {
+    /// What a plan says of its trajectory.
+    pub fn of(trajectory: &Trajectory) -> Self {
+        Self {
+            method: trajectory.method(),
+            blended: trajectory.is_blended(),
+            duration_s: trajectory.duration_s(),
+            waypoint_times_s: trajectory.waypoint_times_s().to_vec(),
+        }
+    }
 }
 
 /// What a search was allowed to spend.
@@ -139,7 +168,8 @@ impl PlanFile {
         let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
             self.statistics;
         let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
-        let fields: [(&'static str, Vec<f64>); 10] = [
+        let timing = self.timing.iter().flat_map(|t| t.waypoint_times_s.iter().chain([&t.duration_s]));
+        let fields: [(&'static str, Vec<f64>); 11] = [
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
             ("goal_threshold", self.goal_threshold.into_iter().collect()),
@@ -150,6 +180,7 @@ impl PlanFile {
             ("margins", vec![self.margins.margin_m, self.margins.grasp_margin_m]),
             ("budget", self.budget.time_limit_s.into_iter().collect()),
             ("statistics", times.to_vec()),
+            ("timing", timing.copied().collect()),
         ];
         fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
     }
@@ -181,6 +212,12 @@ mod tests {
             clearances_per_edge_m: vec![Some(5e-324), None],
             path_length: std::f64::consts::SQRT_2,
             waypoints: vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]],
+            timing: Some(PlanTiming {
+                method: TimingMethod::JerkLimited,
+                blended: false,
+                duration_s: 0.1 + 0.7,
+                waypoint_times_s: vec![0.0, 0.1 + 0.7],
+            }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
         }
     }
@@ -200,6 +237,19 @@ mod tests {
     }
 
     #[test]
+    fn a_plan_without_timing_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("021.plan.json");
+        let untimed = PlanFile { timing: None, ..plan() };
+        untimed.write(&path).unwrap();
+        assert_eq!(PlanFile::read(&path).unwrap(), untimed);
+        // As plans were written before there was timing.
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.replace("  \"timing\": null,\n", "")).unwrap();
+        assert_eq!(PlanFile::read(&path).unwrap(), untimed);
+    }
+
+    #[test]
     fn what_cannot_be_written_leaves_the_earlier_plan_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("021.plan.json");
@@ -207,6 +257,9 @@ mod tests {
         let broken = PlanFile { waypoints: vec![vec![f64::NAN, 0.0]], ..plan() };
         assert!(matches!(broken.write(&path), Err(ScenarioError::NotFinite { field: "waypoints", .. })));
         assert_eq!(PlanFile::read(&path).unwrap(), plan());
+        let timing = PlanTiming { duration_s: f64::INFINITY, ..plan().timing.unwrap() };
+        let broken = PlanFile { timing: Some(timing), ..plan() };
+        assert!(matches!(broken.write(&path), Err(ScenarioError::NotFinite { field: "timing", .. })));
         let nowhere = folder.path().join("no/such/folder/x.plan.json");
         assert!(matches!(plan().write(&nowhere), Err(ScenarioError::Unwritable { .. })));
         let onto_a_folder = folder.path().join("folder.plan.json");

@@ -1,0 +1,95 @@
+use std::fmt::Write as _;
+use std::path::Path;
+
+use cranny_plan::Trajectory;
+
+use crate::{ScenarioError, atomic_file};
+
+/// Writes a trajectory as a table, sampled at `rate_hz` and at its end: a header, then one line for each
+/// instant.
+///
+/// The columns are `time_s`, then `q_<joint>` (m, rad), then `v_<joint>` (m/s, rad/s), then `a_<joint>`
+/// (m/s², rad/s²), each in the order of the joints. Numbers are read back as
+/// they were.
+///
+/// # Errors
+/// [`ScenarioError::Plan`] for a rate that is none, [`ScenarioError::Unwritable`]; what stood there before
+/// is then untouched.
+pub fn write_trajectory_csv(path: &Path, trajectory: &Trajectory, rate_hz: f64) -> Result<(), ScenarioError> {
+    let mut text = "time_s".to_owned();
+    for column in ["q", "v", "a"] {
+        for joint in trajectory.joint_names() {
+            let _ = write!(text, ",{}", field(&format!("{column}_{joint}")));
+        }
+    }
+    text.push('\n');
+    for sample in trajectory.samples(rate_hz)? {
+        let _ = write!(text, "{}", sample.time_s);
+        for value in sample.position.iter().chain(&sample.velocity).chain(&sample.acceleration) {
+            // Without the sign of a zero.
+            let _ = write!(text, ",{}", value + 0.0);
+        }
+        text.push('\n');
+    }
+    atomic_file::write(path, &text)
+}
+
+/// A field of the table; names with a separator in them are quoted (RFC 4180, §2).
+fn field(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_plan::{MotionLimits, TimingMethod};
+    use cranny_robot::{JointLimits, JointUnit};
+
+    use super::*;
+
+    fn trajectory() -> Trajectory {
+        let joint = JointLimits {
+            lower: -1.0,
+            upper: 1.0,
+            velocity: 1.0,
+            acceleration: Some(2.0),
+            jerk: None,
+            unit: JointUnit::Metre,
+        };
+        let names = ["lift".to_owned(), "turn, \"main\"".to_owned()];
+        let limits = MotionLimits::new(&names, &[joint; 2], TimingMethod::TimeOptimal).unwrap();
+        Trajectory::along(&[vec![0.0, 0.1], vec![0.5, -0.2]], &limits).unwrap()
+    }
+
+    #[test]
+    fn a_trajectory_is_a_table_that_is_read_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.trajectory.csv");
+        write_trajectory_csv(&path, &trajectory(), 10.0).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        let turn = |column: &str| format!("\"{column}_turn, \"\"main\"\"\"");
+        let (q, v, a) = (turn("q"), turn("v"), turn("a"));
+        assert_eq!(header, format!("time_s,q_lift,{q},v_lift,{v},a_lift,{a}"));
+        for (row, sample) in rows.lines().zip(trajectory().samples(10.0).unwrap()) {
+            let values: Vec<f64> = row.split(',').map(|x| x.parse().unwrap()).collect();
+            let expected = [vec![sample.time_s], sample.position, sample.velocity, sample.acceleration];
+            assert_eq!(values, expected.concat());
+        }
+        assert_eq!(rows.lines().count(), trajectory().samples(10.0).unwrap().count());
+    }
+
+    #[test]
+    fn a_rate_that_is_none_leaves_the_earlier_table_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.trajectory.csv");
+        std::fs::write(&path, "earlier").unwrap();
+        for rate_hz in [0.0, f64::NAN, f64::INFINITY] {
+            assert!(write_trajectory_csv(&path, &trajectory(), rate_hz).is_err());
+        }
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "earlier");
+    }
+}
