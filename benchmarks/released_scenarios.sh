@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Plans every released scenario with every baseline planner under both criteria, and prints a Markdown table.
-# Usage: CRANNY_DATA=… benchmarks/released_scenarios.sh [seed] > table.md
+# Usage: CRANNY_DATA=… benchmarks/released_scenarios.sh [seed] > table.md   (CRANNY=… takes another binary)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seed=${1:-0}
 scenarios="$CRANNY_DATA/jogramop/scenarios"
-cargo build --release --quiet
+cranny=${CRANNY:-target/release/cranny}
+[ -n "${CRANNY:-}" ] || cargo build --release --quiet
 declare -A limit=([exact]=60 [paper]=45)
 echo "| scenario | ik-rrt exact | j-plus-rrt exact | ik-rrt paper | j-plus-rrt paper |"
 echo "|---|---|---|---|---|"
@@ -15,7 +16,7 @@ for scenario in "$scenarios"/*/; do
   for criterion in exact paper; do
     for planner in ik-rrt j-plus-rrt; do
       plan=$(mktemp --suffix .plan.json)
-      cell=$(target/release/cranny plan "$scenario" --planner "$planner" --criterion "$criterion" \
+      cell=$("$cranny" plan "$scenario" --planner "$planner" --criterion "$criterion" \
         --seed "$seed" --time-limit "${limit[$criterion]}" -o "$plan" --json --quiet | python3 -c '
 import json, sys
 plan = json.load(sys.stdin)
@@ -24,7 +25,7 @@ iterations = plan["iterations"]
 word = "" if plan["outcome"] == "solved" else plan["outcome"] + ", "
 print(f"{word}{time:.3f} s, {iterations} iterations")') || true
       if [[ $cell != *budget* ]]; then
-        target/release/cranny verify "$scenario" "$plan" --criterion "$criterion" --quiet || cell="$cell, NOT VALID"
+        "$cranny" verify "$scenario" "$plan" --criterion "$criterion" --quiet || cell="$cell, NOT VALID"
       fi
       rm -f "$plan"
       row="$row | $cell"
