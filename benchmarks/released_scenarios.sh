@@ -7,8 +7,8 @@ seed=${1:-0}
 scenarios="$CRANNY_DATA/jogramop/scenarios"
 cranny=${CRANNY:-target/release/cranny}
 [ -n "${CRANNY:-}" ] || cargo build --release --quiet
-declare -A limit=([exact]=60 [paper]=45)
-echo "| scenario | ik-rrt exact | j-plus-rrt exact | ik-rrt paper | j-plus-rrt paper |"
+declare -A limit=([ik-rrt-exact]=60 [j-plus-rrt-exact]=20 [ik-rrt-paper]=45 [j-plus-rrt-paper]=45)
+echo "| scenario | ik-rrt exact (60 s) | j-plus-rrt exact (20 s) | ik-rrt paper (45 s) | j-plus-rrt paper (45 s) |"
 echo "|---|---|---|---|---|"
 for scenario in "$scenarios"/*/; do
   id=$(basename "$scenario")
@@ -17,7 +17,7 @@ for scenario in "$scenarios"/*/; do
     for planner in ik-rrt j-plus-rrt; do
       plan=$(mktemp --suffix .plan.json)
       cell=$("$cranny" plan "$scenario" --planner "$planner" --criterion "$criterion" \
-        --seed "$seed" --time-limit "${limit[$criterion]}" -o "$plan" --json --quiet | python3 -c '
+        --seed "$seed" --time-limit "${limit[$planner-$criterion]}" -o "$plan" --json --quiet | python3 -c '
 import json, sys
 plan = json.load(sys.stdin)
 time = plan["planning_time_s"]
