@@ -96,9 +96,12 @@ pub(crate) fn proven_blend(
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::sync::Arc;
 
+    use cranny_collision::{Body, Margins, World};
     use cranny_robot::{RobotOptions, TextSource};
-    use cranny_spatial::{Point, Stream};
+    use cranny_shape::Solid;
+    use cranny_spatial::{Point, Pose, Stream};
 
     use super::*;
 
@@ -159,5 +162,50 @@ mod tests {
         }
         // A sliding base moves everything exactly as far as the bound says.
         assert!(tightest > 0.999, "{tightest}");
+    }
+
+    /// A ball on two slides.
+    const CART: &str = r#"<robot name="cart">
+      <link name="rail"/><link name="bridge"/>
+      <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+      <joint name="x" type="prismatic"><parent link="rail"/><child link="bridge"/><axis xyz="1 0 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+      <joint name="y" type="prismatic"><parent link="bridge"/><child link="ball"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+    </robot>"#;
+
+    /// The ball goes along x to (0.5, 0), then along y; a post of its size stands inside the corner.
+    /// Returns how much of the demanded clearance the parabola keeps.
+    fn kept_m(post_at: f64, margin_m: f64, factor: f64) -> f64 {
+        let robot = Robot::from_urdf_text(CART, "cart.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let robot = Arc::new(robot);
+        let pose = Pose::translation(0.5 - post_at, post_at, 0.0);
+        let post = Body::new("post", pose, Solid::sphere(0.05).expect("a positive radius"));
+        let world = World::new(vec![post]).expect("finite poses");
+        let margins = Margins { margin_m, ..Margins::default() };
+        let cell = Cell::new(robot.clone(), world, margins).expect("a good margin");
+        let mut reach = LinkReach::new(&robot);
+        reach.movers.iter_mut().for_each(|(_, reach_m)| *reach_m *= factor);
+        let slopes = (&[1.0, 0.0][..], &[0.0, 1.0][..]);
+        let r = proven_blend(&cell, &reach, &[0.5, 0.0], slopes, 0.45, &mut cell.scratch());
+        assert!(r > 0.0);
+        let distance_m = |k: u32| {
+            let t = f64::from(k) / 1000.0;
+            let (x, y) = (0.5 - r * (1.0 - t) * (1.0 - t), r * t * t);
+            (x - 0.5 + post_at).hypot(y - post_at) - 0.1
+        };
+        (0..=1000).map(distance_m).fold(f64::INFINITY, f64::min) - margin_m
+    }
+
+    #[test]
+    fn a_proven_blend_keeps_its_distance_and_a_wrong_bound_is_caught() {
+        for post_at in [0.11, 0.12, 0.15, 0.2] {
+            for margin_m in [0.0, 0.005] {
+                let kept_m = kept_m(post_at, margin_m, 1.0);
+                assert!(kept_m > 0.0, "{kept_m} with the post at {post_at}");
+            }
+        }
+        // The post is five times as far from the corner as from the lines, so the bound must be far too small.
+        assert!(kept_m(0.11, 0.0, 0.02) < 0.0);
     }
 }

@@ -62,11 +62,33 @@ fn exceeded(seed: u64, count: usize, blend: f64) -> Option<(usize, f64)> {
     None
 }
 
+/// How much of the limits of acceleration is used at most, at the ends of the stages: between them it is
+/// less.
+fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
+    let mut most = 0.0_f64;
+    for phase in on_grid(curve, limits, stages).phases {
+        let piece = &curve.pieces[phase.pieces.start];
+        for state in [phase.state, phase.state.after(phase.duration_s, phase.jerk)] {
+            for (joint, limit) in limits.acceleration.iter().enumerate() {
+                let (slope, bend) = piece.derivatives(joint, state.s);
+                let acceleration = slope * state.acceleration + bend * state.speed * state.speed;
+                most = most.max(acceleration.abs() / limit);
+            }
+        }
+    }
+    most
+}
+
 /// In the middle of this corner a joint turns back, on the very edge of a stage but for rounding: its row
 /// there has a slope of 1e-17, and gave bounds of u that were noise.
 #[test]
 fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
-    assert_eq!(exceeded(15229711017748495913, 4, 10.0_f64.powf(-0.38683405671710996)), None);
+    let (limits, blends) = (motion_limits(), vec![10.0_f64.powf(-0.38683405671710996); 4]);
+    let curve = PathCurve::along(&polyline(15229711017748495913, 4), &limits.velocity, &blends);
+    for stages in [2, 16, 32, 64, 100, 128, 256, 1024] {
+        let most = greatest_use(&curve, &limits, stages);
+        assert!(most < 1.0 + 1e-6, "{stages} stages: {most}");
+    }
 }
 
 proptest! {

@@ -5,8 +5,7 @@ use cranny_plan::{
 };
 use cranny_scenario::{Demands, OpenOptions, Scenario};
 
-/// Every sample must be free, with the margins that were demanded: a proof that forgot how far a cut corner
-/// strays from the path would be caught by clearances that are used up to the last tenth of a millimetre.
+/// Every sample must be free, with the margins that were demanded.
 #[test]
 fn a_blended_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
     for (id, margin_m) in [("021", 0.0), ("023", 0.0), ("023", 0.005), ("025", 0.0)] {
