@@ -90,8 +90,15 @@ fn tests(here: &Surroundings) -> Result<(), String> {
     } else {
         &["test", "--release", "--workspace", "--lib", "--bins", "--tests"]
     };
-    step::succeed(here.cargo(words))
+    let mut command = here.cargo(words);
+    if std::env::var_os(PROPTEST_SEED).is_none() {
+        command.env(PROPTEST_SEED, "2024");
+    }
+    step::succeed(command)
 }
+
+/// Property tests draw from this seed, so that a run can be repeated; set it to see other cases.
+const PROPTEST_SEED: &str = "PROPTEST_RNG_SEED";
 
 fn pages(here: &Surroundings) -> Result<(), String> {
     let mut command = here.cargo(&["doc", "--release", "--no-deps", "--workspace"]);

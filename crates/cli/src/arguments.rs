@@ -121,7 +121,7 @@ pub struct PlanArguments {
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
     #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
     pub goal_threshold: f64,
-    /// Write the trajectory beside the plan, as <ID>.trajectory.csv: position, velocity and acceleration of
+    /// Write the trajectory beside the plan, as ID.trajectory.csv: position, velocity and acceleration of
     /// every joint, at so many samples a second
     #[arg(long, value_name = "HZ", value_parser = sample_rate, allow_negative_numbers = true)]
     pub rate: Option<f64>,
@@ -131,7 +131,7 @@ pub struct PlanArguments {
     /// Cut corners of the path where its clearance proves that free, instead of a stop at each
     #[arg(long, conflicts_with = "jerk_limited")]
     pub blend: bool,
-    /// Where to write the plan [default: <ID>.plan.json in this folder]
+    /// Where to write the plan [default: ID.plan.json in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }

@@ -2,7 +2,7 @@
 
 mod fixture;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use cranny_plan::{
     Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Unobserved, planner, planner_names, verify,
@@ -138,26 +138,17 @@ fn iterations_are_kept_to() {
     }
 }
 
-fn plan_for(name: &str, problem: &Problem, time: Duration) -> (PlanReport, Duration) {
-    let begin = Instant::now();
-    let budget = Budget { time, ..Budget::default() };
-    let report = planner(name)
-        .and_then(|planner| planner.plan(problem, &budget, 0, &mut Unobserved))
-        .expect("a problem it can take");
-    (report, begin.elapsed())
-}
-
 #[test]
-fn time_is_kept_to() {
+fn time_ends_a_search_that_nothing_else_would_end() {
     let allowed = Duration::from_millis(50);
-    // Generous, since other tests run at the same time.
-    let tolerated = Duration::from_secs(1);
     let mut cases: Vec<_> = planner_names().into_iter().map(|name| (name, out_of_reach())).collect();
     cases.extend(TAKE_CONFIGURATIONS.map(|name| (name, divided())));
     for (name, problem) in cases {
-        let (report, took) = plan_for(name, &problem, allowed);
+        let budget = Budget { time: allowed, ..Budget::default() };
+        let report = planner(name)
+            .and_then(|planner| planner.plan(&problem, &budget, 0, &mut Unobserved))
+            .expect("a problem it can take");
         assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
-        assert!(took >= allowed && took < allowed + tolerated, "{name}: {took:?}");
         assert!(report.statistics.planning_time_s >= allowed.as_secs_f64(), "{name}");
     }
 }
