@@ -19,7 +19,7 @@ pub enum Motion {
         /// What touches what.
         contact: Contact,
     },
-    /// No contact was found, but neither could it be excluded: a pair comes within [`RESOLUTION_M`] of what
+    /// No contact was found, but neither could it be excluded: a pair comes within 1 µm of what
     /// is demanded.
     Unresolved {
         /// Where, in [0, 1] along the motion.

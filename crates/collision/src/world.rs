@@ -72,7 +72,7 @@ impl World {
         })
     }
 
-    /// The bodies that `body` rests on: those within [`SUPPORT_GAP_M`] of it that have a part whose box
+    /// The bodies that `body` rests on: those within 1 cm of it that have a part whose box
     /// reaches no higher than the middle of the body.
     pub fn supports_of(&self, body: usize) -> Vec<usize> {
         let middle = self.bodies[body]
