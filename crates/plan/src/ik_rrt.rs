@@ -78,11 +78,7 @@ impl Planner for IkRrt {
         let ended = search.run()?;
         let mut statistics = search.statistics;
         statistics.planning_time_s = clock.elapsed_s();
-        let (outcome, path) = match ended {
-            Ok(path) => (Outcome::Solved, path),
-            Err(outcome) => (outcome, Vec::new()),
-        };
-        Ok(PlanReport { outcome, path, statistics, failures: Vec::new() })
+        Ok(PlanReport::of(ended, statistics))
     }
 }
 

@@ -84,11 +84,7 @@ impl Planner for JPlusRrt {
         let mut statistics = search.statistics;
         statistics.nodes = search.tree.len() as u64;
         statistics.planning_time_s = clock.elapsed_s();
-        let (outcome, path) = match ended {
-            Ok(node) => (Outcome::Solved, search.tree.path_to(node)),
-            Err(outcome) => (outcome, Vec::new()),
-        };
-        Ok(PlanReport { outcome, path, statistics, failures: Vec::new() })
+        Ok(PlanReport::of(ended.map(|node| search.tree.path_to(node)), statistics))
     }
 }
 

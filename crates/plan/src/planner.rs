@@ -90,6 +90,17 @@ pub struct PlanReport {
     pub failures: Vec<GraspFailure>,
 }
 
+impl PlanReport {
+    /// The report of a search that ended with a path, or with a reason why there is none.
+    pub(crate) fn of(ended: Result<Vec<Vec<f64>>, Outcome>, statistics: Statistics) -> Self {
+        let (outcome, path) = match ended {
+            Ok(path) => (Outcome::Solved, path),
+            Err(outcome) => (outcome, Vec::new()),
+        };
+        Self { outcome, path, statistics, failures: Vec::new() }
+    }
+}
+
 /// Watches a search. Every method has a default that does nothing, so watching nothing costs nothing.
 pub trait Observer {
     /// A node was added to tree `tree` (0: from the start) at `q`, below node `parent` of the same tree.

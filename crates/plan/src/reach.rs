@@ -85,11 +85,7 @@ impl Planner for Reach {
         let mut statistics = search.statistics;
         statistics.nodes = search.sides.iter().map(|side| side.len() as u64).sum();
         statistics.planning_time_s = clock.elapsed_s();
-        let (outcome, path) = match ended {
-            Ok(path) => (Outcome::Solved, path),
-            Err(outcome) => (outcome, Vec::new()),
-        };
-        Ok(PlanReport { outcome, path, statistics, failures: search.failures })
+        Ok(PlanReport { failures: search.failures, ..PlanReport::of(ended, statistics) })
     }
 }
 
