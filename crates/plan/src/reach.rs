@@ -18,8 +18,8 @@ use crate::{
 /// 1. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps or
 ///    their twins, as further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
-/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards a random
-///    configuration, the other side then goes as far as it can towards the new node.
+/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards
+///    a random configuration, the other side then goes as far as it can towards the new node.
 /// 4. Growth looks at single configurations on the way, coarse to fine (Thomason, Kingston & Kavraki 2024);
 ///    where both sides meet, every edge of the path is proven, and an edge that cannot be is cut off with
 ///    all that grew from it.
@@ -132,6 +132,10 @@ impl Search<'_> {
                     if problem.validity.is_free(goal, &mut self.scratch) {
                         self.add(1, goal, None);
                     }
+                }
+                // With no goal that is free there is nothing to search for.
+                if self.sides[1].len() == 0 {
+                    return Ok(Err(Outcome::BudgetExhausted));
                 }
                 Ok(self.search(None))
             }

@@ -4,7 +4,7 @@ use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::kinematics::Step;
-use crate::{JointLimits, LimitViolation, spelling};
+use crate::{JointLimits, LimitViolation};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
 /// an `Arc`.
@@ -107,11 +107,6 @@ impl Robot {
     /// The index of the link of that name.
     pub fn link_index(&self, name: &str) -> Option<usize> {
         self.links_by_name.get(name).copied()
-    }
-
-    /// Names of links that resemble `name`, nearest first, for a message about a misspelt one.
-    pub fn links_like(&self, name: &str) -> Vec<String> {
-        spelling::nearest(name, self.links.iter().map(|link| link.name.as_str()))
     }
 
     /// How many joints the group has: the length of `q`.

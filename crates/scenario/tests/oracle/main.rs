@@ -70,6 +70,7 @@ fn a_path_that_runs_backwards_or_leaves_the_limits_is_faulty() {
         let expected = ["it does not begin at the start", "it does not end at a grasp"];
         assert_eq!(oracle.faults_of_way_points(&bad), expected);
         bad.clone_from(path);
+        bad.insert(1, path[0].clone());
         bad[1][5] = 0.01;
         assert_eq!(oracle.faults_of_way_points(&bad), ["way point 1 is outside the limits"]);
     }
