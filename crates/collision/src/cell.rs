@@ -7,7 +7,9 @@ use cranny_spatial::Pose;
 use crate::CollisionError;
 use crate::clearance::Margins;
 use crate::contact::{Collider, Contact};
+use crate::lanes::{LaneScratch, Lanes};
 use crate::link_body::{LinkBody, group_separation};
+use crate::motion::WorkList;
 use crate::self_pairs::self_pairs;
 use crate::travel::{Travel, shared_joints};
 use crate::world::{Part, World};
@@ -21,6 +23,7 @@ pub struct Cell {
     pub(crate) bodies: Vec<LinkBody>,
     parts: Vec<(usize, Part)>,
     pub(crate) pairs: Vec<Pair>,
+    pub(crate) lanes: Lanes,
 }
 
 /// Two things that are checked against each other.
@@ -50,10 +53,10 @@ pub struct Scratch {
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
     pub(crate) slope: Vec<f64>,
-    pub(crate) intervals: Vec<crate::motion::Interval>,
-    pub(crate) next_intervals: Vec<crate::motion::Interval>,
-    pub(crate) doubtful: Vec<u32>,
-    pub(crate) next_doubtful: Vec<u32>,
+    pub(crate) work: WorkList,
+    pub(crate) next_work: WorkList,
+    pub(crate) rest: WorkList,
+    pub(crate) lanes: LaneScratch,
 }
 
 impl Scratch {
@@ -94,7 +97,8 @@ impl Cell {
             let second = Other::Link { body: second, shared_joints };
             pairs.push(Pair { first, second, required_m: margins.between_links() });
         }
-        Ok(Self { robot, world, margins, bodies, parts, pairs })
+        let lanes = Lanes::new(&robot, &bodies, &parts, &pairs);
+        Ok(Self { robot, world, margins, bodies, parts, pairs, lanes })
     }
 
     /// The robot.
@@ -137,10 +141,10 @@ impl Cell {
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
             slope: vec![0.0; self.robot.dof()],
-            intervals: Vec::new(),
-            next_intervals: Vec::new(),
-            doubtful: Vec::new(),
-            next_doubtful: Vec::new(),
+            work: WorkList::default(),
+            next_work: WorkList::default(),
+            rest: WorkList::default(),
+            lanes: self.lanes.scratch(self.robot.dof()),
         }
     }
 

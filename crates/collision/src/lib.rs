@@ -14,10 +14,15 @@
 //! a fixed base stands on its table is not for a planner to decide. Joint paths are straight lines in
 //! configuration space; other curves are proven piece by piece. Nothing here deforms.
 
+mod batch;
 mod cell;
 mod clearance;
 mod contact;
 mod error;
+mod joint_table;
+mod lane_body;
+mod lane_part;
+mod lanes;
 mod link_body;
 mod motion;
 mod released;

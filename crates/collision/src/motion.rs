@@ -1,17 +1,17 @@
-use cranny_spatial::ROUNDING_M;
+use cranny_spatial::{LANES, ROUNDING_M};
+use fearless_simd::{Level, dispatch};
 
+use crate::batch::{first_lanes, lanes_of};
 use crate::cell::{Cell, Other, Pair, Scratch};
 use crate::contact::Contact;
+use crate::lanes::Interest;
 
 /// What is known about a straight motion from one configuration to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// Every pair keeps its demanded distance at every point of the motion.
-    Proven {
-        /// Every pair keeps at least this distance too, in metres. A by-product of the proof, so it may be
-        /// far below the truth: [`Cell::least_clearance`] measures it.
-        least_clearance_m: f64,
-    },
+    /// Every pair keeps its demanded distance at every point of the motion. By how much,
+    /// [`Cell::least_clearance`] measures.
+    Proven,
     /// Some point of the motion is in contact, or closer than demanded.
     Contact {
         /// Where, in [0, 1] along the motion.
@@ -37,7 +37,7 @@ pub enum Motion {
 impl Motion {
     /// Whether the whole motion is certified.
     pub fn is_proven(&self) -> bool {
-        matches!(self, Self::Proven { .. })
+        matches!(self, Self::Proven)
     }
 }
 
@@ -48,13 +48,44 @@ const RESOLUTION_M: f64 = 1e-6;
 /// How far [`Cell::least_clearance`] may lie below the truth, in metres.
 const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 
+/// Where a pair moves by less than this within an interval, in metres, exact distances are cheaper than
+/// more lanes.
+const FINEST_IN_LANES_M: f64 = 2e-4;
+
+/// How many intervals a proof begins with: as many as are looked at in one pass.
+const FIRST_INTERVALS: usize = LANES;
+
 /// A piece of the motion that is not certified yet, and the pairs in doubt there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {
     middle: f64,
     half_width: f64,
-    /// Where in the list of doubtful pairs its own begin and end.
+    /// Where in the list of pairs its own begin and end.
     pairs: (usize, usize),
+}
+
+/// Intervals that are still to be certified.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct WorkList {
+    intervals: Vec<Interval>,
+    pairs: Vec<u32>,
+}
+
+impl WorkList {
+    fn clear(&mut self) {
+        self.intervals.clear();
+        self.pairs.clear();
+    }
+
+    /// Both halves of the interval, for the pairs from `begin` on.
+    fn push_halves(&mut self, interval: &Interval, begin: usize) {
+        if begin < self.pairs.len() {
+            let (half_width, pairs) = (interval.half_width * 0.5, (begin, self.pairs.len()));
+            for middle in [interval.middle - half_width, interval.middle + half_width] {
+                self.intervals.push(Interval { middle, half_width, pairs });
+            }
+        }
+    }
 }
 
 impl Cell {
@@ -62,7 +93,9 @@ impl Cell {
     ///
     /// 1. The joint limits are a box, so the ends decide for the whole edge.
     /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for all of it if
-    ///    its certified distance exceeds what is demanded by more than the pair can move within it.
+    ///    its certified distance exceeds what is demanded by more than the pair can move within it. First in
+    ///    lanes, many intervals at once, down to where the lanes cannot tell; what is left then, one
+    ///    by one with the exact distance.
     /// 3. A pair that is closer than demanded at a middle ends the search.
     /// 4. The pairs left over are looked at again in both halves, until nothing is left over.
     ///
@@ -82,59 +115,151 @@ impl Cell {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        scratch.doubtful.clear();
-        scratch.doubtful.extend(self.all_pairs());
-        scratch.intervals.clear();
-        scratch.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs: (0, self.pairs.len()) });
+        if let Some(at) = self.certify_in_lanes(Level::new(), a, b, scratch, factor) {
+            self.look_at(a, b, at, 0.0, scratch, factor);
+            let frames = &scratch.frames;
+            let touching = self.pairs.iter().find(|pair| !self.keeps_distance(pair, frames));
+            if let Some(pair) = touching {
+                return Motion::Contact { at, contact: self.describe(pair, frames) };
+            }
+            // The lanes are certain of contact only where the exact check is; were it not so, it would have
+            // to look at everything itself.
+            scratch.work.clear();
+            scratch.work.pairs.extend(self.all_pairs());
+            let pairs = (0, self.pairs.len());
+            scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
+        }
+        self.certify_exactly(a, b, scratch, factor)
+    }
 
-        let mut least_clearance_m = f64::INFINITY;
-        while !scratch.intervals.is_empty() {
-            scratch.next_intervals.clear();
-            scratch.next_doubtful.clear();
-            for index in 0..scratch.intervals.len() {
-                let interval = scratch.intervals[index];
-                self.look_at(a, b, &interval, scratch, factor);
-                let begin = scratch.next_doubtful.len();
-                for slot in interval.pairs.0..interval.pairs.1 {
-                    let pair_index = scratch.doubtful[slot];
-                    let pair = &self.pairs[pair_index as usize];
+    /// Step 2 in lanes. What is left is in `scratch.work`; a place where something is in contact is returned.
+    fn certify_in_lanes(
+        &self,
+        level: Level,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+        factor: f64,
+    ) -> Option<f64> {
+        // How far everything can move along the whole edge bounds how far it can move in each part of it.
+        self.look_at(a, b, 0.5, 0.5, scratch, factor);
+        let mut work = std::mem::take(&mut scratch.work);
+        let mut next = std::mem::take(&mut scratch.next_work);
+        let mut rest = std::mem::take(&mut scratch.rest);
+        [&mut work, &mut next, &mut rest].into_iter().for_each(WorkList::clear);
+        let mut half_width = 0.5 / FIRST_INTERVALS as f64;
+        work.pairs.extend(self.all_pairs());
+        work.intervals.extend((0..FIRST_INTERVALS).map(|index| Interval {
+            middle: (2 * index + 1) as f64 * half_width,
+            half_width,
+            pairs: (0, self.pairs.len()),
+        }));
+        let mut contact_at = None;
+        while !work.intervals.is_empty() && contact_at.is_none() {
+            next.clear();
+            let share = 2.0 * half_width;
+            self.set_travel(a, b, share, scratch);
+            for intervals in work.intervals.chunks(LANES) {
+                let middle = |lane: usize| intervals[lane.min(intervals.len() - 1)].middle;
+                scratch.lanes.set_q(|lane, joint| a[joint] + (b[joint] - a[joint]) * middle(lane));
+                let asked = first_lanes(intervals.len());
+                let contact = dispatch!(level, simd => {
+                    self.lanes.look(simd, &mut scratch.lanes, asked, Interest::AllOrNothing)
+                });
+                if contact != 0 {
+                    contact_at = lanes_of(contact).next().map(middle);
+                    break;
+                }
+                let doubtful = scratch.lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
+                for lane in lanes_of(doubtful) {
+                    let interval = &intervals[lane];
+                    let known = &work.pairs[interval.pairs.0..interval.pairs.1];
+                    let (begin_next, begin_rest) = (next.pairs.len(), rest.pairs.len());
+                    for (pair, lanes) in &scratch.lanes.doubts {
+                        // A pair that was certified for the interval around this one stays so.
+                        if lanes >> lane & 1 == 0 || !known.contains(pair) {
+                            continue;
+                        }
+                        let Pair { first, second, .. } = self.pairs[*pair as usize];
+                        let blur_m = self.lanes.blur_m(first, second).max(FINEST_IN_LANES_M);
+                        let travel_m = travel_of(&self.pairs[*pair as usize], scratch) * share;
+                        if travel_m > blur_m { next.pairs.push(*pair) } else { rest.pairs.push(*pair) }
+                    }
+                    next.push_halves(interval, begin_next);
+                    if begin_rest < rest.pairs.len() {
+                        rest.intervals.push(Interval { pairs: (begin_rest, rest.pairs.len()), ..*interval });
+                    }
+                }
+            }
+            std::mem::swap(&mut work, &mut next);
+            half_width *= 0.5;
+        }
+        scratch.work = rest;
+        scratch.next_work = next;
+        scratch.rest = work;
+        contact_at
+    }
+
+    /// Tells the lanes how far everything can move within an interval that has this share of the edge whose
+    /// travel `scratch` holds.
+    // Lanes are `f32` by design; what is rounded away is added.
+    #[allow(clippy::cast_possible_truncation)]
+    fn set_travel(&self, a: &[f64], b: &[f64], share: f64, scratch: &mut Scratch) {
+        let lane = |travel: f64| ((travel * share + ROUNDING_M) * (1.0 + 1e-6)) as f32;
+        for body in 0..self.bodies.len() {
+            scratch.lanes.travel.bodies[body] = lane(scratch.travel.of(body));
+        }
+        for (slot, pair) in self.lanes.link_pairs().enumerate() {
+            scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs[pair], scratch));
+        }
+        for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
+            *travel = lane(0.5 * (b[joint] - a[joint]).abs());
+        }
+    }
+
+    /// Steps 2 to 4 for what is in `scratch.work`, with exact distances.
+    fn certify_exactly(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, factor: f64) -> Motion {
+        let mut work = std::mem::take(&mut scratch.work);
+        let mut next = std::mem::take(&mut scratch.next_work);
+        let mut motion = Motion::Proven;
+        'levels: while !work.intervals.is_empty() {
+            next.clear();
+            for interval in &work.intervals {
+                self.look_at(a, b, interval.middle, interval.half_width, scratch, factor);
+                let begin = next.pairs.len();
+                for &index in &work.pairs[interval.pairs.0..interval.pairs.1] {
+                    let pair = &self.pairs[index as usize];
                     // 2.
                     let travel = travel_of(pair, scratch) + ROUNDING_M;
                     let needed = pair.required_m + travel;
-                    let quick = self.quick_bound(pair, &scratch.frames, needed);
-                    if quick > needed {
-                        least_clearance_m = least_clearance_m.min(quick - travel);
+                    if self.quick_bound(pair, &scratch.frames, needed) > needed {
                         continue;
                     }
                     let gap = self.distance(pair, &scratch.frames, needed);
                     if gap.lower_m >= needed {
-                        least_clearance_m = least_clearance_m.min(gap.lower_m - travel);
                         continue;
                     }
                     // 3.
-                    if gap.upper_m <= pair.required_m {
-                        let contact = self.describe(pair, &scratch.frames);
-                        return Motion::Contact { at: interval.middle, contact };
+                    let is_contact = gap.upper_m <= pair.required_m;
+                    if is_contact || travel < RESOLUTION_M {
+                        let (at, contact) = (interval.middle, self.describe(pair, &scratch.frames));
+                        motion = if is_contact {
+                            Motion::Contact { at, contact }
+                        } else {
+                            Motion::Unresolved { at, contact }
+                        };
+                        break 'levels;
                     }
-                    if travel < RESOLUTION_M {
-                        let contact = self.describe(pair, &scratch.frames);
-                        return Motion::Unresolved { at: interval.middle, contact };
-                    }
-                    scratch.next_doubtful.push(pair_index);
+                    next.pairs.push(index);
                 }
                 // 4.
-                let pairs = (begin, scratch.next_doubtful.len());
-                if pairs.0 < pairs.1 {
-                    let half_width = interval.half_width * 0.5;
-                    for middle in [interval.middle - half_width, interval.middle + half_width] {
-                        scratch.next_intervals.push(Interval { middle, half_width, pairs });
-                    }
-                }
+                next.push_halves(interval, begin);
             }
-            std::mem::swap(&mut scratch.intervals, &mut scratch.next_intervals);
-            std::mem::swap(&mut scratch.doubtful, &mut scratch.next_doubtful);
+            std::mem::swap(&mut work, &mut next);
         }
-        Motion::Proven { least_clearance_m: least_clearance_m.max(0.0) }
+        scratch.work = work;
+        scratch.next_work = next;
+        motion
     }
 
     /// The least distance over all pairs along the straight motion from `a` to `b`, in metres: a certified
@@ -153,8 +278,7 @@ impl Cell {
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
-            let interval = Interval { middle, half_width, pairs: (0, 0) };
-            self.look_at(a, b, &interval, scratch, 1.0);
+            self.look_at(a, b, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {
                 let pair = &self.pairs[index as usize];
@@ -181,20 +305,22 @@ impl Cell {
         (least - CLEARANCE_TOLERANCE_M).max(0.0)
     }
 
-    /// Frames at the middle of the interval, and how far everything can move within it.
-    fn look_at(&self, a: &[f64], b: &[f64], interval: &Interval, scratch: &mut Scratch, factor: f64) {
+    /// Frames at `middle`, and how far everything can move within `half_width` of it.
+    fn look_at(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        middle: f64,
+        half_width: f64,
+        scratch: &mut Scratch,
+        factor: f64,
+    ) {
         for (q, (a, b)) in scratch.q.iter_mut().zip(a.iter().zip(b)) {
-            *q = a + (b - a) * interval.middle;
+            *q = a + (b - a) * middle;
         }
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
-        scratch.travel.update(
-            self.robot(),
-            &self.bodies,
-            &scratch.frames,
-            &scratch.slope,
-            interval.half_width,
-            factor,
-        );
+        let Scratch { travel, frames, slope, .. } = scratch;
+        travel.update(self.robot(), &self.bodies, frames, slope, half_width, factor);
     }
 }
 

@@ -36,23 +36,37 @@ impl Travel {
         half_width: f64,
         factor: f64,
     ) {
-        for (body, sums) in bodies.iter().zip(&mut self.sums) {
-            let center = frames.link(body.link) * body.bounds.ball.center;
-            let mut sum = 0.0;
-            for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
-                let speed = (slope[ancestor.joint] * ancestor.multiplier).abs();
-                let reach = match ancestor.kind {
-                    JointKind::Prismatic => 1.0,
-                    JointKind::Revolute => {
-                        let joint = frames.link(ancestor.child_link);
-                        let axis = joint.rotation * ancestor.axis_in_child;
-                        let arm = center.coords - joint.translation.vector;
-                        axis.cross(&arm).norm() + body.bounds.ball.radius_m + sum
-                    }
-                };
-                sum += half_width * speed * reach * factor;
-                sums[k] = sum;
-            }
+        for index in 0..bodies.len() {
+            self.update_body(robot, bodies, index, frames, slope, half_width * factor);
+        }
+    }
+
+    /// The same for one link body.
+    pub fn update_body(
+        &mut self,
+        robot: &Robot,
+        bodies: &[LinkBody],
+        index: usize,
+        frames: &LinkFrames,
+        slope: &[f64],
+        half_width: f64,
+    ) {
+        let (body, sums) = (&bodies[index], &mut self.sums[index]);
+        let center = frames.link(body.link) * body.bounds.ball.center;
+        let mut sum = 0.0;
+        for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
+            let speed = (slope[ancestor.joint] * ancestor.multiplier).abs();
+            let reach = match ancestor.kind {
+                JointKind::Prismatic => 1.0,
+                JointKind::Revolute => {
+                    let joint = frames.link(ancestor.child_link);
+                    let axis = joint.rotation * ancestor.axis_in_child;
+                    let arm = center.coords - joint.translation.vector;
+                    axis.cross(&arm).norm() + body.bounds.ball.radius_m + sum
+                }
+            };
+            sum += half_width * speed * reach;
+            sums[k] = sum;
         }
     }
 

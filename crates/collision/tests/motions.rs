@@ -80,10 +80,7 @@ fn an_edge_of_no_length_is_as_free_as_its_point() {
     let cell = cell(&ball(), vec![Body::floor(0.0)], 0.0);
     let mut scratch = cell.scratch();
     let above = [0.1, 0.2, 0.3];
-    let Motion::Proven { least_clearance_m } = cell.motion_is_free(&above, &above, &mut scratch) else {
-        panic!("the ball hangs in the air")
-    };
-    assert!((0.0..=0.25).contains(&least_clearance_m));
+    assert!(cell.motion_is_free(&above, &above, &mut scratch).is_proven());
     assert!((cell.least_clearance(&above, &above, &mut scratch) - 0.25).abs() <= TOLERANCE_M + 1e-9);
     let within = [0.1, 0.2, 0.02];
     let motion = cell.motion_is_free(&within, &within, &mut scratch);

@@ -113,8 +113,7 @@ impl Validity {
         match (self, scratch) {
             // A blocked end is the usual reason, and cheaper to find than the whole proof.
             (Self::Exact(cell), ValidityScratch::Exact(scratch)) => {
-                cell.is_free(b, scratch)
-                    && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven { .. })
+                cell.is_free(b, scratch) && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven)
             }
             (Self::Paper { check, .. }, ValidityScratch::Paper(scratch)) => check.is_free(b, scratch),
             _ => panic!("the scratch belongs to another kind of validity"),

@@ -210,7 +210,7 @@ fn judge_edge(
         depth_m: contact.depth_m,
     };
     let seed = match cell.motion_is_free(a, b, scratch) {
-        Motion::Proven { .. } => {
+        Motion::Proven => {
             let least = cell.least_clearance(a, b, scratch);
             return (Vec::new(), least.is_finite().then_some(least));
         }

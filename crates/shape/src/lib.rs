@@ -11,10 +11,12 @@
 //! No point clouds, no height fields, no signed distance fields. Volumes and inertia of objects are not
 //! here yet.
 
+mod ball_tree;
 mod bound;
 mod convex;
 mod cuboid_run;
 mod error;
+mod inner_balls;
 mod mesh;
 mod mesh_file;
 mod parry;
@@ -22,10 +24,12 @@ mod separation;
 mod solid;
 mod surface;
 
+pub use ball_tree::{BallNode, BallTree};
 pub use bound::{Aabb, Ball, Bounds};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
+pub use inner_balls::inner_balls;
 pub use mesh_file::TriangleSoup;
 pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
-pub use solid::Solid;
+pub use solid::{Outline, Solid};
 pub use surface::Surface;

@@ -24,6 +24,34 @@ pub(crate) enum Kind {
     HalfSpace,
 }
 
+/// What a solid is, as far as its sizes say it whole; all are centred at the origin, lengths along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outline {
+    /// A cuboid of these half extents, in metres.
+    Cuboid {
+        /// Half its length along each axis.
+        half_extents: Vector,
+    },
+    /// A capsule; a sphere if the length is 0.
+    Segment {
+        /// Half the length of the cylindrical part.
+        half_length_m: f64,
+        /// The radius.
+        radius_m: f64,
+    },
+    /// A cylinder.
+    Cylinder {
+        /// Half its length.
+        half_length_m: f64,
+        /// The radius.
+        radius_m: f64,
+    },
+    /// All points with z ≤ 0.
+    HalfSpace,
+    /// A hull or a mesh.
+    Other,
+}
+
 impl Solid {
     /// A cuboid centred at the origin.
     ///
@@ -143,12 +171,28 @@ impl Solid {
 
     /// The half extents (m) if the solid is a cuboid, as it was made.
     pub fn as_cuboid(&self) -> Option<Vector> {
-        match &self.kind {
-            Kind::Convex(convex) => match convex.core {
-                Core::Cuboid { half_extents } => Some(half_extents),
-                _ => None,
-            },
+        match self.outline() {
+            Outline::Cuboid { half_extents } => Some(half_extents),
             _ => None,
+        }
+    }
+
+    /// What the solid is, with the sizes that it was made from.
+    pub fn outline(&self) -> Outline {
+        match &self.kind {
+            Kind::HalfSpace => Outline::HalfSpace,
+            Kind::Mesh(_) => Outline::Other,
+            Kind::Convex(convex) => match convex.core {
+                Core::Cuboid { half_extents } => Outline::Cuboid { half_extents },
+                Core::Point => Outline::Segment { half_length_m: 0.0, radius_m: convex.radius_m },
+                Core::Segment { half_length } => {
+                    Outline::Segment { half_length_m: half_length, radius_m: convex.radius_m }
+                }
+                Core::Cylinder { half_length, radius } => {
+                    Outline::Cylinder { half_length_m: half_length, radius_m: radius }
+                }
+                Core::Hull(_) | Core::Triangle(_) => Outline::Other,
+            },
         }
     }
 

@@ -8,11 +8,13 @@
 //! Rotations are unit quaternions; there is no screw or dual-quaternion algebra here.
 
 mod difference;
+mod lanes;
 mod random;
 mod tolerance;
 mod trigonometry;
 
 pub use difference::PoseDifference;
+pub use lanes::{LANES, LaneArray, LaneVector, sin_cos_lanes};
 pub use random::Stream;
 pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, FARTHEST_M, ROUNDING_M};
 pub use trigonometry::sin_cos;

@@ -1,0 +1,221 @@
+use cranny_robot::{LinkFrames, Robot};
+use cranny_shape::overlap;
+use cranny_spatial::ROUNDING_M;
+
+use crate::cell::{Other, Pair};
+use crate::link_body::{LinkBody, group_separation};
+use crate::travel::Travel;
+
+/// Pairs of links whose pose against each other depends on the same one or two joints: links on either side
+/// of an elbow or a wrist. They are always near each other, so balls seldom decide; but what they do can be
+/// written down beforehand, for every cell of a grid over the two joints.
+#[derive(Clone, Debug)]
+pub(crate) struct JointTable {
+    /// Indices in `q`; the same twice if the pose depends on one joint.
+    pub joints: [usize; 2],
+    /// The pairs, by index in the list of all.
+    pub pairs: Vec<u32>,
+    /// The least value of each joint, and cells per unit.
+    pub lower: [f32; 2],
+    pub per_unit: [f32; 2],
+    /// Per cell [`CONTACT`], or one bit for each pair that is in doubt there.
+    cells: Vec<u8>,
+}
+
+/// Some pair is certainly in contact everywhere in the cell.
+pub(crate) const CONTACT: u8 = 1 << MOST_PAIRS;
+
+/// As many pairs as there are bits left.
+const MOST_PAIRS: usize = 7;
+
+/// What is certain for a pair everywhere in a square of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    Free,
+    Contact,
+    Doubt,
+}
+
+/// Cells along each joint. Half a cell is about 2° of a joint that turns by 5.8 rad: less than 4 mm at the
+/// size of a hand.
+pub(crate) const SIDE: usize = 128;
+
+/// How far a cell's certificate reaches beyond the cell, relative to its size: more than the rounding of a
+/// joint value to `f32` can leave it by.
+const OVERHANG: f64 = 1e-3;
+
+impl JointTable {
+    /// The tables of all such pairs.
+    pub fn all(robot: &Robot, bodies: &[LinkBody], pairs: &[Pair]) -> Vec<Self> {
+        let mut tables: Vec<Self> = Vec::new();
+        for (index, pair) in pairs.iter().enumerate() {
+            let Some(joints) = joints_between(robot, bodies, pair) else { continue };
+            let index = u32::try_from(index).unwrap_or(u32::MAX);
+            match tables.iter_mut().find(|table| table.joints == joints && table.pairs.len() < MOST_PAIRS) {
+                Some(table) => table.pairs.push(index),
+                None => tables.push(Self::empty(robot, joints, index)),
+            }
+        }
+        let mut builder = Builder {
+            robot,
+            bodies,
+            pairs,
+            frames: robot.frames(),
+            travel: Travel::new(robot, bodies),
+            q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
+            slope: vec![0.0; robot.dof()],
+        };
+        for table in &mut tables {
+            let all = table.all_pairs();
+            builder.fill(table, [0, 0], SIDE, all);
+        }
+        tables
+    }
+
+    /// [`CONTACT`] if all cells from `low` to `high` are in contact, or one bit for each pair that is not
+    /// free in all of them. A cell beyond the last counts as the last.
+    #[inline(always)]
+    pub fn look_up(&self, low: [i32; 2], high: [i32; 2]) -> u8 {
+        let [low_x, low_y] = low.map(in_range);
+        if low == high {
+            return self.cells[low_x * SIDE + low_y];
+        }
+        // A pose that depends on one joint is looked up on the diagonal only.
+        let is_single = self.joints[0] == self.joints[1];
+        let [high_x, high_y] = high.map(in_range);
+        let (mut any, mut all) = (0, CONTACT);
+        for x in low_x..=high_x {
+            for y in if is_single { x..=x } else { low_y..=high_y } {
+                let cell = self.cells[x * SIDE + y];
+                any |= cell;
+                all &= cell;
+            }
+        }
+        match (any, all) {
+            (_, CONTACT) => CONTACT,
+            // Contact somewhere: no pair is free everywhere.
+            (any, _) if any & CONTACT != 0 => self.all_pairs(),
+            (any, _) => any,
+        }
+    }
+
+    fn all_pairs(&self) -> u8 {
+        u8::try_from((1 << self.pairs.len()) - 1).unwrap_or(!CONTACT)
+    }
+
+    // Lanes are `f32` by design; the overhang of the cells covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    fn empty(robot: &Robot, joints: [usize; 2], pair: u32) -> Self {
+        let limits = joints.map(|joint| robot.limits()[joint]);
+        Self {
+            joints,
+            pairs: vec![pair],
+            lower: limits.map(|limits| limits.lower as f32),
+            per_unit: limits.map(|limits| (SIDE as f64 / (limits.upper - limits.lower)) as f32),
+            cells: vec![!CONTACT; SIDE * SIDE],
+        }
+    }
+}
+
+fn in_range(cell: i32) -> usize {
+    usize::try_from(cell).unwrap_or(0).min(SIDE - 1)
+}
+
+/// The joints that the pair's pose against each other depends on, if they are one or two with a range.
+fn joints_between(robot: &Robot, bodies: &[LinkBody], pair: &Pair) -> Option<[usize; 2]> {
+    let Other::Link { body, shared_joints } = pair.second else { return None };
+    let chain = |body: usize| robot.ancestors(bodies[body].link).iter().skip(shared_joints).map(|m| m.joint);
+    let mut joints: Vec<usize> = chain(pair.first).chain(chain(body)).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    let has_range = |joint: &usize| {
+        let limits = &robot.limits()[*joint];
+        limits.upper - limits.lower > 0.0 && (limits.upper - limits.lower).is_finite()
+    };
+    let (first, last) = (*joints.first()?, *joints.last()?);
+    (joints.len() <= 2 && joints.iter().all(has_range)).then_some([first, last])
+}
+
+struct Builder<'a> {
+    robot: &'a Robot,
+    bodies: &'a [LinkBody],
+    pairs: &'a [Pair],
+    frames: LinkFrames,
+    travel: Travel,
+    q: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+impl Builder<'_> {
+    /// Decides the square of cells from `corner`: as a whole if that can be, else by quarters. `doubtful` are
+    /// the pairs that were in doubt in the square around it.
+    fn fill(&mut self, table: &mut JointTable, corner: [usize; 2], side: usize, doubtful: u8) {
+        // A pose that depends on one joint is looked up on the diagonal only.
+        if table.joints[0] == table.joints[1] && corner[0] != corner[1] {
+            return;
+        }
+        let verdict = self.square(table, corner, side, doubtful);
+        if verdict != 0 && verdict != CONTACT && side > 1 {
+            let half = side / 2;
+            for (x, y) in [(0, 0), (0, half), (half, 0), (half, half)] {
+                self.fill(table, [corner[0] + x, corner[1] + y], half, verdict);
+            }
+            return;
+        }
+        for x in corner[0]..corner[0] + side {
+            table.cells[x * SIDE + corner[1]..][..side].fill(verdict);
+        }
+    }
+
+    fn square(&mut self, table: &JointTable, corner: [usize; 2], side: usize, doubtful: u8) -> u8 {
+        self.slope.fill(0.0);
+        for (joint, corner) in table.joints.into_iter().zip(corner) {
+            let limits = &self.robot.limits()[joint];
+            let cell = (limits.upper - limits.lower) / SIDE as f64;
+            self.q[joint] = limits.lower + cell * (corner as f64 + 0.5 * side as f64);
+            self.slope[joint] = cell * (0.5 * side as f64 + OVERHANG);
+        }
+        self.robot.forward_kinematics(&self.q, &mut self.frames);
+        let mut left = 0;
+        for (bit, &index) in table.pairs.iter().enumerate().filter(|(bit, _)| doubtful >> bit & 1 == 1) {
+            match self.pair(&self.pairs[index as usize]) {
+                Verdict::Contact => return CONTACT,
+                Verdict::Doubt => left |= 1 << bit,
+                Verdict::Free => {}
+            }
+        }
+        left
+    }
+
+    /// Certifies a pair for all configurations that are no farther from `q` than `slope` in any joint: each
+    /// lies on a straight motion from `q` whose slope is no greater.
+    fn pair(&mut self, pair: &Pair) -> Verdict {
+        let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
+        for body in [pair.first, body] {
+            self.travel.update_body(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
+        }
+        let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
+        let (frames, bodies) = (&self.frames, self.bodies);
+        let placed = |body: usize| {
+            let LinkBody { link, shapes, .. } = &bodies[body];
+            let world_from_link = *frames.link(*link);
+            shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
+        };
+        let enough_m = pair.required_m + travel_m;
+        let gap = group_separation(placed(pair.first), &placed(body), enough_m);
+        if gap.lower_m >= enough_m {
+            return Verdict::Free;
+        }
+        let is_deep = |(pose_a, a): (cranny_spatial::Pose, &cranny_shape::Solid)| {
+            placed(body).any(|(pose_b, b)| {
+                let is_convex =
+                    |solid: &cranny_shape::Solid| solid.support_point(&cranny_spatial::Vector::x()).is_some();
+                is_convex(a)
+                    && is_convex(b)
+                    && overlap(a, &pose_a, b, &pose_b).is_some_and(|overlap| overlap.depth_m > travel_m)
+            })
+        };
+        let is_contact = gap.upper_m <= 0.0 && placed(pair.first).any(is_deep);
+        if is_contact { Verdict::Contact } else { Verdict::Doubt }
+    }
+}

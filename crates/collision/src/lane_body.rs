@@ -1,0 +1,95 @@
+use cranny_robot::LaneKinematics;
+use cranny_shape::{Ball, BallTree, Outline, Solid, inner_balls};
+use cranny_spatial::Pose;
+
+use crate::lane_part::lanes;
+use crate::link_body::LinkBody;
+
+/// How far the outer balls of a link may stand out of it, in metres. Smaller balls leave fewer configurations
+/// to the exact check and take longer themselves; this is about the best on the released scenarios.
+const BULGE_M: f64 = 0.008;
+
+/// How many balls inside a link, shared among its solids, say "contact" without the exact check.
+const INNER_BALLS: usize = 32;
+
+/// A link as the lanes see it: balls around it, and balls in it, in a frame of the lane kinematics.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneBody {
+    /// The frame that it is fixed to.
+    pub frame: usize,
+    /// The middle and the half extents of a box around it along the axes of the frame, in metres.
+    pub middle: [f32; 3],
+    pub half_extents: [f32; 3],
+    /// A tree of balls whose leaves contain the link; the root is the first.
+    pub outer: Vec<LaneNode>,
+    /// Balls that the link contains, the largest first.
+    pub inner: Vec<LaneBall>,
+    /// How far the balls around it may stand out of it, in metres; 0 if it consists of balls.
+    pub blur_m: f64,
+    /// A bound on the rounding of any distance of any ball, in metres.
+    pub slack_m: f64,
+}
+
+/// A node of the tree of outer balls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneNode {
+    pub ball: LaneBall,
+    /// Indices of the two halves; both 0 for a leaf.
+    pub children: [u32; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneBall {
+    pub center: [f32; 3],
+    pub radius: f32,
+}
+
+impl LaneBody {
+    pub fn new(kinematics: &LaneKinematics, body: &LinkBody) -> Self {
+        let placement = kinematics.placement(body.link);
+        let place = |link_from_shape: &Pose| placement.frame_from_link * link_from_shape;
+        let trees = body.shapes.iter().filter_map(|(link_from_shape, solid)| {
+            Some((place(link_from_shape), BallTree::around(solid, BULGE_M)?))
+        });
+        let tree = BallTree::joined(trees.collect());
+        let outer: Vec<LaneNode> = tree
+            .nodes()
+            .iter()
+            .map(|node| LaneNode {
+                ball: LaneBall::new(&node.ball),
+                // Trees have far fewer nodes than an index can tell apart.
+                children: node.children.map_or([0; 2], |children| {
+                    children.map(|child| u32::try_from(child).unwrap_or_default())
+                }),
+            })
+            .collect();
+        let per_solid = (INNER_BALLS / body.shapes.len()).max(1);
+        let mut inner: Vec<LaneBall> = body
+            .shapes
+            .iter()
+            .flat_map(|(link_from_shape, solid)| {
+                let frame_from_shape = place(link_from_shape);
+                inner_balls(solid, per_solid)
+                    .into_iter()
+                    .map(move |ball| LaneBall::new(&Ball { center: frame_from_shape * ball.center, ..ball }))
+            })
+            .collect();
+        inner.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+        let is_ball = |solid: &Solid| matches!(solid.outline(), Outline::Segment { half_length_m: 0.0, .. });
+        let blur_m = if body.shapes.iter().all(|(_, solid)| is_ball(solid)) { 0.0 } else { BULGE_M };
+        let aabb = body.bounds.aabb.transformed(&placement.frame_from_link);
+        let root = &tree.nodes()[0].ball;
+        let from_frame_m = root.center.coords.norm() + root.radius_m;
+        let slack_m = kinematics.position_error_m(from_frame_m);
+        let [middle, half_extents] = [aabb.center.coords, aabb.half_extents].map(|v| lanes(&v));
+        Self { frame: placement.frame, middle, half_extents, outer, inner, blur_m, slack_m }
+    }
+}
+
+impl LaneBall {
+    // Lanes are `f32` by design; the slack of the body covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    fn new(ball: &Ball) -> Self {
+        Self { center: lanes(&ball.center.coords), radius: ball.radius_m as f32 }
+    }
+}

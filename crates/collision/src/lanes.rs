@@ -1,0 +1,583 @@
+use cranny_robot::{LaneFrame, LaneKinematics, Robot};
+use cranny_spatial::{LANES, LaneArray, LaneVector};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use crate::batch::lanes_of;
+use crate::cell::{Other, Pair};
+use crate::joint_table::{self, JointTable};
+use crate::lane_body::{LaneBall, LaneBody, LaneNode};
+use crate::lane_part::{LanePart, bits, shorter};
+use crate::link_body::LinkBody;
+use crate::world::Part;
+
+/// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
+/// certainly far enough apart, certainly too close, or in doubt.
+///
+/// A link lies within the balls of its tree and contains its inner balls. What keeps off an outer ball keeps
+/// off that piece of the link; what meets an inner ball meets the link. What neither decides is in doubt, and
+/// the exact check decides.
+#[derive(Clone, Debug)]
+pub(crate) struct Lanes {
+    kinematics: LaneKinematics,
+    bodies: Vec<LaneBody>,
+    parts: Vec<LanePart>,
+    /// Per link body the parts that it is checked against.
+    part_pairs: Vec<Vec<LanePair>>,
+    /// Pairs of links that are looked up.
+    tables: Vec<JointTable>,
+    /// The other pairs of link bodies.
+    link_pairs: Vec<LanePair>,
+    /// Body of the first link of each of `link_pairs`.
+    link_firsts: Vec<u32>,
+}
+
+/// How many inner balls of a link are tried before its tree: deep contact shows at once.
+const LARGE_INNER: usize = 3;
+
+/// A hull or mesh of the world fills its box to about this, in metres.
+const BOX_BLUR_M: f64 = 0.02;
+
+/// How many inner balls of each of two links are compared: in a pair of links, deep contact is rarer than
+/// doubt, and the balls multiply.
+const INNER_IN_PAIRS: usize = 6;
+
+/// Two things that are checked against each other.
+#[derive(Clone, Copy, Debug)]
+struct LanePair {
+    /// The index in [`crate::Cell`]'s list.
+    pair: u32,
+    /// The other thing: a part or a link body.
+    other: u32,
+    /// At this distance, or farther, the pair is certainly far enough apart.
+    free_m: f32,
+    /// Below this distance it is certainly too close.
+    contact_m: f32,
+}
+
+/// Which lanes still matter once some are in contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Interest {
+    /// Each for itself.
+    Each,
+    /// Only those before the first in contact.
+    UpToContact,
+    /// None.
+    AllOrNothing,
+}
+
+impl Interest {
+    #[inline(always)]
+    fn narrowed(self, asked: u32, open: u32) -> u32 {
+        match (self, asked & !open) {
+            (_, 0) | (Self::Each, _) => open,
+            (Self::UpToContact, contact) => open & ((1 << contact.trailing_zeros()) - 1),
+            (Self::AllOrNothing, _) => 0,
+        }
+    }
+}
+
+/// How far things may be from the configurations that are looked at: all 0 for these alone, more for all
+/// that a motion passes between them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneTravel {
+    /// Per link body, against the world, in metres.
+    pub bodies: Vec<f32>,
+    /// Per pair of links, against each other, in metres.
+    pub link_pairs: Vec<f32>,
+    /// Per joint, in metres or radians.
+    pub joints: Vec<f32>,
+}
+
+/// What one asker needs to compute with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneScratch {
+    pub travel: LaneTravel,
+    /// Per joint.
+    pub q: Vec<LaneArray>,
+    frames: Vec<LaneFrame>,
+    /// Per body a box around it along the axes of the root.
+    boxes: Vec<LaneBox>,
+    /// Centres of the outer balls of all bodies at this batch, in root coordinates, once asked for.
+    centers: Vec<[LaneArray; 3]>,
+    /// For each of them the batch that it was computed for.
+    computed: Vec<u32>,
+    batch: u32,
+    /// Where each body's balls begin in `centers`.
+    begins: Vec<usize>,
+    stack: Vec<Descent>,
+    near: Vec<Near>,
+    /// Pairs in doubt, and in which lanes, as bits.
+    pub doubts: Vec<(u32, u32)>,
+}
+
+/// A box along the axes of the root frame, for every lane.
+#[derive(Clone, Copy, Debug)]
+struct LaneBox {
+    middle: [LaneArray; 3],
+    half_extents: [LaneArray; 3],
+}
+
+/// A node of a body's tree that is still to be compared with a range of the `near` list.
+#[derive(Clone, Copy, Debug)]
+struct Descent {
+    node: u32,
+    begin: u32,
+    end: u32,
+}
+
+/// A part that is near to a node in some lanes.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    /// Index into the body's part pairs.
+    index: u32,
+    lanes: u32,
+}
+
+impl Lanes {
+    pub fn new(robot: &Robot, bodies: &[LinkBody], parts: &[(usize, Part)], pairs: &[Pair]) -> Self {
+        let kinematics = LaneKinematics::new(robot);
+        let lane_bodies: Vec<LaneBody> = bodies.iter().map(|body| LaneBody::new(&kinematics, body)).collect();
+        let mut part_pairs = vec![Vec::new(); bodies.len()];
+        let (mut link_pairs, mut link_firsts) = (Vec::new(), Vec::new());
+        let tables = JointTable::all(robot, bodies, pairs);
+        for (index, pair) in pairs.iter().enumerate() {
+            if tables.iter().any(|table| table.pairs.contains(&as_index(index))) {
+                continue;
+            }
+            let slack_m = lane_bodies[pair.first].slack_m;
+            match pair.second {
+                Other::Part(part) => {
+                    let slack_m = slack_m + part_rounding_m(&parts[part].1);
+                    part_pairs[pair.first].push(LanePair::new(index, part, pair.required_m, slack_m));
+                }
+                Other::Link { body, .. } => {
+                    let slack_m = slack_m + lane_bodies[body].slack_m;
+                    link_pairs.push(LanePair::new(index, body, pair.required_m, slack_m));
+                    link_firsts.push(as_index(pair.first));
+                }
+            }
+        }
+        let parts =
+            parts.iter().map(|(_, part)| LanePart::new(&part.world_from_solid, &part.solid)).collect();
+        Self { kinematics, bodies: lane_bodies, parts, part_pairs, tables, link_pairs, link_firsts }
+    }
+
+    /// The pairs of links that are not in a table: their index in the list of all pairs.
+    pub fn link_pairs(&self) -> impl Iterator<Item = usize> {
+        self.link_pairs.iter().map(|pair| pair.pair as usize)
+    }
+
+    /// How far a pair can seem closer than it is, in metres: below that the lanes cannot tell.
+    pub fn blur_m(&self, first: usize, second: Other) -> f64 {
+        self.bodies[first].blur_m
+            + match second {
+                Other::Link { body, .. } => self.bodies[body].blur_m,
+                Other::Part(part) if self.parts[part].is_exact => 0.0,
+                Other::Part(_) => BOX_BLUR_M,
+            }
+    }
+
+    pub fn scratch(&self, dof: usize) -> LaneScratch {
+        let mut begins = Vec::new();
+        let mut count = 0;
+        for body in &self.bodies {
+            begins.push(count);
+            count += body.outer.len();
+        }
+        LaneScratch {
+            q: vec![[0.0; LANES]; dof],
+            frames: vec![LaneFrame::IDENTITY; self.kinematics.frame_count()],
+            centers: vec![[[0.0; LANES]; 3]; count],
+            computed: vec![0; count],
+            begins,
+            travel: LaneTravel {
+                bodies: vec![0.0; self.bodies.len()],
+                link_pairs: vec![0.0; self.link_pairs.len()],
+                joints: vec![0.0; dof],
+            },
+            boxes: vec![
+                LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
+                self.bodies.len()
+            ],
+            ..LaneScratch::default()
+        }
+    }
+
+    /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
+    /// certainly in contact, or of no more interest (see [`Interest`]); what is in doubt in the others is in
+    /// `scratch.doubts` then, and a lane that is in neither is certainly free. "Free" and "in doubt" hold for
+    /// everything that is no farther away than `scratch.travel` says.
+    ///
+    /// 1. Pairs of links that are in a table are looked up.
+    /// 2. Every link against the world: the root of its tree of balls against every part; its inner balls
+    ///    against the parts that are near; down its tree against those that are still near, until a leaf
+    ///    leaves the pair in doubt.
+    /// 3. The other pairs of links in the same way.
+    #[inline(always)]
+    pub fn look<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+        scratch.begin();
+        let mut open = asked;
+        for table in &self.tables {
+            if open != 0 {
+                look_up(simd, table, scratch, &mut open);
+                open = interest.narrowed(asked, open);
+            }
+        }
+        let mut frames = std::mem::take(&mut scratch.frames);
+        if open != 0 {
+            self.kinematics.forward(simd, &scratch.q, &mut frames);
+            for (body, lanes) in self.bodies.iter().zip(&mut scratch.boxes) {
+                frames[body.frame].point(simd, body.middle).store(&mut lanes.middle);
+                frames[body.frame].box_around(simd, body.half_extents).store(&mut lanes.half_extents);
+            }
+        }
+        for body in (0..self.bodies.len()).rev() {
+            if open != 0 {
+                self.body_against_world(simd, body, &frames, scratch, &mut open);
+                open = interest.narrowed(asked, open);
+            }
+        }
+        for index in 0..self.link_pairs.len() {
+            if open != 0 {
+                self.link_against_link(simd, index, &frames, scratch, &mut open);
+                open = interest.narrowed(asked, open);
+            }
+        }
+        scratch.frames = frames;
+        asked & !open
+    }
+
+    #[inline(always)]
+    fn body_against_world<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        let pairs = &self.part_pairs[body];
+        if pairs.is_empty() {
+            return;
+        }
+        let LaneBody { frame, outer, inner, .. } = &self.bodies[body];
+        let frame = &frames[*frame];
+        // 1.
+        let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
+        let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
+        let travel_m = scratch.travel.bodies[body];
+        scratch.near.clear();
+        for (index, pair) in pairs.iter().enumerate() {
+            let reach = f32x16::splat(simd, pair.free_m + travel_m);
+            let part = &self.parts[pair.other as usize];
+            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & *open;
+            if lanes != 0 {
+                scratch.near.push(Near { index: as_index(index), lanes });
+            }
+        }
+        if scratch.near.is_empty() {
+            return;
+        }
+        // 2.
+        let (large, small) = inner.split_at(inner.len().min(LARGE_INNER));
+        for ball in large {
+            let center = frame.point(simd, ball.center);
+            for near in &scratch.near {
+                *open &=
+                    !self.meets(simd, &pairs[near.index as usize], center, ball.radius, near.lanes & *open);
+            }
+        }
+        // 3.
+        let first_doubt = scratch.doubts.len();
+        scratch.stack.clear();
+        scratch.stack.push(Descent { node: 0, begin: 0, end: as_index(scratch.near.len()) });
+        while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
+            let LaneNode { ball, children } = outer[node as usize];
+            let center = scratch.center(simd, body, node as usize, &ball, frame);
+            scratch.near.truncate(end as usize);
+            let kept = scratch.near.len();
+            for index in begin as usize..end as usize {
+                let Near { index, lanes } = scratch.near[index];
+                let pair = &pairs[index as usize];
+                let lanes = lanes & *open & !scratch.doubt(first_doubt, pair.pair);
+                if lanes == 0 {
+                    continue;
+                }
+                let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
+                let lanes = self.parts[pair.other as usize].within_reach(simd, center, reach) & lanes;
+                if lanes == 0 {
+                    continue;
+                }
+                if children == [0; 2] {
+                    scratch.add_doubt(first_doubt, pair.pair, lanes);
+                } else {
+                    scratch.near.push(Near { index, lanes });
+                }
+            }
+            if scratch.near.len() > kept {
+                scratch.push_children(children, kept, scratch.near.len());
+            }
+        }
+        // 4.
+        for ball in small {
+            let mut center = None;
+            for (pair, lanes) in &mut scratch.doubts[first_doubt..] {
+                *lanes &= *open;
+                if *lanes != 0 {
+                    let center = *center.get_or_insert(frame.point(simd, ball.center));
+                    let place = pairs.iter().position(|p| p.pair == *pair).unwrap_or_default();
+                    *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
+                }
+            }
+        }
+    }
+
+    /// The lanes in which an inner ball is certainly too close to a part.
+    #[inline(always)]
+    fn meets<S: Simd>(
+        &self,
+        simd: S,
+        pair: &LanePair,
+        center: LaneVector<S>,
+        radius: f32,
+        lanes: u32,
+    ) -> u32 {
+        let part = &self.parts[pair.other as usize];
+        if !part.is_exact || lanes == 0 {
+            return 0;
+        }
+        part.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
+    }
+
+    #[inline(always)]
+    fn link_against_link<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        let pair = &self.link_pairs[index];
+        let (first, second) = (self.link_firsts[index] as usize, pair.other as usize);
+        let (a, b) = (&self.bodies[first], &self.bodies[second]);
+        let (frame_a, frame_b) = (&frames[a.frame], &frames[b.frame]);
+        // 1.
+        let reach = pair.free_m + scratch.travel.link_pairs[index];
+        let lanes = boxes_within_reach(simd, &scratch.boxes[first], &scratch.boxes[second], reach) & *open;
+        if lanes == 0 {
+            return;
+        }
+        let lanes = self.balls_near(simd, index, [0, 0], frames, scratch) & lanes;
+        if lanes == 0 {
+            return;
+        }
+        // 2.
+        let mut doubt = 0;
+        scratch.stack.clear();
+        scratch.stack.push(Descent { node: 0, begin: 0, end: lanes });
+        while let Some(Descent { node: node_a, begin: node_b, end: lanes }) = scratch.stack.pop() {
+            let lanes = lanes & !doubt;
+            if lanes == 0 {
+                continue;
+            }
+            let (outer_a, outer_b) = (&a.outer[node_a as usize], &b.outer[node_b as usize]);
+            let (is_leaf_a, is_leaf_b) = (outer_a.children == [0; 2], outer_b.children == [0; 2]);
+            if is_leaf_a && is_leaf_b {
+                doubt |= lanes;
+                continue;
+            }
+            // The larger ball is the one to be halved.
+            let halves_a = !is_leaf_a && (is_leaf_b || outer_a.ball.radius >= outer_b.ball.radius);
+            let children = if halves_a { outer_a.children } else { outer_b.children };
+            for child in children {
+                let (next_a, next_b) = if halves_a { (child, node_b) } else { (node_a, child) };
+                let lanes = self.balls_near(simd, index, [next_a, next_b], frames, scratch) & lanes;
+                if lanes != 0 {
+                    scratch.stack.push(Descent { node: next_a, begin: next_b, end: lanes });
+                }
+            }
+        }
+        // 3.
+        for ball_a in a.inner.iter().take(INNER_IN_PAIRS) {
+            if doubt == 0 {
+                return;
+            }
+            let center_a = frame_a.point(simd, ball_a.center);
+            for ball_b in b.inner.iter().take(INNER_IN_PAIRS) {
+                let center_b = frame_b.point(simd, ball_b.center);
+                let reach = pair.contact_m + ball_a.radius + ball_b.radius;
+                let hit = touching(center_a, center_b, reach) & doubt;
+                *open &= !hit;
+                doubt &= !hit;
+            }
+        }
+        if doubt != 0 {
+            scratch.doubts.push((pair.pair, doubt));
+        }
+    }
+
+    /// The lanes in which two outer balls of a pair of links are not certainly far enough apart.
+    #[inline(always)]
+    fn balls_near<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        nodes: [u32; 2],
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+    ) -> u32 {
+        let pair = &self.link_pairs[index];
+        let (first, second) = (self.link_firsts[index] as usize, pair.other as usize);
+        let (a, b) = (&self.bodies[first], &self.bodies[second]);
+        let (node_a, node_b) = (nodes[0] as usize, nodes[1] as usize);
+        let (ball_a, ball_b) = (&a.outer[node_a].ball, &b.outer[node_b].ball);
+        let center_a = scratch.center(simd, first, node_a, ball_a, &frames[a.frame]);
+        let center_b = scratch.center(simd, second, node_b, ball_b, &frames[b.frame]);
+        let reach = pair.free_m + scratch.travel.link_pairs[index];
+        touching(center_a, center_b, reach + ball_a.radius + ball_b.radius)
+    }
+}
+
+impl LaneTravel {
+    /// Nothing beyond the configurations themselves.
+    pub fn clear(&mut self) {
+        self.bodies.fill(0.0);
+        self.link_pairs.fill(0.0);
+        self.joints.fill(0.0);
+    }
+}
+
+impl LaneScratch {
+    /// Takes over the configurations: `value(lane, joint)`.
+    // Lanes are `f32` by design; the slack of every comparison covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn set_q(&mut self, value: impl Fn(usize, usize) -> f64) {
+        for (joint, lanes) in self.q.iter_mut().enumerate() {
+            for (lane, lanes) in lanes.iter_mut().enumerate() {
+                *lanes = value(lane, joint) as f32;
+            }
+        }
+    }
+
+    fn begin(&mut self) {
+        self.batch = self.batch.wrapping_add(1);
+        if self.batch == 0 {
+            self.computed.fill(u32::MAX);
+        }
+        self.doubts.clear();
+    }
+
+    /// The centre of an outer ball in root coordinates, computed once in a batch.
+    #[inline(always)]
+    fn center<S: Simd>(
+        &mut self,
+        simd: S,
+        body: usize,
+        node: usize,
+        ball: &LaneBall,
+        frame: &LaneFrame,
+    ) -> LaneVector<S> {
+        let index = self.begins[body] + node;
+        let lanes = &mut self.centers[index];
+        if self.computed[index] == self.batch {
+            return LaneVector::load(simd, lanes);
+        }
+        self.computed[index] = self.batch;
+        let center = frame.point(simd, ball.center);
+        center.store(lanes);
+        center
+    }
+
+    fn push_children(&mut self, children: [u32; 2], begin: usize, end: usize) {
+        if children != [0; 2] {
+            let (begin, end) = (as_index(begin), as_index(end));
+            self.stack.extend(children.map(|node| Descent { node, begin, end }));
+        }
+    }
+
+    /// The lanes in which the pair is in doubt already; the pair's body began with doubt number `first`.
+    fn doubt(&self, first: usize, pair: u32) -> u32 {
+        self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
+    }
+
+    fn add_doubt(&mut self, first: usize, pair: u32, lanes: u32) {
+        match self.doubts[first..].iter_mut().find(|(doubtful, _)| *doubtful == pair) {
+            Some((_, known)) => *known |= lanes,
+            None => self.doubts.push((pair, lanes)),
+        }
+    }
+}
+
+impl LanePair {
+    // Lanes are `f32` by design; the slack covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    fn new(pair: usize, other: usize, required_m: f64, slack_m: f64) -> Self {
+        Self {
+            pair: as_index(pair),
+            other: as_index(other),
+            free_m: (required_m + slack_m) as f32,
+            contact_m: (required_m - slack_m) as f32,
+        }
+    }
+}
+
+/// Step 1 for one table.
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, open: &mut u32) {
+    let mut low = [[0; LANES]; 2];
+    let mut high = [[0; LANES]; 2];
+    for (axis, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
+        let joint = table.joints[axis];
+        let value = f32x16::from_slice(simd, &scratch.q[joint]) - table.lower[axis];
+        let travel = scratch.travel.joints[joint];
+        let cell = (value - travel) * table.per_unit[axis];
+        i32x16::truncate_from(cell.floor()).store_slice(low);
+        let cell = (value + travel) * table.per_unit[axis];
+        i32x16::truncate_from(cell.floor()).store_slice(high);
+    }
+    let first_doubt = scratch.doubts.len();
+    for lane in lanes_of(*open) {
+        match table.look_up([low[0][lane], low[1][lane]], [high[0][lane], high[1][lane]]) {
+            0 => {}
+            joint_table::CONTACT => *open &= !(1 << lane),
+            doubtful => {
+                for (bit, pair) in table.pairs.iter().enumerate() {
+                    if doubtful >> bit & 1 == 1 {
+                        scratch.add_doubt(first_doubt, *pair, 1 << lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A bound on the rounding of distances to a part, in metres: of its own place and size, and of the sums of
+/// the kernels, relative to how far away it is.
+fn part_rounding_m(part: &Part) -> f64 {
+    /// Some twenty roundings of 6·10⁻⁸.
+    const RELATIVE: f64 = 2e-6;
+    let size = if part.solid.is_half_space() { 0.0 } else { part.solid.ball().radius_m };
+    RELATIVE * (part.world_from_solid.translation.vector.norm() + size + 1.0)
+}
+
+/// Bits of the lanes in which two boxes are not certainly `reach` (m) or farther apart along an axis.
+#[inline(always)]
+fn boxes_within_reach<S: Simd>(simd: S, a: &LaneBox, b: &LaneBox, reach: f32) -> u32 {
+    let offset = LaneVector::load(simd, &a.middle).minus(LaneVector::load(simd, &b.middle)).abs();
+    let gap =
+        offset.minus(LaneVector::load(simd, &a.half_extents)).minus(LaneVector::load(simd, &b.half_extents));
+    bits(!gap.x.max(gap.y).max(gap.z).simd_ge(f32x16::splat(simd, reach)))
+}
+
+/// Bits of the lanes in which two points are closer than `reach`.
+#[inline(always)]
+fn touching<S: Simd>(a: LaneVector<S>, b: LaneVector<S>, reach: f32) -> u32 {
+    shorter(a.minus(b).norm_squared(), f32x16::splat(a.x.token(), reach))
+}
+
+/// Indices in the lanes are short: there are far fewer links, parts and balls than they can tell apart.
+fn as_index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}

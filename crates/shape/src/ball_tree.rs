@@ -1,0 +1,328 @@
+use cranny_spatial::{Point, Pose};
+use parry3d_f64::transformation::try_convex_hull;
+
+use crate::convex::{Convex, Core};
+use crate::solid::Kind;
+use crate::{Ball, Solid, parry};
+
+/// Balls whose union contains a solid, as a binary tree.
+///
+/// The balls of the leaves contain the solid together; the ball of an inner node contains all of the solid
+/// that the leaves below it stand for. So whatever keeps off a node's ball keeps off that piece.
+#[derive(Clone, Debug)]
+pub struct BallTree {
+    nodes: Vec<BallNode>,
+}
+
+/// A node of a [`BallTree`].
+#[derive(Clone, Copy, Debug)]
+pub struct BallNode {
+    /// Contains the node's piece of the solid; in the frame of the tree.
+    pub ball: Ball,
+    /// The two halves of the piece, by index, both after this node; `None` for a leaf.
+    pub children: Option<[usize; 2]>,
+}
+
+/// A piece cut off the solid is halved no more often than this.
+const DEEPEST: usize = 14;
+
+/// Added to every radius: the corners of a hull lie outside its facets by less, and so does rounding.
+const SLACK_M: f64 = 1e-7;
+
+impl BallTree {
+    /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
+    /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull, a cylinder as a
+    /// prism of eight sides around it. `None` for a half-space.
+    ///
+    /// 1. The convex hull of the solid's core, as polygons.
+    /// 2. Cut in half across the longest side of its box, again and again.
+    /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core.
+    pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
+        let (points, radius_m) = solid.bounding_points()?;
+        if let Kind::Convex(convex) = solid.kind() {
+            if let Convex { core: Core::Segment { half_length }, .. } = **convex {
+                return Some(Self::along_segment(half_length, radius_m, bulge_m));
+            }
+        }
+        let corners: Vec<_> = points.iter().map(parry::point).collect();
+        let Ok((hull, faces)) = try_convex_hull(&corners) else {
+            return Some(Self {
+                nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }],
+            });
+        };
+        // 1.
+        let corner = |index: u32| {
+            let p = hull[index as usize];
+            Point::new(p.x, p.y, p.z)
+        };
+        let piece = Piece { faces: faces.iter().map(|face| face.map(corner).to_vec()).collect() };
+        let planes = planes(&piece.faces);
+        let mut tree = Self { nodes: Vec::new() };
+        tree.cover(piece, &planes, radius_m, bulge_m, 0);
+        Some(tree)
+    }
+
+    /// One tree over many, each placed by `target_from_tree`.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn joined(trees: Vec<(Pose, Self)>) -> Self {
+        let placed: Vec<Self> = trees.into_iter().map(|(pose, tree)| tree.transformed(&pose)).collect();
+        let mut joined = Self { nodes: Vec::new() };
+        joined.join(placed);
+        joined
+    }
+
+    /// The nodes, the root first.
+    pub fn nodes(&self) -> &[BallNode] {
+        &self.nodes
+    }
+
+    fn transformed(mut self, target_from_tree: &Pose) -> Self {
+        for node in &mut self.nodes {
+            node.ball.center = target_from_tree * node.ball.center;
+        }
+        self
+    }
+
+    /// Steps 2 and 3 for one piece; returns its node.
+    fn cover(
+        &mut self,
+        piece: Piece,
+        planes: &[Plane],
+        rounding_m: f64,
+        bulge_m: f64,
+        depth: usize,
+    ) -> usize {
+        let corners = piece.corners();
+        let (ball, stands_out_m) = least_bulge(&corners, planes);
+        let node = self.nodes.len();
+        let radius_m = ball.radius_m + rounding_m + SLACK_M;
+        self.nodes.push(BallNode { ball: Ball { radius_m, ..ball }, children: None });
+        if stands_out_m > bulge_m && depth < DEEPEST {
+            if let Some([low, high]) = piece.halves(&corners) {
+                let low = self.cover(low, planes, rounding_m, bulge_m, depth + 1);
+                let high = self.cover(high, planes, rounding_m, bulge_m, depth + 1);
+                self.nodes[node].children = Some([low, high]);
+            }
+        }
+        node
+    }
+
+    /// A capsule: balls along its axis that overlap so far that their seams lie on it, and one at each end.
+    fn along_segment(half_length: f64, radius_m: f64, bulge_m: f64) -> Self {
+        let spacing = 2.0 * (2.0 * radius_m * bulge_m + bulge_m * bulge_m).sqrt();
+        // A capsule has far fewer pieces than a count can hold.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let count = (2.0 * half_length / spacing).ceil().clamp(1.0, 4096.0) as usize;
+        let half = half_length / count as f64;
+        let ball = |z: f64, radius_m: f64| Self {
+            nodes: vec![BallNode {
+                ball: Ball { center: Point::new(0.0, 0.0, z), radius_m: radius_m + SLACK_M },
+                children: None,
+            }],
+        };
+        let mut balls = vec![ball(-half_length, radius_m)];
+        balls.extend((0..count).map(|index| {
+            ball(-half_length + (2 * index + 1) as f64 * half, (half * half + radius_m * radius_m).sqrt())
+        }));
+        balls.push(ball(half_length, radius_m));
+        let mut tree = Self { nodes: Vec::new() };
+        tree.join(balls);
+        tree
+    }
+
+    /// Appends a node over `trees` and what is below it; returns its index.
+    fn join(&mut self, mut trees: Vec<Self>) -> usize {
+        let node = self.nodes.len();
+        if trees.len() == 1 {
+            for inner in &trees[0].nodes {
+                let children = inner.children.map(|children| children.map(|child| child + node));
+                self.nodes.push(BallNode { children, ..*inner });
+            }
+            return node;
+        }
+        let balls: Vec<Ball> = trees.iter().flat_map(|tree| tree.leaves()).collect();
+        let ball = around_balls(&balls);
+        self.nodes.push(BallNode { ball, children: None });
+        let centers: Vec<Point> = trees.iter().map(|tree| tree.nodes[0].ball.center).collect();
+        let axis = longest_side(&centers).0;
+        trees.sort_by(|a, b| a.nodes[0].ball.center[axis].total_cmp(&b.nodes[0].ball.center[axis]));
+        let high = trees.split_off(trees.len() / 2);
+        let children = [self.join(trees), self.join(high)];
+        self.nodes[node].children = Some(children);
+        node
+    }
+
+    fn leaves(&self) -> impl Iterator<Item = Ball> {
+        self.nodes.iter().filter(|node| node.children.is_none()).map(|node| node.ball)
+    }
+}
+
+/// A plane with a unit normal that points out of the solid.
+struct Plane {
+    normal: cranny_spatial::Vector,
+    offset: f64,
+}
+
+impl Plane {
+    fn height(&self, point: &Point) -> f64 {
+        self.normal.dot(&point.coords) - self.offset
+    }
+}
+
+fn planes(faces: &[Vec<Point>]) -> Vec<Plane> {
+    let plane = |face: &Vec<Point>| {
+        let normal = (face[1] - face[0]).cross(&(face[2] - face[0])).try_normalize(0.0)?;
+        Some(Plane { offset: normal.dot(&face[0].coords), normal })
+    };
+    faces.iter().filter_map(plane).collect()
+}
+
+/// A convex polyhedron: its faces as polygons, each with its corners in order.
+struct Piece {
+    faces: Vec<Vec<Point>>,
+}
+
+impl Piece {
+    /// Its corners, each once.
+    fn corners(&self) -> Vec<Point> {
+        let mut corners: Vec<Point> = self.faces.iter().flatten().copied().collect();
+        let coordinates = |p: &Point| [p.x, p.y, p.z];
+        corners
+            .sort_by(|a, b| coordinates(a).partial_cmp(&coordinates(b)).unwrap_or(std::cmp::Ordering::Equal));
+        corners.dedup();
+        corners
+    }
+
+    /// Both halves, cut across the longest side of the box around `corners`; `None` if that side is too
+    /// short to be cut.
+    fn halves(&self, corners: &[Point]) -> Option<[Self; 2]> {
+        /// A tenth of a millimetre: no bulge that is worth a ball is smaller.
+        const SHORTEST_M: f64 = 1e-4;
+        let (axis, low, high) = longest_side(corners);
+        if high - low < SHORTEST_M {
+            return None;
+        }
+        let middle = 0.5 * (low + high);
+        Some([self.below(axis, middle, 1.0), self.below(axis, middle, -1.0)])
+    }
+
+    /// The part where `sign · (coordinate − middle) ≤ 0`.
+    fn below(&self, axis: usize, middle: f64, sign: f64) -> Self {
+        let height = |point: &Point| sign * (point[axis] - middle);
+        let mut faces = Vec::with_capacity(self.faces.len() + 1);
+        let mut rim: Vec<Point> = Vec::new();
+        for face in &self.faces {
+            let mut kept = Vec::with_capacity(face.len() + 1);
+            for (index, a) in face.iter().enumerate() {
+                let b = &face[(index + 1) % face.len()];
+                let (height_a, height_b) = (height(a), height(b));
+                if height_a <= 0.0 {
+                    kept.push(*a);
+                }
+                if (height_a < 0.0 && height_b > 0.0) || (height_a > 0.0 && height_b < 0.0) {
+                    let mut crossing = a + (b - a) * (height_a / (height_a - height_b));
+                    crossing[axis] = middle;
+                    kept.push(crossing);
+                    rim.push(crossing);
+                } else if height_a == 0.0 {
+                    rim.push(*a);
+                }
+            }
+            if kept.len() > 2 {
+                faces.push(kept);
+            }
+        }
+        if rim.len() > 2 {
+            faces.push(in_order(rim, axis));
+        }
+        Self { faces }
+    }
+}
+
+/// The corners of a convex polygon across `axis`, in order around its middle.
+fn in_order(mut rim: Vec<Point>, axis: usize) -> Vec<Point> {
+    let middle = rim.iter().fold(cranny_spatial::Vector::zeros(), |sum, p| sum + p.coords) / rim.len() as f64;
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let angle = |p: &Point| libm::atan2(p[v] - middle[v], p[u] - middle[u]);
+    rim.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    rim
+}
+
+/// The axis along which the points spread most, and where they begin and end along it.
+fn longest_side(points: &[Point]) -> (usize, f64, f64) {
+    let side = |axis: usize| {
+        let range = |(low, high): (f64, f64), p: &Point| (low.min(p[axis]), high.max(p[axis]));
+        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
+        (axis, low, high)
+    };
+    let longer = |a: (usize, f64, f64), b: (usize, f64, f64)| if b.2 - b.1 > a.2 - a.1 { b } else { a };
+    longer(longer(side(0), side(1)), side(2))
+}
+
+/// The ball around the points that stands out least of the planes, about, and by how much (m).
+///
+/// Both the radius that is needed and the height above the highest plane are convex in the centre, so it
+/// goes down their sum by subgradients with ever smaller steps (Shor 1985).
+fn least_bulge(points: &[Point], planes: &[Plane]) -> (Ball, f64) {
+    const STEPS: usize = 30;
+    let start = start_ball(points);
+    // A plane that is farther below than the search can rise never is the highest.
+    let planes: Vec<&Plane> =
+        planes.iter().filter(|p| p.height(&start.center) > -4.0 * start.radius_m).collect();
+    let mut center = start.center;
+    let mut best = (start, f64::INFINITY);
+    for step in 0..STEPS {
+        let by_distance =
+            |a: &&Point, b: &&Point| (*a - center).norm_squared().total_cmp(&(*b - center).norm_squared());
+        let Some(farthest) = points.iter().max_by(by_distance) else { break };
+        let highest = planes.iter().copied().max_by(|a, b| a.height(&center).total_cmp(&b.height(&center)));
+        let radius_m = (farthest - center).norm();
+        let stands_out_m = highest.map_or(radius_m, |plane| plane.height(&center) + radius_m);
+        if stands_out_m < best.1 {
+            best = (Ball { center, radius_m }, stands_out_m);
+        }
+        let towards_farthest = (farthest - center).try_normalize(0.0).unwrap_or_default();
+        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |plane| -plane.normal);
+        center += (towards_farthest + inwards) * (0.5 * start.radius_m / (step + 1) as f64);
+    }
+    best
+}
+
+/// The ball around the middle of the points' box.
+fn start_ball(points: &[Point]) -> Ball {
+    let aabb = crate::Aabb::around(points, 0.0);
+    let radius_m = points.iter().map(|p| (p - aabb.center).norm_squared()).fold(0.0, f64::max).sqrt();
+    Ball { center: aabb.center, radius_m }
+}
+
+/// A small ball around the points, grown by `rounding_m`.
+fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
+    let balls: Vec<Ball> = points.iter().map(|&center| Ball { center, radius_m: 0.0 }).collect();
+    let ball = around_balls(&balls);
+    Ball { radius_m: ball.radius_m + rounding_m, ..ball }
+}
+
+/// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps
+/// (Bădoiu & Clarkson 2003); the radius is then what is needed.
+fn around_balls(balls: &[Ball]) -> Ball {
+    /// Leaves the radius within 2 % of the least.
+    const STEPS: usize = 50;
+    let reach = |center: &Point, ball: &Ball| (ball.center - center).norm() + ball.radius_m;
+    let farthest = |center: &Point| {
+        let by_reach = |a: &&Ball, b: &&Ball| reach(center, a).total_cmp(&reach(center, b));
+        balls.iter().max_by(by_reach).copied().unwrap_or(Ball { center: *center, radius_m: 0.0 })
+    };
+    let mut center = balls.first().map_or(Point::origin(), |ball| ball.center);
+    for step in 1..=STEPS {
+        let far = farthest(&center);
+        let offset = far.center - center;
+        if offset.norm() > 0.0 {
+            // Towards the far side of the far ball.
+            let target = far.center + offset.normalize() * far.radius_m;
+            center += (target - center) / (step + 1) as f64;
+        }
+    }
+    Ball { center, radius_m: reach(&center, &farthest(&center)) }
+}
