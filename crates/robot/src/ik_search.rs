@@ -1,6 +1,9 @@
-use cranny_spatial::{Pose, Stream, Vector};
+use std::ops::Range;
 
-use crate::{IkSettings, IkSolution, IkSolver, JointKind, JointUnit, Robot};
+use cranny_spatial::{Pose, Stream};
+
+use crate::ik_batch::IkBatch;
+use crate::{IK_BATCH, IkSettings, IkSolution, IkSolver, JointUnit, Robot};
 
 /// How [`IkSearch`] searches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,13 +47,15 @@ pub fn solve_restarts(
 
 /// A search for many solutions to one target, from random starts, that can be carried on at any time.
 ///
-/// A start is uniform within limits, but for the prismatic joints between the root and the first joint that
-/// turns (a moving base): these are drawn such that the target is within the arm's reach, if they can be.
+/// Attempts run in batches ([`IkBatch`]); what a batch found beyond the solution that was asked for waits
+/// for the next question.
 #[derive(Clone, Debug)]
 pub struct IkSearch<'robot> {
     solver: IkSolver<'robot>,
+    batch: IkBatch<'robot>,
+    /// Attempts of the batch that nobody has looked at yet.
+    waiting: Range<usize>,
     settings: IkSearchSettings,
-    base: Option<Base>,
     root_from_tip: Pose,
     solutions: Vec<IkSolution>,
     attempts: usize,
@@ -61,8 +66,9 @@ impl<'robot> IkSearch<'robot> {
     pub fn new(robot: &'robot Robot, root_from_tip: &Pose, settings: IkSearchSettings) -> Self {
         Self {
             solver: IkSolver::new(robot, settings.ik),
+            batch: IkBatch::new(robot, settings.ik),
+            waiting: 0..0,
             settings,
-            base: Base::of(robot),
             root_from_tip: *root_from_tip,
             solutions: Vec::new(),
             attempts: 0,
@@ -73,6 +79,7 @@ impl<'robot> IkSearch<'robot> {
     pub fn retarget(&mut self, root_from_tip: &Pose) {
         self.root_from_tip = *root_from_tip;
         self.solutions.clear();
+        self.waiting = 0..0;
         self.attempts = 0;
     }
 
@@ -84,25 +91,27 @@ impl<'robot> IkSearch<'robot> {
         attempts: usize,
         accept: &mut dyn FnMut(&[f64]) -> bool,
     ) -> Option<&IkSolution> {
-        let end = self.attempts + attempts;
-        while self.attempts < end {
-            self.attempts += 1;
-            let robot = self.solver.robot();
-            let (base, target_in_root) = (&self.base, self.root_from_tip.translation.vector);
-            let found = self.solver.solve_from_drawn(&self.root_from_tip, |q| {
-                for (value, limits) in q.iter_mut().zip(robot.limits()) {
-                    *value = random.uniform_between(limits.lower, limits.upper);
+        let mut left = attempts;
+        loop {
+            while let Some(attempt) = self.waiting.next() {
+                let found = self.batch.solution(attempt);
+                if found.as_ref().is_some_and(|found| self.is_new(&found.q) && accept(&found.q)) {
+                    self.solutions.extend(found);
+                    return self.solutions.last();
                 }
-                if let Some(base) = base {
-                    base.draw_near(robot, &target_in_root, random, q);
-                }
-            });
-            if found.as_ref().is_some_and(|found| self.is_new(&found.q) && accept(&found.q)) {
-                self.solutions.extend(found);
-                return self.solutions.last();
             }
+            if left == 0 {
+                return None;
+            }
+            let count = left.min(IK_BATCH);
+            for attempt in 0..count {
+                self.batch.draw(attempt, &self.root_from_tip, random);
+            }
+            self.batch.run(count);
+            self.waiting = 0..count;
+            self.attempts += count;
+            left -= count;
         }
-        None
     }
 
     /// One attempt from `start`, pulled towards it; counts as an attempt, and its solution as one of this
@@ -146,76 +155,5 @@ impl<'robot> IkSearch<'robot> {
             })
         };
         self.solutions.iter().all(differs)
-    }
-}
-
-/// How often a base position is drawn before the nearest one so far is taken: a target at the edge of what
-/// the base can serve leaves about a tenth of all positions.
-const BASE_DRAWS: usize = 32;
-
-/// More slides than this in a row are drawn like any other joint: three already reach every point.
-const MOST_SLIDES: usize = 6;
-
-/// The prismatic joints between the root and the first joint that turns: they shift the arm without turning
-/// it.
-#[derive(Clone, Debug)]
-struct Base {
-    /// Index in `q`, and the shift in the root frame per metre.
-    slides: Vec<(usize, Vector)>,
-    /// Where the arm starts while all slides stand at 0.
-    arm_in_root: Vector,
-    /// No configuration of the arm brings the tip further away from where the arm starts, in metres.
-    reach_m: f64,
-}
-
-impl Base {
-    fn of(robot: &Robot) -> Option<Self> {
-        let movers = robot.ancestors(robot.tip());
-        let count = movers.iter().take_while(|mover| mover.kind == JointKind::Prismatic).count();
-        let arm = movers.get(count).filter(|_| (1..=MOST_SLIDES).contains(&count))?.child_link;
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
-        let origin = |link: usize| frames.link(link).translation.vector;
-        let slides = movers[..count].iter().map(|mover| {
-            let axis_in_root = frames.link(mover.child_link).rotation * mover.axis_in_child;
-            (mover.joint, axis_in_root * mover.multiplier)
-        });
-        // Joint by joint, the distance between neighbouring axes' origins does not depend on how they turn.
-        let mut reach_m = 0.0;
-        let mut previous = arm;
-        for mover in &movers[count + 1..] {
-            reach_m += (origin(mover.child_link) - origin(previous)).norm();
-            if mover.kind == JointKind::Prismatic {
-                let limits = robot.limits()[mover.joint];
-                reach_m += mover.multiplier.abs() * limits.lower.abs().max(limits.upper.abs());
-            }
-            previous = mover.child_link;
-        }
-        reach_m += (origin(robot.tip()) - origin(previous)).norm();
-        Some(Self { slides: slides.collect(), arm_in_root: origin(arm), reach_m })
-    }
-
-    /// Redraws the slides of `q` until the target is within reach, or leaves the nearest of many draws.
-    fn draw_near(&self, robot: &Robot, target_in_root: &Vector, random: &mut Stream, q: &mut [f64]) {
-        let mut nearest_m = f64::INFINITY;
-        for _ in 0..BASE_DRAWS {
-            let mut candidate = [0.0; MOST_SLIDES];
-            let mut arm_in_root = self.arm_in_root;
-            for (value, (joint, axis)) in candidate.iter_mut().zip(&self.slides) {
-                let limits = robot.limits()[*joint];
-                *value = random.uniform_between(limits.lower, limits.upper);
-                arm_in_root += axis * *value;
-            }
-            let distance_m = (target_in_root - arm_in_root).norm();
-            if distance_m < nearest_m {
-                nearest_m = distance_m;
-                for (value, (joint, _)) in candidate.iter().zip(&self.slides) {
-                    q[*joint] = *value;
-                }
-            }
-            if distance_m <= self.reach_m {
-                return;
-            }
-        }
     }
 }

@@ -66,20 +66,20 @@ pub struct IkSolver<'robot> {
 }
 
 /// Where the tip is at most moved in one step of an attempt: linearisation holds no further. In metres.
-const MAX_STEP_M: f64 = 0.3;
+pub(crate) const MAX_STEP_M: f64 = 0.3;
 /// The same for its rotation, in radians.
-const MAX_STEP_RAD: f64 = 0.8;
+pub(crate) const MAX_STEP_RAD: f64 = 0.8;
 /// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011): strong far from the
 /// target, where a full step would overshoot, and gone near it, where Newton's steps converge quadratically.
-const DAMPING_PER_ERROR: f64 = 0.02;
+pub(crate) const DAMPING_PER_ERROR: f64 = 0.02;
 /// Keeps the factorisation positive definite at a singularity; below tolerances squared.
 const LEAST_DAMPING: f64 = 1e-7;
 /// An attempt ends when over this many steps …
-const PATIENCE: usize = 6;
+pub(crate) const PATIENCE: usize = 6;
 /// … the squared error has not fallen below this part of what it was.
-const LEAST_PROGRESS: f64 = 0.5;
+pub(crate) const LEAST_PROGRESS: f64 = 0.5;
 /// How often one step is computed anew because a joint met its limit.
-const LOCK_ROUNDS: usize = 3;
+pub(crate) const LOCK_ROUNDS: usize = 3;
 
 impl<'robot> IkSolver<'robot> {
     /// A solver for the tip of `robot`. This allocates; attempts do not, but for the solution they return.

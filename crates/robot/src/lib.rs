@@ -2,7 +2,7 @@
 //! and inverse kinematics.
 //!
 //! [`Robot`] is immutable and shared between threads; what a computation writes to lives in a scratch value
-//! of the caller ([`LinkFrames`], [`Jacobian`], [`IkSolver`], [`IkSearch`]).
+//! of the caller ([`LinkFrames`], [`Jacobian`], [`IkSolver`], [`IkBatch`], [`IkSearch`]).
 //!
 //! ```
 //! use cranny_robot::{Robot, RobotOptions};
@@ -33,16 +33,20 @@
 
 mod assembly;
 mod error;
+mod ik_batch;
+mod ik_lanes;
 mod ik_search;
 mod inverse_kinematics;
 mod jacobian;
 mod joint_group;
 mod kinematics;
+mod lane_chain;
 mod lane_kinematics;
 mod limits;
 mod link_pairs;
 mod mesh_path;
 mod model;
+mod moving_base;
 mod options;
 mod spelling;
 mod srdf;
@@ -51,6 +55,7 @@ mod urdf;
 mod xml;
 
 pub use error::{Hindrance, Location, RobotError};
+pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
 pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver, solve_single};
 pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
