@@ -2,21 +2,41 @@ use std::time::Instant;
 
 use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
-use cranny_robot::{IkSearch, IkSearchSettings};
+use cranny_robot::{IK_BATCH, IkBatch, IkSettings};
 use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
 use crate::{FailureReason, GraspFailure, Problem, Statistics};
 
-/// Goal configurations of a problem, found one at a time by inverse kinematics from random starts.
+/// Attempts to a pose that is known to be open to the hand, before another pose is looked at: so many cost
+/// as much as looking at poses until the hand is free at one.
+const ATTEMPTS_PER_POSE: usize = 16;
+/// Poses that are looked at before the first attempt, so that it does not all hang on one.
+const FIRST_POSES: usize = 8;
+/// Once there is a goal, a batch is due every so many iterations for each … attempts that a goal costs:
+const ATTEMPTS_PER_ITERATION: u64 = 8;
+/// … and at the latest after so many.
+const MOST_ITERATIONS: u64 = 8;
+
+/// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
-/// A pose is left out once the hand alone was seen to collide there: no arm can hold it.
+/// 1. Poses are opened in random order, the more the more attempts were made. One at which the hand alone
+///    collides is left out for good: no arm can hold it.
+/// 2. Each attempt of a batch goes to any open pose, from a start of its own.
+/// 3. What is reached and free is a goal.
+///
+/// Until there is a goal, every iteration of a search runs a batch; then the fewer the more goals cost, so
+/// that neither the attempts nor the search takes all the time.
 pub(crate) struct GoalPool<'a> {
     cell: &'a Cell,
     /// Grasps and poses not left out yet; the first so many are known to be open to the hand.
     poses: Vec<(usize, Pose)>,
     open: usize,
-    search: IkSearch<'a>,
+    batch: IkBatch<'a>,
+    attempts: u64,
+    goals: u64,
+    /// Iterations since the last batch.
+    waited: u64,
     records: Vec<Record>,
 }
 
@@ -38,7 +58,10 @@ impl<'a> GoalPool<'a> {
             cell,
             poses: grasps.grasps().iter().enumerate().flat_map(both).collect(),
             open: 0,
-            search: IkSearch::new(&problem.robot, &Pose::identity(), IkSearchSettings::default()),
+            batch: IkBatch::new(&problem.robot, IkSettings::default()),
+            attempts: 0,
+            goals: 0,
+            waited: 0,
             records: vec![Record::default(); grasps.len()],
         }
     }
@@ -48,54 +71,75 @@ impl<'a> GoalPool<'a> {
         self.poses.is_empty()
     }
 
-    /// One attempt at a random pose; a configuration if it is free.
+    /// The goals that one more iteration of the search brings.
     pub fn draw(
         &mut self,
         random: &mut Stream,
         scratch: &mut Scratch,
         statistics: &mut Statistics,
-    ) -> Option<Vec<f64>> {
+    ) -> Vec<Vec<f64>> {
         let begin = Instant::now();
-        let found = self.attempt(random, scratch, statistics);
+        self.waited += 1;
+        if !self.is_due() {
+            return Vec::new();
+        }
+        self.waited = 0;
+        // 1.
+        self.open_poses(random, scratch);
+        if self.open == 0 {
+            return Vec::new();
+        }
+        // 2.
+        let grasps: [usize; IK_BATCH] = std::array::from_fn(|attempt| {
+            let (grasp, pose) = &self.poses[random.index(self.open)];
+            self.batch.draw(attempt, pose, random);
+            *grasp
+        });
+        self.batch.run(IK_BATCH);
+        // 3.
+        let mut goals = Vec::new();
+        for (attempt, grasp) in grasps.into_iter().enumerate() {
+            let record = &mut self.records[grasp];
+            record.attempts += 1;
+            let Some(found) = self.batch.solution(attempt) else { continue };
+            statistics.collision_checks += 1;
+            if self.cell.is_free(&found.q, scratch) {
+                record.goals += 1;
+                goals.push(found.q);
+            } else {
+                record.blocked = found.q;
+            }
+        }
+        self.attempts += IK_BATCH as u64;
+        self.goals += goals.len() as u64;
+        statistics.ik_attempts = self.attempts;
+        statistics.goals_tried = self.goals;
         statistics.ik_time_s += begin.elapsed().as_secs_f64();
-        found
+        goals
     }
 
-    fn attempt(
-        &mut self,
-        random: &mut Stream,
-        scratch: &mut Scratch,
-        statistics: &mut Statistics,
-    ) -> Option<Vec<f64>> {
-        let drawn = random.index(self.poses.len());
-        let (grasp, pose) = self.poses[drawn];
-        let record = &mut self.records[grasp];
-        if drawn >= self.open {
+    fn is_due(&self) -> bool {
+        self.goals == 0
+            || self.waited >= MOST_ITERATIONS
+            || self.waited * ATTEMPTS_PER_ITERATION * self.goals >= self.attempts
+    }
+
+    /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
+    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch) {
+        let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
+        while self.open < wanted.min(self.poses.len()) {
+            let drawn = self.open + random.index(self.poses.len() - self.open);
+            let (grasp, pose) = self.poses[drawn];
             if let Some(contact) = self.cell.hand_contact(&pose, scratch) {
+                let record = &mut self.records[grasp];
                 record.hand_contacts += 1;
                 record.hand_contact = Some(contact);
                 self.poses.swap_remove(drawn);
-                return None;
+            } else {
+                self.poses.swap(drawn, self.open);
+                self.open += 1;
             }
-            self.poses.swap(drawn, self.open);
-            self.open += 1;
         }
-        self.search.retarget(&pose);
-        let mut is_free = |q: &[f64]| {
-            statistics.collision_checks += 1;
-            let is_free = self.cell.is_free(q, scratch);
-            if !is_free {
-                record.blocked.clear();
-                record.blocked.extend_from_slice(q);
-            }
-            is_free
-        };
-        let found = self.search.next_solution(random, 1, &mut is_free).map(|solution| solution.q.clone());
-        record.attempts += 1;
-        record.goals += u64::from(found.is_some());
-        statistics.ik_attempts += 1;
-        statistics.goals_tried += u64::from(found.is_some());
-        found
     }
 
     /// What stood between the robot and each grasp, as far as it was met.

@@ -15,7 +15,7 @@ use crate::{
 
 /// The flagship: one search for grasp and motion at exact tolerance.
 ///
-/// 1. A few attempts of inverse kinematics in every iteration add goal configurations, for random grasps or
+/// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
 ///    their twins, as further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
 /// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards
@@ -31,8 +31,6 @@ pub struct Reach {
     pub step: f64,
     /// Configurations looked at on a step, its end included. Default 4.
     pub looks: usize,
-    /// Attempts of inverse kinematics in one iteration. Default 4.
-    pub ik_attempts: usize,
     /// Goals that are enough. Default 100: more do not help.
     pub goals: usize,
     /// The smaller side grows unless it has been chosen so many times running. Default 4: a small side may
@@ -42,7 +40,7 @@ pub struct Reach {
 
 impl Default for Reach {
     fn default() -> Self {
-        Self { step: 0.25, looks: 4, ik_attempts: 4, goals: 100, patience: 4 }
+        Self { step: 0.25, looks: 4, goals: 100, patience: 4 }
     }
 }
 
@@ -160,16 +158,14 @@ impl Search<'_> {
             self.statistics.iterations += 1;
             // 1. and 2.
             if let Some(pool) = pool.as_mut().filter(|_| goals < self.settings.goals) {
-                for _ in 0..self.settings.ik_attempts {
-                    if pool.is_hopeless() {
-                        return Err(Outcome::NoReachableGrasp);
-                    }
-                    let found = pool.draw(&mut self.random, &mut self.proof_scratch, &mut self.statistics);
-                    if let Some(goal) = found {
-                        self.add(1, &goal, None);
-                        goals += 1;
-                    }
+                if pool.is_hopeless() {
+                    return Err(Outcome::NoReachableGrasp);
                 }
+                let found = pool.draw(&mut self.random, &mut self.proof_scratch, &mut self.statistics);
+                for goal in &found {
+                    self.add(1, goal, None);
+                }
+                goals += found.len();
             }
             if self.sides[1].len() == 0 {
                 continue;
