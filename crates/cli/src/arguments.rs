@@ -156,6 +156,7 @@ pub struct VerifyArguments {
 #[command(after_help = "Examples:
   cranny ik 025
   cranny ik 021 --solutions 5 --grasp 17
+  cranny ik 021 --single-shot
   cranny ik path/to/scenarios/011 --json > ik.json")]
 pub struct IkArguments {
     #[command(flatten)]
@@ -167,8 +168,11 @@ pub struct IkArguments {
     #[arg(long, value_name = "N", default_value = "1")]
     pub solutions: NonZeroUsize,
     /// Attempts at each grasp
-    #[arg(long, value_name = "N", default_value = "2000")]
+    #[arg(long, value_name = "N", default_value = "5000")]
     pub attempts: NonZeroUsize,
+    /// Only one attempt at each grasp and one at its twin, from the start, as the paper does it
+    #[arg(long, conflicts_with = "attempts")]
+    pub single_shot: bool,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,

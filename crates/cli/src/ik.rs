@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use cranny_grasp::GraspSet;
-use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
+use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik};
 use cranny_scenario::PlanMargins;
 use serde::Serialize;
 
@@ -49,6 +49,7 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
             Goal::Grasps(GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?);
     }
     let settings = IkAnnotationSettings {
+        method: if arguments.single_shot { IkMethod::SingleShot } else { IkMethod::Restarts },
         solutions: arguments.solutions.get(),
         attempts: arguments.attempts.get(),
         seed: arguments.seed,
@@ -76,6 +77,9 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
 fn blocked_by(status: &IkStatus) -> Option<String> {
     match status {
         IkStatus::HandCollides { link, body } => Some(format!("{link} against {body}")),
+        IkStatus::NoSolution { contact: Some((first, second)), .. } => {
+            Some(format!("{first} against {second}"))
+        }
         _ => None,
     }
 }
@@ -99,6 +103,13 @@ fn annotated(annotation: &IkAnnotation) -> Annotated {
     }
 }
 
+fn attempts(annotation: &IkAnnotation) -> String {
+    match annotation.attempts {
+        1 => "1 attempt".to_owned(),
+        count => format!("{count} attempts"),
+    }
+}
+
 fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
     let mut page =
         format!("{id}: {solved} of {} grasps have a free exact configuration\n", annotations.len());
@@ -109,12 +120,14 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
             IkStatus::HandCollides { .. } => {
                 format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
             }
-            IkStatus::NoSolution { blocked: 0 } => {
-                format!("the arm did not reach the pose in {} attempts", annotation.attempts)
+            IkStatus::NoSolution { blocked: 0, .. } => {
+                format!("the arm did not reach the pose in {}", attempts(annotation))
             }
-            IkStatus::NoSolution { .. } => {
-                format!("the arm reached the pose, but never freely in {} attempts", annotation.attempts)
-            }
+            IkStatus::NoSolution { .. } => format!(
+                "the arm reached the pose, but never freely in {}; at last {}",
+                attempts(annotation),
+                blocked_by(&annotation.status).unwrap_or_default()
+            ),
             IkStatus::Stopped => "stopped before it was tried".to_owned(),
         };
         *reasons.entry(reason).or_default() += 1;

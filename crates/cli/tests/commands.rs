@@ -103,6 +103,18 @@ fn ik_says_for_every_grasp_what_became_of_it() {
 }
 
 #[test]
+fn ik_by_a_single_shot_makes_at_most_one_attempt_at_each_pose() {
+    let folder = folder();
+    let found = cranny(folder.path(), &["ik", "021", "--single-shot", "--json"]);
+    let grasps = json(&found)["grasps"].as_array().expect("a list").clone();
+    assert!(grasps.iter().all(|g| g["attempts"].as_u64().is_some_and(|attempts| attempts <= 2)));
+    let is_blocked = |g: &serde_json::Value| g["status"] == "no-solution" && g["blocked_by"].is_string();
+    assert!(grasps.iter().any(is_blocked), "what stood in the way of an arm is named");
+    let both = cranny(folder.path(), &["ik", "021", "--single-shot", "--attempts", "5"]);
+    assert_eq!(both.status.code(), Some(2));
+}
+
+#[test]
 fn a_bad_path_is_refused_with_every_violation_named() {
     let folder = folder();
     let straight = "0,0,-0.0178,-0.7601,0.0198,-2.3421,0.0298,1.5412,0.7534\n0.9,0.9,0,1.5,0,-0.5,0,1.5,0\n";

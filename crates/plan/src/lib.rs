@@ -41,7 +41,9 @@ mod verification;
 
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
-pub use ik_annotation::{AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkStatus, annotate_ik};
+pub use ik_annotation::{
+    AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
+};
 pub use ik_rrt::IkRrt;
 pub use j_plus_rrt::{GraspChoice, JPlusRrt};
 pub use motion_limits::{MotionLimits, TimingMethod};

@@ -5,14 +5,17 @@ mod fixture;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cranny_collision::Cell;
-use cranny_plan::{IkAnnotation, IkAnnotationSettings, IkStatus, PlanError, Problem, Validity, annotate_ik};
+use cranny_plan::{
+    IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, Validity, annotate_ik,
+};
 use cranny_spatial::PoseDifference;
 use fixture::{
     OBJECT, START, arm, block, easy_grasps, exact, grasp_at, grasp_out_of_reach, grasps, off, paper,
     still_life,
 };
 
-const SETTINGS: IkAnnotationSettings = IkAnnotationSettings { solutions: 3, attempts: 300, seed: 4 };
+const SETTINGS: IkAnnotationSettings =
+    IkAnnotationSettings { method: IkMethod::Restarts, solutions: 3, attempts: 300, seed: 4 };
 
 /// Grasps of each fate: held; in a block; out of reach; in reach, but with a pebble in the wrist.
 fn problem() -> Problem {
@@ -49,9 +52,26 @@ fn every_fate_of_a_grasp_is_told_apart() {
     assert_eq!(found.iter().map(|annotation| annotation.grasp).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
     let IkStatus::HandCollides { link, body } = &found[1].status else { panic!("{:?}", found[1]) };
     assert!(["palm", "left_finger", "right_finger"].contains(&link.as_str()) && body == "rock");
-    assert_eq!(found[2].status, IkStatus::NoSolution { blocked: 0 });
-    assert!(matches!(found[3].status, IkStatus::NoSolution { blocked } if blocked > 0));
+    assert_eq!(found[2].status, IkStatus::NoSolution { blocked: 0, contact: None });
+    let IkStatus::NoSolution { blocked, contact: Some((_, second)) } = &found[3].status else {
+        panic!("{:?}", found[3])
+    };
+    assert!(*blocked > 0 && second == "pebble", "{second}");
     assert_eq!((found[1].attempts, found[2].attempts), (0, SETTINGS.attempts));
+}
+
+#[test]
+fn a_single_shot_finds_part_of_what_restarts_find() {
+    let settings = IkAnnotationSettings { method: IkMethod::SingleShot, ..SETTINGS };
+    let problem = problem();
+    let (shot, full) = (annotated(&problem, &settings), annotated(&problem, &SETTINGS));
+    assert!(shot.iter().any(|annotation| annotation.status == IkStatus::Solved));
+    for (shot, full) in shot.iter().zip(&full) {
+        assert!(shot.attempts <= 2 && shot.solutions.len() <= shot.attempts);
+        assert!(full.status == IkStatus::Solved || shot.status != IkStatus::Solved);
+        assert_eq!(shot.status == IkStatus::Solved, !shot.solutions.is_empty());
+    }
+    assert_eq!(shot, annotated(&problem, &IkAnnotationSettings { seed: 5, ..settings }));
 }
 
 #[test]
@@ -109,7 +129,7 @@ fn a_search_that_is_stopped_says_so() {
 fn no_attempts_find_nothing_and_are_not_an_error() {
     let none = IkAnnotationSettings { attempts: 0, ..SETTINGS };
     let found = annotated(&problem(), &none);
-    assert_eq!(found[0].status, IkStatus::NoSolution { blocked: 0 });
+    assert_eq!(found[0].status, IkStatus::NoSolution { blocked: 0, contact: None });
 }
 
 #[test]

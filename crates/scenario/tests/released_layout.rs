@@ -1,10 +1,14 @@
 //! The twenty scenarios of the paper's release, which lie beside the checkout.
 
+use std::collections::BTreeSet;
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 use std::sync::Once;
+use std::sync::atomic::AtomicBool;
 
-use cranny_plan::{Criterion, Validity};
+use cranny_plan::{
+    Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, Validity, annotate_ik, verify,
+};
 use cranny_scenario::{Demands, Geometry, OpenOptions, Scenario};
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector};
 
@@ -154,4 +158,40 @@ fn another_robot_can_stand_in() {
         fault.contains("robot_start_conf.csv: the start has 9 values, but the robot has 7 joints"),
         "{fault}"
     );
+}
+
+#[test]
+fn as_many_grasps_are_within_reach_as_an_outside_search_found() {
+    let Some(folder) = scenarios() else { return };
+    /// Of 200, for 011 to 015, 021 to 025 and so on, by another program with the same link meshes.
+    const FOUND: [[usize; 5]; 4] =
+        [[40, 50, 42, 35, 19], [72, 76, 73, 44, 32], [90, 80, 95, 107, 100], [67, 66, 74, 73, 68]];
+    for (environment, level) in ids() {
+        let id = format!("0{environment}{level}");
+        let scenario = open(&folder.join(&id), Criterion::Exact, None);
+        let problem = scenario.problem(&Demands::default()).unwrap();
+        let settings = IkAnnotationSettings::default();
+        let annotated = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false)).unwrap();
+        let count = annotated.iter().filter(|annotation| annotation.status == IkStatus::Solved).count();
+        assert!(count >= FOUND[environment - 1][level - 1], "{id}: {count}");
+    }
+}
+
+#[test]
+fn reach_ends_at_many_grasps_and_base_positions() {
+    let Some(folder) = scenarios() else { return };
+    for id in ["012", "034", "044"] {
+        let scenario = open(&folder.join(id), Criterion::Exact, None);
+        let problem = scenario.problem(&Demands::default()).unwrap();
+        let reach = cranny_plan::planner("reach").unwrap();
+        let (mut grasps, mut bases) = (BTreeSet::new(), BTreeSet::new());
+        for seed in 0..20 {
+            let report = reach.plan(&problem, &Budget::default(), seed, &mut Unobserved).unwrap();
+            let goal = report.path.last().expect("a solved plan");
+            grasps.insert(verify(&problem, &report.path).unwrap().goal.map(|goal| goal.grasp));
+            // Squares of 5 cm.
+            bases.insert([0, 1].map(|joint: usize| (goal[joint] / 0.05).round().to_bits()));
+        }
+        assert!(grasps.len() >= 8 && bases.len() >= 10, "{id}: {} {}", grasps.len(), bases.len());
+    }
 }

@@ -1,0 +1,62 @@
+//! For each scenario: how many of its grasps the single shot of the paper and the restarting search can hold,
+//! why the others cannot be held, and how long it takes, on all cores and without loading.
+//!
+//! `cargo run --release -p cranny-scenario --example ik_table -- SCENARIO…`
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use cranny_plan::{
+    AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
+};
+use cranny_scenario::{Demands, OpenOptions, Scenario};
+
+fn main() {
+    let scenarios: Vec<String> = std::env::args().skip(1).collect();
+    if scenarios.is_empty() {
+        eprintln!("usage: ik_table SCENARIO…");
+        std::process::exit(2);
+    }
+    println!(
+        "| scenario | grasps | single shot | ms | restarts | ms | hand collides | arm collides | not reached | attempts | error mm | error ° | clearance mm |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for id in &scenarios {
+        let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
+        let problem = scenario.problem(&Demands::default()).expect("a problem");
+        let Goal::Grasps(grasps) = &problem.goal else { panic!("a scenario has grasps") };
+        let (shot, shot_ms) = timed(&problem, IkMethod::SingleShot);
+        let (full, full_ms) = timed(&problem, IkMethod::Restarts);
+        let count = |annotations: &[IkAnnotation], is_counted: fn(&IkStatus) -> bool| {
+            annotations.iter().filter(|annotation| is_counted(&annotation.status)).count()
+        };
+        let solutions: Vec<&AnnotatedSolution> = full.iter().flat_map(|a| &a.solutions).collect();
+        let worst = |value: fn(&AnnotatedSolution) -> f64| {
+            solutions.iter().map(|solution| value(solution)).fold(0.0, f64::max)
+        };
+        let mut clearances: Vec<f64> = solutions.iter().map(|solution| solution.clearance_m * 1e3).collect();
+        clearances.sort_by(f64::total_cmp);
+        println!(
+            "| {} | {} | {} | {shot_ms:.1} | {} | {full_ms:.0} | {} | {} | {} | {} | {:.3} | {:.4} | {:.2} |",
+            scenario.id,
+            grasps.len(),
+            count(&shot, |status| *status == IkStatus::Solved),
+            count(&full, |status| *status == IkStatus::Solved),
+            count(&full, |status| matches!(status, IkStatus::HandCollides { .. })),
+            count(&full, |status| matches!(status, IkStatus::NoSolution { blocked: 1.., .. })),
+            count(&full, |status| matches!(status, IkStatus::NoSolution { blocked: 0, .. })),
+            full.iter().map(|annotation| annotation.attempts).sum::<usize>(),
+            worst(|solution| solution.translation_error_m * 1e3),
+            worst(|solution| solution.rotation_error_rad.to_degrees()),
+            clearances.get(clearances.len() / 2).copied().unwrap_or(f64::NAN),
+        );
+    }
+}
+
+/// The annotation, and the milliseconds that it took.
+fn timed(problem: &Problem, method: IkMethod) -> (Vec<IkAnnotation>, f64) {
+    let settings = IkAnnotationSettings { method, ..IkAnnotationSettings::default() };
+    let begin = Instant::now();
+    let found = annotate_ik(problem, &settings, &|| (), &AtomicBool::new(false)).expect("an exact problem");
+    (found, begin.elapsed().as_secs_f64() * 1e3)
+}
