@@ -1,5 +1,5 @@
 use cranny_spatial::LANES;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 
 use crate::cell::{Cell, Scratch};
 use crate::lanes::Interest;
@@ -16,6 +16,17 @@ impl Cell {
     /// # Panics
     /// If `configurations` does not consist of whole rows.
     pub fn are_free(&self, configurations: &[f64], scratch: &mut Scratch, verdicts: &mut Vec<bool>) {
+        self.are_free_with(Level::new(), configurations, scratch, verdicts);
+    }
+
+    /// [`Self::are_free`] with the instructions of `level`.
+    pub(crate) fn are_free_with(
+        &self,
+        level: Level,
+        configurations: &[f64],
+        scratch: &mut Scratch,
+        verdicts: &mut Vec<bool>,
+    ) {
         let dof = self.robot().dof();
         assert_eq!(configurations.len() % dof, 0, "whole rows of {dof} values");
         verdicts.clear();
@@ -23,60 +34,51 @@ impl Cell {
             let mut within = 0;
             for (lane, q) in rows.chunks_exact(dof).enumerate() {
                 within |= u32::from(self.robot().within_limits(q)) << lane;
+                scratch.lanes.set_lane(lane, q.iter().copied());
             }
-            let value =
-                |lane: usize, joint: usize| rows.get(lane * dof + joint).copied().unwrap_or(rows[joint]);
-            let free = self.judge_lanes(Level::new(), within, Interest::Each, value, scratch);
+            let free = self.judge_lanes(level, within, Interest::Each, scratch);
             verdicts.extend((0..rows.len() / dof).map(|lane| free >> lane & 1 == 1));
         }
     }
 
-    /// How many of up to [`LANES`] configurations in a row are free, counted up to the first that is not:
-    /// `value(index, joint)` is a joint of one of them (m, rad). Joint limits do not enter.
+    /// How many configurations in a row are free, counted up to the first that is not: those at the given
+    /// places on the straight way from `a` (at 0) to `b` (at 1), at most [`LANES`]. Joint limits do not enter.
     ///
     /// This is what growing along an edge asks: all looks on the way at the price of few (Thomason, Kingston
     /// & Kavraki 2024).
     ///
     /// # Panics
-    /// If there are more than [`LANES`] configurations.
+    /// If there are more than [`LANES`] places, or `a` or `b` has not one value per joint.
     pub fn free_ahead(
         &self,
-        count: usize,
-        value: impl Fn(usize, usize) -> f64,
+        a: &[f64],
+        b: &[f64],
+        places: impl ExactSizeIterator<Item = f64>,
         scratch: &mut Scratch,
     ) -> usize {
+        let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
-        let last = count.saturating_sub(1);
-        let value = |lane: usize, joint: usize| value(lane.min(last), joint);
-        let asked = first_lanes(count);
-        self.judge_lanes(Level::new(), asked, Interest::UpToContact, value, scratch).trailing_ones() as usize
+        assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
+        for (lane, place) in places.enumerate() {
+            scratch.lanes.set_lane(lane, between(a, b, place));
+        }
+        let free = self.judge_lanes(Level::new(), first_lanes(count), Interest::UpToContact, scratch);
+        free.trailing_ones() as usize
     }
 
-    /// Bits of those lanes of `asked` that are free, or at least of those of `interest`.
-    pub(crate) fn judge_lanes(
-        &self,
-        level: Level,
-        asked: u32,
-        interest: Interest,
-        value: impl Fn(usize, usize) -> f64,
-        scratch: &mut Scratch,
-    ) -> u32 {
-        scratch.lanes.travel.clear();
-        scratch.lanes.set_q(&value);
-        let contact = dispatch!(level, simd => self.lanes.look(simd, &mut scratch.lanes, asked, interest));
+    /// Bits of those lanes of `asked` that are free, or at least of those of `interest`; the configurations
+    /// are those of [`LaneScratch::set_lane`](crate::lanes::LaneScratch::set_lane).
+    fn judge_lanes(&self, level: Level, asked: u32, interest: Interest, scratch: &mut Scratch) -> u32 {
+        let Scratch { lanes, frames, .. } = scratch;
+        lanes.travel.clear();
+        let contact = self.lanes.look(level, lanes, asked, interest);
         let mut free = asked & !contact;
-        let doubts = std::mem::take(&mut scratch.lanes.doubts);
-        let doubtful = doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
+        let doubtful = lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
         for lane in lanes_of(doubtful & free) {
-            for (joint, q) in scratch.q.iter_mut().enumerate() {
-                *q = value(lane, joint);
-            }
-            self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
-            let frames = &scratch.frames;
-            let is_free = doubts
-                .iter()
-                .filter(|(_, lanes)| lanes >> lane & 1 == 1)
-                .all(|(pair, _)| self.keeps_distance(&self.pairs[*pair as usize], frames));
+            let dof = self.robot().dof();
+            self.robot().forward_kinematics(&lanes.exact_q[lane * dof..][..dof], frames);
+            let mut doubts = lanes.doubts.iter().filter(|(_, lanes)| lanes >> lane & 1 == 1);
+            let is_free = doubts.all(|(pair, _)| self.keeps_distance(&self.pairs[*pair as usize], frames));
             if !is_free {
                 free &= !(1 << lane);
                 if interest != Interest::Each {
@@ -84,9 +86,13 @@ impl Cell {
                 }
             }
         }
-        scratch.lanes.doubts = doubts;
         free
     }
+}
+
+/// The configuration at `place` on the straight way from `a` (at 0) to `b` (at 1), exactly these at the ends.
+pub fn between(a: &[f64], b: &[f64], place: f64) -> impl Iterator<Item = f64> {
+    a.iter().zip(b).map(move |(a, b)| if place >= 1.0 { *b } else { a + (b - a) * place })
 }
 
 /// The bits of the first so many lanes.

@@ -1,7 +1,7 @@
 use cranny_robot::{LaneFrame, LaneKinematics, Robot};
 use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 
 use crate::batch::lanes_of;
 use crate::cell::{Other, Pair};
@@ -94,7 +94,9 @@ pub(crate) struct LaneTravel {
 pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
     /// Per joint.
-    pub q: Vec<LaneArray>,
+    q: Vec<LaneArray>,
+    /// The same lane by lane, as it was given.
+    pub exact_q: Vec<f64>,
     frames: Vec<LaneFrame>,
     /// Per body a box around it along the axes of the root.
     boxes: Vec<LaneBox>,
@@ -187,6 +189,7 @@ impl Lanes {
         }
         LaneScratch {
             q: vec![[0.0; LANES]; dof],
+            exact_q: vec![0.0; LANES * dof],
             frames: vec![LaneFrame::IDENTITY; self.kinematics.frame_count()],
             centers: vec![[[0.0; LANES]; 3]; count],
             computed: vec![0; count],
@@ -214,8 +217,12 @@ impl Lanes {
     ///    against the parts that are near; down its tree against those that are still near, until a leaf
     ///    leaves the pair in doubt.
     /// 3. The other pairs of links in the same way.
+    pub fn look(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+        dispatch!(level, simd => self.look_with(simd, scratch, asked, interest))
+    }
+
     #[inline(always)]
-    pub fn look<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+    fn look_with<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         scratch.begin();
         let mut open = asked;
         for table in &self.tables {
@@ -450,13 +457,15 @@ impl LaneTravel {
 }
 
 impl LaneScratch {
-    /// Takes over the configurations: `value(lane, joint)`.
-    // Lanes are `f32` by design; the slack of every comparison covers it.
-    #[allow(clippy::cast_possible_truncation)]
-    pub fn set_q(&mut self, value: impl Fn(usize, usize) -> f64) {
-        for (joint, lanes) in self.q.iter_mut().enumerate() {
-            for (lane, lanes) in lanes.iter_mut().enumerate() {
-                *lanes = value(lane, joint) as f32;
+    /// Takes over the configuration of a lane.
+    pub fn set_lane(&mut self, lane: usize, q: impl Iterator<Item = f64>) {
+        let dof = self.q.len();
+        for (joint, value) in q.enumerate() {
+            self.exact_q[lane * dof + joint] = value;
+            // Lanes are `f32` by design; the slack of every comparison covers it.
+            #[allow(clippy::cast_possible_truncation)]
+            {
+                self.q[joint][lane] = value as f32;
             }
         }
     }

@@ -33,6 +33,7 @@ mod world;
 #[cfg(test)]
 mod proof_tests;
 
+pub use batch::between;
 pub use cell::{Cell, Scratch};
 pub use clearance::Margins;
 pub use contact::{Collider, Contact};

@@ -1,7 +1,7 @@
 use cranny_spatial::{LANES, ROUNDING_M};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 
-use crate::batch::{first_lanes, lanes_of};
+use crate::batch::{between, first_lanes, lanes_of};
 use crate::cell::{Cell, Other, Pair, Scratch};
 use crate::contact::Contact;
 use crate::lanes::Interest;
@@ -160,14 +160,13 @@ impl Cell {
             let share = 2.0 * half_width;
             self.set_travel(a, b, share, scratch);
             for intervals in work.intervals.chunks(LANES) {
-                let middle = |lane: usize| intervals[lane.min(intervals.len() - 1)].middle;
-                scratch.lanes.set_q(|lane, joint| a[joint] + (b[joint] - a[joint]) * middle(lane));
+                for (lane, Interval { middle, .. }) in intervals.iter().enumerate() {
+                    scratch.lanes.set_lane(lane, between(a, b, *middle));
+                }
                 let asked = first_lanes(intervals.len());
-                let contact = dispatch!(level, simd => {
-                    self.lanes.look(simd, &mut scratch.lanes, asked, Interest::AllOrNothing)
-                });
+                let contact = self.lanes.look(level, &mut scratch.lanes, asked, Interest::AllOrNothing);
                 if contact != 0 {
-                    contact_at = lanes_of(contact).next().map(middle);
+                    contact_at = lanes_of(contact).next().map(|lane| intervals[lane].middle);
                     break;
                 }
                 let doubtful = scratch.lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);

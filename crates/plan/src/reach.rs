@@ -1,7 +1,7 @@
 use std::time::Instant;
 
-use cranny_collision::{Cell, Scratch};
-use cranny_spatial::Stream;
+use cranny_collision::{Cell, Scratch, between};
+use cranny_spatial::{LANES, Stream};
 use serde::Serialize;
 
 use crate::forest::Forest;
@@ -10,7 +10,7 @@ use crate::joint_metric::JointMetric;
 use crate::planner::Clock;
 use crate::{
     Budget, Goal, GraspFailure, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics,
-    Validity, ValidityScratch,
+    Validity,
 };
 
 /// The flagship: one search for grasp and motion at exact tolerance.
@@ -71,8 +71,7 @@ impl Planner for Reach {
             cell,
             random: Stream::new(seed, 0),
             sides: [forest.clone(), forest],
-            scratch: ValidityScratch::Exact(Box::new(cell.scratch())),
-            proof_scratch: cell.scratch(),
+            scratch: cell.scratch(),
             q: problem.start.clone(),
             clock,
             observer,
@@ -94,8 +93,7 @@ struct Search<'a> {
     random: Stream,
     /// The forest from the start (of one root), and the one from the goals.
     sides: [Forest; 2],
-    scratch: ValidityScratch,
-    proof_scratch: Scratch,
+    scratch: Scratch,
     q: Vec<f64>,
     clock: Clock,
     observer: &'a mut dyn Observer,
@@ -106,19 +104,19 @@ struct Search<'a> {
 type Path = Vec<Vec<f64>>;
 
 /// Where a growth towards a target ended.
-enum Growth {
-    /// At the target, by this node.
-    Reached(usize),
-    /// On the way to it, at this node, with nothing in the way so far.
-    Advanced(usize),
-    /// At an obstacle; nothing was added by the last step.
-    Blocked,
+struct Growth {
+    /// The last node that was reached; the one it began at if there was no way.
+    node: usize,
+    /// Whether that is the target.
+    is_target: bool,
+    /// Whether nothing was in the way so far.
+    is_open: bool,
 }
 
 impl Search<'_> {
     fn run(&mut self) -> Result<Result<Path, Outcome>, PlanError> {
         let problem = self.problem;
-        if !problem.validity.is_free(&problem.start, &mut self.scratch) {
+        if !self.cell.is_free(&problem.start, &mut self.scratch) {
             return Ok(Err(Outcome::StartInvalid));
         }
         self.add(0, &problem.start, None);
@@ -127,7 +125,7 @@ impl Search<'_> {
             Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
             Goal::Configurations(goals) => {
                 for goal in goals {
-                    if problem.validity.is_free(goal, &mut self.scratch) {
+                    if self.cell.is_free(goal, &mut self.scratch) {
                         self.add(1, goal, None);
                     }
                 }
@@ -141,7 +139,7 @@ impl Search<'_> {
                 let mut pool = GoalPool::new(problem, self.cell, grasps);
                 let ended = self.search(Some(&mut pool));
                 if ended.is_err() {
-                    self.failures = pool.failures(&mut self.proof_scratch);
+                    self.failures = pool.failures(&mut self.scratch);
                 }
                 Ok(ended)
             }
@@ -161,7 +159,7 @@ impl Search<'_> {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }
-                let found = pool.draw(&mut self.random, &mut self.proof_scratch, &mut self.statistics);
+                let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
                 for goal in &found {
                     self.add(1, goal, None);
                 }
@@ -188,21 +186,19 @@ impl Search<'_> {
             *value = self.random.uniform_between(limits.lower, limits.upper);
         }
         let nearest = self.nearest(side, &sample);
-        let grown = self.step(side, nearest, &sample);
+        let Growth { node, .. } = self.grow(side, nearest, &sample);
         self.q = sample;
-        let (Growth::Reached(node) | Growth::Advanced(node)) = grown else { return None };
-        let meeting = self.sides[side].q(node).to_vec();
-        let mut other = self.nearest(1 - side, &meeting);
-        loop {
-            match self.step(1 - side, other, &meeting) {
-                Growth::Advanced(next) => other = next,
-                Growth::Reached(other) => {
-                    let ends = if side == 0 { [node, other] } else { [other, node] };
-                    return self.proven_path(ends);
-                }
-                Growth::Blocked => return None,
-            }
+        if node == nearest {
+            return None;
         }
+        let meeting = self.sides[side].q(node).to_vec();
+        let from = self.nearest(1 - side, &meeting);
+        let mut other = Growth { node: from, is_target: false, is_open: true };
+        while other.is_open && !other.is_target {
+            other = self.grow(1 - side, other.node, &meeting);
+        }
+        other.is_target.then(|| if side == 0 { [node, other.node] } else { [other.node, node] })
+            .and_then(|ends| self.proven_path(ends))
     }
 
     fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
@@ -212,33 +208,30 @@ impl Search<'_> {
         nearest
     }
 
-    /// Adds a node one step from `from` towards `target`, if every look on the way is free.
-    fn step(&mut self, side: usize, from: usize, target: &[f64]) -> Growth {
+    /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
+    /// adds a node for each whole step, and at the target.
+    fn grow(&mut self, side: usize, from: usize, target: &[f64]) -> Growth {
         let begin = Instant::now();
-        let start = self.sides[side].q(from);
-        let distance = self.sides[side].distance(start, target);
-        let fraction = if distance > self.settings.step { self.settings.step / distance } else { 1.0 };
-        let is_end = fraction >= 1.0;
-        let looks = self.settings.looks;
-        let mut q = vec![0.0; start.len()];
-        // Coarse to fine: the end, the middle, then what lies between.
-        let is_free = bit_reversed(looks).all(|look| {
-            let at = fraction * (looks - look) as f64 / looks as f64;
-            for ((q, a), b) in q.iter_mut().zip(start).zip(target) {
-                *q = if look == 0 && is_end { *b } else { a + (b - a) * at };
-            }
-            self.statistics.collision_checks += 1;
-            self.problem.validity.is_free(&q, &mut self.scratch)
-        });
-        for ((q, a), b) in q.iter_mut().zip(start).zip(target) {
-            *q = if is_end { *b } else { a + (b - a) * fraction };
-        }
+        let Reach { step, looks, .. } = *self.settings;
+        let start = self.sides[side].q(from).to_vec();
+        let spacing = step / looks as f64;
+        // Looks all the way to the target, and how many of them one pass takes.
+        let all = (self.sides[side].distance(&start, target) / spacing).ceil().max(1.0);
+        let count = LANES.min(as_count(all));
+        let is_last = count >= as_count(all);
+        let place = |look: usize| if is_last && look == count { 1.0 } else { look as f64 / all };
+        let places = (0..count).map(|look| place(look + 1));
+        let free = self.cell.free_ahead(&start, target, places, &mut self.scratch);
+        self.statistics.collision_checks += count as u64;
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
-        match (is_free, is_end) {
-            (false, _) => Growth::Blocked,
-            (true, true) => Growth::Reached(self.add(side, &q, Some(from))),
-            (true, false) => Growth::Advanced(self.add(side, &q, Some(from))),
+        let (is_open, is_target) = (free == count, free == count && is_last);
+        let mut node = from;
+        let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
+        for end in ends {
+            let q: Vec<f64> = between(&start, target, place(end)).collect();
+            node = self.add(side, &q, Some(node));
         }
+        Growth { node, is_target, is_open }
     }
 
     /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
@@ -250,7 +243,7 @@ impl Search<'_> {
                 let Some(parent) = self.sides[side].open_edge(node) else { continue };
                 let (a, b) = (self.sides[side].q(parent), self.sides[side].q(node));
                 self.statistics.collision_checks += 1;
-                if !self.cell.motion_is_free(a, b, &mut self.proof_scratch).is_proven() {
+                if !self.cell.motion_is_free(a, b, &mut self.scratch).is_proven() {
                     refuted = Some((side, node));
                     break 'sides;
                 }
@@ -279,10 +272,11 @@ impl Search<'_> {
     }
 }
 
-/// 0..`count` in the order of bit reversal: the ends first, then the middles.
-fn bit_reversed(count: usize) -> impl Iterator<Item = usize> {
-    let bits = count.next_power_of_two().trailing_zeros();
-    (0..count.next_power_of_two())
-        .map(move |i| if bits == 0 { 0 } else { i.reverse_bits() >> (usize::BITS - bits) })
-        .filter(move |i| *i < count)
+/// Looks that would take longer than this are not taken at once anyway.
+const MOST_LOOKS: f64 = 1e9;
+
+// The value lies within what a count can hold.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn as_count(looks: f64) -> usize {
+    looks.min(MOST_LOOKS) as usize
 }
