@@ -1,8 +1,10 @@
-use cranny_shape::{Outline, Solid};
+use cranny_shape::Outline;
 use cranny_spatial::nalgebra::Matrix3;
-use cranny_spatial::{LaneVector, Pose, Vector};
+use cranny_spatial::{LaneVector, Vector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+
+use crate::world::Part;
 
 /// A solid of the world as the lanes see it.
 #[derive(Clone, Debug)]
@@ -42,7 +44,7 @@ enum LaneKind {
 impl LanePart {
     // Lanes are `f32` by design; the slack of every comparison covers it.
     #[allow(clippy::cast_possible_truncation)]
-    pub fn new(world_from_solid: &Pose, solid: &Solid) -> Self {
+    pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
         let rotation = world_from_solid.rotation.to_rotation_matrix().into_inner();
         let cuboid = |half_extents: &Vector| match aligned(&rotation, half_extents) {
             Some(half_extents) => LaneKind::AlignedCuboid { half_extents: lanes(&half_extents) },

@@ -26,6 +26,8 @@ pub(crate) struct Lanes {
     part_pairs: Vec<Vec<LanePair>>,
     /// Pairs of links that are looked up.
     tables: Vec<JointTable>,
+    /// Per pair how much closer it can seem than it is, in metres.
+    blurs_m: Vec<f64>,
     /// The other pairs of link bodies.
     link_pairs: Vec<LanePair>,
     /// Body of the first link of each of `link_pairs`.
@@ -34,6 +36,9 @@ pub(crate) struct Lanes {
 
 /// How many inner balls of a link are tried before its tree: deep contact shows at once.
 const LARGE_INNER: usize = 3;
+
+/// A cell of a table is about this large, in metres that the links move.
+const TABLE_BLUR_M: f64 = 0.01;
 
 /// A hull or mesh of the world fills its box to about this, in metres.
 const BOX_BLUR_M: f64 = 0.02;
@@ -140,29 +145,42 @@ impl Lanes {
     pub fn new(robot: &Robot, bodies: &[LinkBody], parts: &[(usize, Part)], pairs: &[Pair]) -> Self {
         let kinematics = LaneKinematics::new(robot);
         let lane_bodies: Vec<LaneBody> = bodies.iter().map(|body| LaneBody::new(&kinematics, body)).collect();
+        let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         let mut part_pairs = vec![Vec::new(); bodies.len()];
         let (mut link_pairs, mut link_firsts) = (Vec::new(), Vec::new());
         let tables = JointTable::all(robot, bodies, pairs);
+        let mut blurs_m = Vec::with_capacity(pairs.len());
         for (index, pair) in pairs.iter().enumerate() {
             if tables.iter().any(|table| table.pairs.contains(&as_index(index))) {
+                blurs_m.push(TABLE_BLUR_M);
                 continue;
             }
+            let blur_m = lane_bodies[pair.first].blur_m;
             let slack_m = lane_bodies[pair.first].slack_m;
             match pair.second {
                 Other::Part(part) => {
                     let slack_m = slack_m + part_rounding_m(&parts[part].1);
+                    blurs_m.push(blur_m + if lane_parts[part].is_exact { 0.0 } else { BOX_BLUR_M });
                     part_pairs[pair.first].push(LanePair::new(index, part, pair.required_m, slack_m));
                 }
                 Other::Link { body, .. } => {
                     let slack_m = slack_m + lane_bodies[body].slack_m;
+                    blurs_m.push(blur_m + lane_bodies[body].blur_m);
                     link_pairs.push(LanePair::new(index, body, pair.required_m, slack_m));
                     link_firsts.push(as_index(pair.first));
                 }
             }
         }
-        let parts =
-            parts.iter().map(|(_, part)| LanePart::new(&part.world_from_solid, &part.solid)).collect();
-        Self { kinematics, bodies: lane_bodies, parts, part_pairs, tables, link_pairs, link_firsts }
+        Self {
+            kinematics,
+            bodies: lane_bodies,
+            parts: lane_parts,
+            part_pairs,
+            tables,
+            blurs_m,
+            link_pairs,
+            link_firsts,
+        }
     }
 
     /// The pairs of links that are not in a table: their index in the list of all pairs.
@@ -170,14 +188,9 @@ impl Lanes {
         self.link_pairs.iter().map(|pair| pair.pair as usize)
     }
 
-    /// How far a pair can seem closer than it is, in metres: below that the lanes cannot tell.
-    pub fn blur_m(&self, first: usize, second: Other) -> f64 {
-        self.bodies[first].blur_m
-            + match second {
-                Other::Link { body, .. } => self.bodies[body].blur_m,
-                Other::Part(part) if self.parts[part].is_exact => 0.0,
-                Other::Part(_) => BOX_BLUR_M,
-            }
+    /// How much closer a pair can seem than it is, in metres: below that the lanes cannot tell.
+    pub fn blur_m(&self, pair: u32) -> f64 {
+        self.blurs_m[pair as usize]
     }
 
     pub fn scratch(&self, dof: usize) -> LaneScratch {

@@ -179,8 +179,7 @@ impl Cell {
                         if lanes >> lane & 1 == 0 || !known.contains(pair) {
                             continue;
                         }
-                        let Pair { first, second, .. } = self.pairs[*pair as usize];
-                        let blur_m = self.lanes.blur_m(first, second).max(FINEST_IN_LANES_M);
+                        let blur_m = self.lanes.blur_m(*pair).max(FINEST_IN_LANES_M);
                         let travel_m = travel_of(&self.pairs[*pair as usize], scratch) * share;
                         if travel_m > blur_m { next.pairs.push(*pair) } else { rest.pairs.push(*pair) }
                     }

@@ -197,7 +197,9 @@ impl Search<'_> {
         while other.is_open && !other.is_target {
             other = self.grow(1 - side, other.node, &meeting);
         }
-        other.is_target.then(|| if side == 0 { [node, other.node] } else { [other.node, node] })
+        other
+            .is_target
+            .then(|| if side == 0 { [node, other.node] } else { [other.node, node] })
             .and_then(|ends| self.proven_path(ends))
     }
 
