@@ -9,6 +9,8 @@ pub(crate) struct GoalMeter {
     rotations: Vec<Quaternion<f64>>,
     twins: Vec<Quaternion<f64>>,
     nearest: Vec<(f64, usize)>,
+    /// How near a gripper must come to each grasp to be its nearest, or to arrive (m²).
+    reach_squared_m2: Vec<f64>,
 }
 
 impl GoalMeter {
@@ -20,6 +22,7 @@ impl GoalMeter {
             rotations: set.grasps().iter().map(|g| quaternion(pose(g))).collect(),
             twins: set.grasps().iter().map(|g| quaternion(pose(&g.twin()))).collect(),
             nearest: vec![(f64::INFINITY, 0); set.len()],
+            reach_squared_m2: vec![f64::INFINITY; set.len()],
         }
     }
 
@@ -43,11 +46,11 @@ impl GoalMeter {
         let mut arrived = None;
         let position = world_from_gripper.translation.vector;
         let rotation = world_from_gripper.rotation.quaternion();
-        for (grasp, (goal, nearest)) in self.positions.iter().zip(&mut self.nearest).enumerate() {
-            let bar = nearest.0 / HALF_MILLIMETRES_PER_METRE;
+        for (grasp, (goal, reach_squared_m2)) in
+            self.positions.iter().zip(&mut self.reach_squared_m2).enumerate()
+        {
             let distance_squared_m2 = (goal - position).norm_squared();
-            let may_arrive = distance_squared_m2 <= EXACT_TRANSLATION_M * EXACT_TRANSLATION_M;
-            if distance_squared_m2 >= bar * bar && !may_arrive {
+            if distance_squared_m2 > *reach_squared_m2 {
                 continue;
             }
             let direct = self.rotations[grasp].dot(rotation).abs();
@@ -57,8 +60,10 @@ impl GoalMeter {
                 rotation_rad: 2.0 * libm::acos(direct.max(turned).min(1.0)),
             };
             let d = difference.paper_metric();
-            if d < nearest.0 {
-                *nearest = (d, node);
+            if d < self.nearest[grasp].0 {
+                self.nearest[grasp] = (d, node);
+                let reach_m = (d / HALF_MILLIMETRES_PER_METRE).max(EXACT_TRANSLATION_M);
+                *reach_squared_m2 = reach_m * reach_m;
             }
             if arrived.is_none() && is_arrival(&difference) {
                 arrived = Some(grasp);

@@ -222,10 +222,11 @@ impl<'a> Search<'a> {
         observer: &mut dyn Observer,
     ) -> Option<(usize, Option<usize>)> {
         let from = self.tree.q(parent);
-        let (q, _) = self.stepper.towards(self.robot, from, target, self.settings.step_m);
+        self.stepper.towards(self.robot, from, target, self.settings.step_m);
+        let (q, frames) = (self.stepper.q(), self.stepper.frames());
         self.statistics.collision_checks += 1;
         let begin = Instant::now();
-        let is_free = self.problem.validity.edge_is_free(from, q, &mut self.scratch);
+        let is_free = self.problem.validity.edge_to_frames_is_free(from, q, frames, &mut self.scratch);
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         if !is_free {
             return None;

@@ -10,6 +10,7 @@
 //! lines meet at an angle, unless the corner may be cut. They keep to limits of joints, not of torques or of the speed of a link. Obstacles
 //! stand still.
 
+mod box_pages;
 mod corner_blend;
 mod error;
 mod forest;
@@ -47,7 +48,7 @@ pub use ik_annotation::{
 pub use ik_rrt::IkRrt;
 pub use j_plus_rrt::{GraspChoice, JPlusRrt};
 pub use motion_limits::{MotionLimits, TimingMethod};
-pub use nearest::NearestNeighbours;
+pub use nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
 pub use reach::Reach;

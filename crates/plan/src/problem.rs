@@ -120,6 +120,20 @@ impl Validity {
         }
     }
 
+    /// [`Self::edge_is_free`] for one who knows the link frames at `b` already.
+    pub(crate) fn edge_to_frames_is_free(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        frames_at_b: &LinkFrames,
+        scratch: &mut ValidityScratch,
+    ) -> bool {
+        match self {
+            Self::Exact(_) => self.edge_is_free(a, b, scratch),
+            Self::Paper { check, .. } => check.robot().within_limits(b) && check.holds(frames_at_b),
+        }
+    }
+
     /// Whether a gripper this far from a grasp has arrived.
     pub fn is_arrival(&self, difference: &PoseDifference) -> bool {
         match self {

@@ -9,6 +9,7 @@ pub(crate) const RELEASED_STEP_M: f64 = 0.1;
 /// of a bound on each joint).
 #[derive(Clone, Debug)]
 pub(crate) struct Stepper {
+    /// The links that move on the way from the root to the tip.
     chain: Vec<usize>,
     from_frames: LinkFrames,
     to_frames: LinkFrames,
@@ -26,6 +27,7 @@ impl Stepper {
             }
             link = robot.links()[at].parent;
         }
+        chain.reverse();
         Self { chain, from_frames: robot.frames(), to_frames: robot.frames(), q: vec![0.0; robot.dof()] }
     }
 
@@ -35,22 +37,28 @@ impl Stepper {
     /// 1. The velocities of the links along the line give the first guess.
     /// 2. While a link moves farther than allowed (paths of links are curved), the guess is shortened.
     pub fn towards(&mut self, robot: &Robot, from: &[f64], to: &[f64], size_m: f64) -> (&[f64], bool) {
-        robot.forward_kinematics(from, &mut self.from_frames);
+        robot.tip_kinematics(from, &mut self.from_frames);
         let slope = |joint: usize| to[joint] - from[joint];
-        // 1.
+        // 1. The motion of the whole link is one turning, and one sliding of what is at the origin.
         let mut speed_squared = 0.0_f64;
+        let (mut turning, mut sliding) = (Vector::zeros(), Vector::zeros());
+        let mut passed = 0;
         for &link in &self.chain {
-            let point = self.from_frames.link(link).translation.vector;
-            let mut velocity = Vector::zeros();
-            for mover in robot.ancestors(link) {
+            let movers = robot.ancestors(link);
+            for mover in &movers[passed..] {
                 let joint = self.from_frames.link(mover.child_link);
                 let axis = joint.rotation * mover.axis_in_child * (mover.multiplier * slope(mover.joint));
-                velocity += match mover.kind {
-                    JointKind::Prismatic => axis,
-                    JointKind::Revolute => axis.cross(&(point - joint.translation.vector)),
-                };
+                match mover.kind {
+                    JointKind::Prismatic => sliding += axis,
+                    JointKind::Revolute => {
+                        turning += axis;
+                        sliding -= axis.cross(&joint.translation.vector);
+                    }
+                }
             }
-            speed_squared = speed_squared.max(velocity.norm_squared());
+            passed = movers.len();
+            let point = self.from_frames.link(link).translation.vector;
+            speed_squared = speed_squared.max((sliding + turning.cross(&point)).norm_squared());
         }
         let speed = speed_squared.sqrt();
         let mut fraction = if speed > size_m { size_m / speed } else { 1.0 };
@@ -73,12 +81,17 @@ impl Stepper {
 
     /// How far the origin of any link frame on the chain lies from where it was, in metres.
     pub fn displacement_between(&mut self, robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
-        robot.forward_kinematics(from, &mut self.from_frames);
-        robot.forward_kinematics(to, &mut self.to_frames);
+        robot.tip_kinematics(from, &mut self.from_frames);
+        robot.tip_kinematics(to, &mut self.to_frames);
         self.displacement()
     }
 
-    /// Link frames of the configuration that the last step led to.
+    /// The configuration that the last step led to.
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Its link frames.
     pub fn frames(&self) -> &LinkFrames {
         &self.to_frames
     }

@@ -41,7 +41,10 @@ impl Robot {
     }
 
     /// The same for the links from the root to the tip only; the other frames keep what they hold.
-    pub(crate) fn tip_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
+    ///
+    /// # Panics
+    /// As [`Self::forward_kinematics`].
+    pub fn tip_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
         self.follow(&self.tip_steps, q, frames);
     }
 

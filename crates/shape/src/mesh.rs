@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use cranny_spatial::{Point, Vector};
 use parry3d_f64::bounding_volume::Aabb as ParryAabb;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 use crate::convex::{Convex, Core};
 use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
@@ -53,7 +53,7 @@ impl Mesh {
 
     /// The triangles whose boxes meet `region`, which is given in the mesh's frame.
     pub fn triangles_near(&self, region: &Aabb) -> Vec<u32> {
-        self.tree.near(region)
+        self.tree.near(region).collect()
     }
 
     /// Whether the volume contains `point` (mesh frame), by the generalised winding number (Jacobson et
@@ -144,8 +144,9 @@ impl TriangleTree {
     }
 
     /// Indices of the triangles whose boxes meet `region`, in a fixed order.
-    pub fn near(&self, region: &Aabb) -> Vec<u32> {
-        self.tree.intersect_aabb(&parry_box(region)).collect()
+    pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
+        let region = BvhNode::leaf(parry_box(region), 0);
+        self.tree.leaves(move |node| node.intersects(&region))
     }
 }
 

@@ -8,12 +8,21 @@ use crate::{Aabb, ShapeError, TriangleSoup};
 #[derive(Clone, Debug)]
 pub struct Surface {
     corners: Vec<[Point; 3]>,
+    /// For each triangle its box, and its unit normal; zero for one without an area.
+    boxes: Vec<Aabb>,
+    normals: Vec<Vector>,
     tree: TriangleTree,
     aabb: Aabb,
 }
 
 /// Up to this many triangles a plain scan beats the tree.
 const SCAN_LIMIT: usize = 24;
+
+/// Up to this many boxes a plain scan beats the tree.
+const BOX_SCAN_LIMIT: usize = 96;
+
+/// Far above what rounding does to a distance within 100 m, far below anything that is measured.
+const ROUNDING_M: f64 = 1e-12;
 
 impl Surface {
     /// The surface of a triangle soup, open or closed.
@@ -28,7 +37,11 @@ impl Surface {
     pub(crate) fn of_checked(soup: &TriangleSoup) -> Self {
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
-        Self { tree: TriangleTree::new(&corners), corners, aabb }
+        let boxes = corners.iter().map(|triangle| Aabb::around(triangle, 0.0)).collect();
+        let normal =
+            |[a, b, c]: &[Point; 3]| (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        let normals = corners.iter().map(normal).collect();
+        Self { tree: TriangleTree::new(&corners), boxes, normals, corners, aabb }
     }
 
     /// The twelve triangles of a cuboid centred at the origin, normals outwards.
@@ -59,17 +72,29 @@ impl Surface {
     /// Whether a triangle of this surface meets one of `other`, both placed in a common frame.
     pub fn touches(&self, common_from_self: &Pose, other: &Self, common_from_other: &Pose) -> bool {
         let other_from_self = common_from_other.inv_mul(common_from_self);
-        let candidates = other.tree.near(&self.aabb.transformed(&other_from_self));
-        if candidates.is_empty() {
+        let rotation = other_from_self.rotation.to_rotation_matrix();
+        let rotation = rotation.matrix();
+        let region = Aabb {
+            center: other_from_self * self.aabb.center,
+            half_extents: rotation.abs() * self.aabb.half_extents,
+        };
+        if !region.overlaps(&other.aabb) {
             return false;
         }
-        let self_from_other = other_from_self.inverse();
-        let rotation = self_from_other.rotation.to_rotation_matrix();
-        let shift = self_from_other.translation.vector;
-        candidates.iter().any(|&index| {
-            let moved = other.corners[index as usize].map(|c| Point::from(rotation * c.coords + shift));
-            self.meets_triangle(&moved)
-        })
+        let shift = other_from_self.translation.vector;
+        let meets = |index: usize| {
+            // A box wholly on one side of the triangle's plane is clear of it.
+            let [corner, normal] = [other.corners[index][0].coords, other.normals[index]];
+            let offset = normal.dot(&(region.center.coords - corner)).abs();
+            if offset > rotation.tr_mul(&normal).abs().dot(&self.aabb.half_extents) + ROUNDING_M {
+                return false;
+            }
+            self.meets_triangle(&other.corners[index].map(|c| rotation.tr_mul(&(c.coords - shift)).into()))
+        };
+        if other.corners.len() <= BOX_SCAN_LIMIT {
+            return other.boxes.iter().enumerate().any(|(index, at)| region.overlaps(at) && meets(index));
+        }
+        other.tree.near(&region).any(|index| meets(index as usize))
     }
 
     fn meets_triangle(&self, triangle: &[Point; 3]) -> bool {
@@ -80,7 +105,7 @@ impl Surface {
         if self.corners.len() <= SCAN_LIMIT {
             return self.corners.iter().any(|own| triangles_meet(own, triangle));
         }
-        self.tree.near(&region).iter().any(|&index| triangles_meet(&self.corners[index as usize], triangle))
+        self.tree.near(&region).any(|index| triangles_meet(&self.corners[index as usize], triangle))
     }
 }
 
