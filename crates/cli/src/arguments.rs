@@ -1,5 +1,5 @@
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::ArgPredicate;
@@ -137,19 +137,41 @@ pub struct PlanArguments {
 }
 
 #[derive(Clone, Debug, Args)]
-#[command(after_help = "Examples:
+#[command(
+    after_help = "Examples:
   cranny verify 021 021.plan.json
   cranny verify path/to/scenarios/011 way_points.csv --margin 2
   cranny verify 021 021.plan.json --criterion paper
+  cranny verify --moveit scene0001.yaml request0001.yaml scene0001.plan.json
 
 Way points: a plan file, or one configuration a line, comma-separated (.csv, .try). Criterion and margins
-are those of the plan file unless flags say otherwise.")]
+are those of the plan file unless flags say otherwise.",
+    override_usage = "cranny verify [OPTIONS] <ID> <PLAN>
+       cranny verify [OPTIONS] --moveit <SCENE> <REQUEST> <PLAN>"
+)]
 pub struct VerifyArguments {
     #[command(flatten)]
     pub task: TaskArguments,
     /// A plan file (.plan.json) or way points (.csv, .try)
-    #[arg(value_name = "PLAN")]
-    pub plan: PathBuf,
+    #[arg(value_name = "PLAN", required_unless_present = "moveit", conflicts_with = "moveit")]
+    pub plan: Option<PathBuf>,
+    // An attribute for the same reason as that of `plan`.
+    #[arg(
+        long,
+        num_args = 2,
+        value_names = ["SCENE", "REQUEST"],
+        conflicts_with_all = ["criterion", "grasp_margin", "geometry"],
+        help = "Judge PLAN, then the only argument, against a MoveIt scene and request (YAML) in place of a \
+                scenario, as `cranny plan --moveit` takes them"
+    )]
+    pub moveit: Vec<PathBuf>,
+}
+
+impl VerifyArguments {
+    /// What is judged: the last argument, which stands in the place of the id where there is no id.
+    pub fn plan(&self) -> &Path {
+        self.plan.as_deref().unwrap_or(Path::new(&self.task.id))
+    }
 }
 
 #[derive(Clone, Debug, Args)]

@@ -43,7 +43,8 @@ struct Answered<'a> {
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
     let named = arguments.planner.as_deref().map(cranny_plan::planner).transpose()?;
     let begin = Instant::now();
-    let PlanTask { id, grasps, mut problem, margins } = PlanTask::open(arguments, output)?;
+    let PlanTask { id, grasps, mut problem, margins } =
+        PlanTask::open(&arguments.task, &arguments.moveit, None, PlanMargins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let file = destination(arguments, &id)?;
     set_threshold(arguments, &mut problem)?;

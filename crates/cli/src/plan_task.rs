@@ -2,14 +2,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use cranny_grasp::GraspSet;
-use cranny_plan::Problem;
+use cranny_plan::{Criterion, Problem};
 use cranny_scenario::{Demands, MoveItOptions, MoveItProblem, PlanMargins};
 
-use crate::arguments::{Output, PlanArguments, TaskArguments};
+use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::task::{Task, metres};
 
-/// What is planned: a scenario, or a problem in other people's files.
+/// What is planned or judged: a scenario, or a problem in other people's files.
 pub struct PlanTask {
     /// What the plan says it is of.
     pub id: String,
@@ -20,17 +20,26 @@ pub struct PlanTask {
 }
 
 impl PlanTask {
-    pub fn open(arguments: &PlanArguments, output: Output) -> Result<Self, Failure> {
-        if let [scene, request] = &arguments.moveit[..] {
-            return Self::open_moveit([scene, request], &arguments.task, output);
+    /// What the flags say, `moveit` being a scene and a request or nothing; where they are silent the given
+    /// criterion and margins, else the defaults.
+    pub fn open(
+        arguments: &TaskArguments,
+        moveit: &[PathBuf],
+        criterion: Option<Criterion>,
+        margins: PlanMargins,
+        output: Output,
+    ) -> Result<Self, Failure> {
+        if let [scene, request] = moveit {
+            return Self::open_moveit([scene, request], arguments, margins, output);
         }
-        let Task { scenario, problem, margins } = Task::open(&arguments.task, None, PlanMargins::default())?;
+        let Task { scenario, problem, margins } = Task::open(arguments, criterion, margins)?;
         Ok(Self { id: scenario.id, grasps: scenario.grasps, problem, margins })
     }
 
     fn open_moveit(
         [scene, request]: [&PathBuf; 2],
         arguments: &TaskArguments,
+        margins: PlanMargins,
         output: Output,
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
@@ -40,7 +49,7 @@ impl PlanTask {
                 writeln!(std::io::stderr(), "note: {deviation}")?;
             }
         }
-        let margin_m = metres("margin", arguments.margin)?.unwrap_or_default();
+        let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
         let demands = Demands { margin_m, ..Demands::default() };
         Ok(Self {
             problem: opened.problem(&demands)?,

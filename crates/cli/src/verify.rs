@@ -7,36 +7,37 @@ use cranny_scenario::{PlanFile, read_waypoints};
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
-use crate::task::Task;
+use crate::plan_task::PlanTask;
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
-    let is_plan = arguments.plan.extension().is_some_and(|extension| extension == "json");
-    let plan = if is_plan { Some(PlanFile::read(&arguments.plan)?) } else { None };
+    let file = arguments.plan();
+    let is_plan = file.extension().is_some_and(|extension| extension == "json");
+    let plan = if is_plan { Some(PlanFile::read(file)?) } else { None };
     let criterion = plan.as_ref().map(|plan| plan.criterion);
     let margins = plan.as_ref().map(|plan| plan.margins).unwrap_or_default();
-    let Task { scenario, problem, .. } = Task::open(&arguments.task, criterion, margins)?;
+    let PlanTask { id, problem, .. } =
+        PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
     if let Some(plan) = &plan {
         let (found, expected) = (&plan.joint_names, problem.robot.joint_names());
         if let Some((found, expected)) =
             found.iter().zip(expected).find(|(found, expected)| found != expected)
         {
             return Err(Failure::OtherRobot {
-                path: arguments.plan.clone(),
+                path: file.to_owned(),
                 found: found.clone(),
                 expected: expected.clone(),
             });
         }
-        if plan.scenario != scenario.id {
+        if plan.scenario != id {
             let _ = writeln!(
                 std::io::stderr(),
-                "note: the plan was made for scenario '{}', and is judged against '{}'",
-                plan.scenario,
-                scenario.id
+                "note: the plan was made for scenario '{}', and is judged against '{id}'",
+                plan.scenario
             );
         }
     }
-    let path = read_waypoints(&arguments.plan, problem.robot.dof())?;
+    let path = read_waypoints(file, problem.robot.dof())?;
     let verification = cranny_plan::verify(&problem, &path)?;
     if output.json {
         text::print_json(&verification)?;

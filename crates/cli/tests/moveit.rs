@@ -1,4 +1,5 @@
-//! `cranny plan --moveit SCENE REQUEST`: other people's problems, planned like one's own.
+//! `cranny plan --moveit SCENE REQUEST` and `verify` with the same: other people's problems, planned and judged
+//! like one's own.
 
 use std::path::Path;
 use std::process::Output;
@@ -112,4 +113,50 @@ fn what_does_not_fit_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
         assert!(error.contains(expected), "{arguments:?}\n  said: {error}\n  not:  {expected}");
     }
+}
+
+#[test]
+fn a_plan_of_a_moveit_problem_is_judged_by_its_files() {
+    let folder = folder();
+    let problem = ["--moveit", "crate1.yaml", "request1.yaml"];
+    let run = |arguments: &[&[&str]]| cranny(folder.path(), &arguments.concat());
+    assert_eq!(run(&[&["plan"], &problem, &["--margin", "5"]]).status.code(), Some(0));
+
+    let judged = run(&[&["verify"], &problem, &["crate1.plan.json", "--json"]]);
+    let answer: Value = serde_json::from_slice(&judged.stdout).expect("one JSON document");
+    assert_eq!((judged.status.code(), &answer["valid"]), (Some(0), &true.into()));
+    assert!(answer["clearance_m"].as_f64().expect("a clearance") >= 0.005, "{answer}");
+    let harder = run(&[&["verify"], &problem, &["crate1.plan.json", "--margin", "1000"]]);
+    assert_eq!(harder.status.code(), Some(1), "the flag goes before the margin of the plan");
+
+    // The short way from start to goal is free, the long one leads through the post.
+    let way_points = |text: &str| std::fs::write(folder.path().join("way.csv"), text).expect("written");
+    let verdict = || run(&[&["verify"], &problem, &["way.csv"]]);
+    way_points("-1,0\n1,0.5\n");
+    assert_eq!(verdict().status.code(), Some(0));
+    way_points("-1,0\n2.6,0\n1,0.5\n");
+    let through = verdict();
+    let text = String::from_utf8_lossy(&through.stdout);
+    assert!(through.status.code() == Some(1) && text.contains("deep in post"), "{text}");
+    way_points("-1,0\n1,0.4\n");
+    assert!(String::from_utf8_lossy(&verdict().stdout).contains("does not end at a goal"));
+}
+
+#[test]
+fn a_verification_needs_a_scenario_or_a_moveit_problem_and_not_both() {
+    let folder = folder();
+    let refused = |arguments: &[&str]| {
+        let output = cranny(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let problem = ["verify", "--moveit", "crate1.yaml", "request1.yaml"];
+    assert!(refused(&[&problem[..], &["021", "x.plan.json"]].concat()).contains("cannot be used with"));
+    assert!(refused(&problem).contains("--moveit <SCENE> <REQUEST> <PLAN>"));
+    assert!(refused(&["verify", "x.plan.json"]).contains("<PLAN>"));
+    assert!(
+        refused(&["verify", "--moveit", "crate1.yaml", "x.plan.json"]).contains("<SCENE> <REQUEST> <PLAN>")
+    );
+    let missing = refused(&["verify", "--moveit", "crate1.yaml", "nowhere.yaml", "x.csv"]);
+    assert!(missing.contains("nowhere.yaml"), "{missing}");
 }
