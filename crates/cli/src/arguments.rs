@@ -85,6 +85,7 @@ pub struct TaskArguments {
   cranny plan path/to/scenarios/035 --time-limit 60 -o reach.plan.json
   cranny plan 021 --margin 5 --grasp-margin 1
   cranny plan 021 --rate 100 --jerk-limited
+  cranny plan 021 --optimise 5
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
     .required(false)
@@ -118,6 +119,26 @@ pub struct PlanArguments {
     /// Leave the path as the planner found it
     #[arg(long)]
     pub no_shortcut: bool,
+    /// Look for better paths for so many seconds after the first; with --iterations too, over all searches,
+    /// the same seed gives the same path. Cost: length, each joint weighted by how far it moves the arm,
+    /// minus the weighted score of the grasp
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        value_parser = seconds,
+        conflicts_with = "no_shortcut",
+        allow_negative_numbers = true
+    )]
+    pub optimise: Option<Duration>,
+    /// What a grasp of score 1 is worth against one of score 0, in metres of the base's way
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 1.0,
+        requires = "optimise",
+        allow_negative_numbers = true
+    )]
+    pub score_weight: f64,
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
     #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
     pub goal_threshold: f64,

@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    Budget, GraspFailure, Outcome, PlanReport, Planner, Problem, ShortcutSettings, Shortened, Validity,
-    path_length, shortcut, verify,
+    Budget, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanReport, Planner, Problem,
+    ShortcutSettings, Shortened, Validity, optimise, path_length, shortcut, verify,
 };
-use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanTiming};
+use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use serde::Serialize;
 
 use crate::Answer;
@@ -53,13 +53,24 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let budget = Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit };
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let mut report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
+    let settings = optimise_settings(arguments, &problem)?;
+    let mut optimisation = None;
+    let mut report;
+    if let Some(settings) = settings {
+        let optimised =
+            optimise(planner.as_ref(), &problem, &budget, settings, arguments.seed, &mut progress)?;
+        optimisation = Some(of_optimised(&optimised, settings));
+        report = optimised.report;
+    } else {
+        report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
+    }
     progress.finish();
-    let shortcut_time_s = shorten(arguments, &problem, &mut report);
+    let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report) };
 
     let mut judged = judge(arguments, id, &problem, margins, planner.as_ref(), &report)?;
     let solved = report.outcome == Outcome::Solved && judged.valid;
     let timed = if solved { timing.time(&report.path)? } else { None };
+    judged.plan.optimisation = optimisation;
     judged.plan.timing = timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory));
     let mut trajectory_file = None;
     if solved {
@@ -87,6 +98,36 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
         text::print(&page(&answered, &grasps))?;
     }
     Ok(if solved { Answer::Done } else { Answer::No })
+}
+
+/// How to look for better paths, if that is asked for.
+fn optimise_settings(
+    arguments: &PlanArguments,
+    problem: &Problem,
+) -> Result<Option<OptimiseSettings>, Failure> {
+    let Some(time) = arguments.optimise else { return Ok(None) };
+    if !(arguments.score_weight.is_finite() && arguments.score_weight >= 0.0) {
+        let problem = format!("'{}' is no weight; give a number, at least 0", arguments.score_weight);
+        return Err(Failure::Flag { flag: "score-weight", problem });
+    }
+    match &problem.validity {
+        Validity::Exact(_) => Ok(Some(OptimiseSettings { time, score_weight: arguments.score_weight })),
+        Validity::Paper { .. } => {
+            let problem = "only a proven path can be bettered; leave out --criterion paper".to_owned();
+            Err(Failure::Flag { flag: "optimise", problem })
+        }
+    }
+}
+
+/// What the plan file says of it.
+fn of_optimised(optimised: &Optimised, settings: OptimiseSettings) -> PlanOptimisation {
+    PlanOptimisation {
+        time_limit_s: settings.time.as_secs_f64(),
+        score_weight: settings.score_weight,
+        time_s: optimised.time_s,
+        iterations: optimised.iterations,
+        improvements: optimised.improvements.clone(),
+    }
 }
 
 /// Shortens a path found under `exact`, unless the flags forbid it; the seconds that it took.
@@ -149,6 +190,7 @@ fn judge(
         waypoints: report.path.clone(),
         timing: None,
         statistics: report.statistics,
+        optimisation: None,
     };
     Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
 }
@@ -233,6 +275,10 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
             answered.preparation_time_s
         ),
     );
+    for improvement in plan.optimisation.iter().flat_map(|o| &o.improvements) {
+        let (cost, iterations) = (improvement.cost, improvement.iterations);
+        line("cost", format!("{cost:.3} after {:.3} s, {iterations} iterations", improvement.time_s));
+    }
     for (reason, count) in counted(answered.failures) {
         line("blocked", format!("{count:>4} grasps: {reason}"));
     }

@@ -34,6 +34,12 @@ pub enum PlanError {
     /// Only grasps can be annotated, and only exactly.
     #[error("inverse kinematics is looked for at grasps, and under the exact criterion only")]
     Annotation,
+    /// The weight of a grasp's score is none.
+    #[error("{weight} is no weight of a score; it must be finite and at least 0")]
+    ScoreWeight {
+        /// The weight.
+        weight: f64,
+    },
     /// A path has no way point.
     #[error("the path has no way points")]
     EmptyPath,

@@ -45,7 +45,7 @@ pub use builtin_robot::panda_mobile;
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::ScenarioError;
 pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};
-pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanTiming};
+pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 pub use scenario::{Demands, Geometry, OpenOptions, Scenario};
 pub use trajectory_file::write_trajectory_csv;
 pub use waypoints::{read_waypoints, write_waypoints_csv};

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_plan::{Criterion, Outcome, Statistics, TimingMethod, Trajectory};
+use cranny_plan::{Criterion, Improvement, Outcome, Statistics, TimingMethod, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
@@ -57,8 +57,26 @@ pub struct PlanFile {
     /// When they are passed; `None` for a robot without limits of acceleration.
     #[serde(default)]
     pub timing: Option<PlanTiming>,
-    /// What the search cost.
+    /// What the search cost: the first, where others followed to better its path.
     pub statistics: Statistics,
+    /// How the path became better after the first; `None` where nobody tried.
+    #[serde(default)]
+    pub optimisation: Option<PlanOptimisation>,
+}
+
+/// How a path was bettered after the first search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanOptimisation {
+    /// How long it was to go on after the first path, in seconds.
+    pub time_limit_s: f64,
+    /// What a grasp of score 1 is worth, in units of the length of a path.
+    pub score_weight: f64,
+    /// How long it went on, in seconds.
+    pub time_s: f64,
+    /// Iterations of all searches together.
+    pub iterations: u64,
+    /// The cost over time: of the first path, and of every better one.
+    pub improvements: Vec<Improvement>,
 }
 
 /// The clearance that a plan was made with.
@@ -169,7 +187,11 @@ impl PlanFile {
             self.statistics;
         let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
         let timing = self.timing.iter().flat_map(|t| t.waypoint_times_s.iter().chain([&t.duration_s]));
-        let fields: [(&'static str, Vec<f64>); 11] = [
+        let optimisation = self.optimisation.iter().flat_map(|o| {
+            let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
+            improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
+        });
+        let fields: [(&'static str, Vec<f64>); 12] = [
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
             ("goal_threshold", self.goal_threshold.into_iter().collect()),
@@ -181,6 +203,7 @@ impl PlanFile {
             ("budget", self.budget.time_limit_s.into_iter().collect()),
             ("statistics", times.to_vec()),
             ("timing", timing.copied().collect()),
+            ("optimisation", optimisation.collect()),
         ];
         fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
     }
@@ -219,6 +242,13 @@ mod tests {
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
+            optimisation: Some(PlanOptimisation {
+                time_limit_s: 2.0,
+                score_weight: 0.1,
+                time_s: 2.1,
+                iterations: 70,
+                improvements: vec![Improvement { time_s: 0.3, iterations: 13, cost: -0.7 / 3.0 }],
+            }),
         }
     }
 
@@ -240,12 +270,14 @@ mod tests {
     fn a_plan_without_timing_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("021.plan.json");
-        let untimed = PlanFile { timing: None, ..plan() };
+        let untimed = PlanFile { timing: None, optimisation: None, ..plan() };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
         // As plans were written before there was timing.
         let text = fs::read_to_string(&path).unwrap();
-        fs::write(&path, text.replace("  \"timing\": null,\n", "")).unwrap();
+        let text = text.replace("  \"timing\": null,\n", "").replace(",\n  \"optimisation\": null", "");
+        assert!(!text.contains("timing") && !text.contains("optimisation"));
+        fs::write(&path, text).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
     }
 
