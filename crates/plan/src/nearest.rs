@@ -43,8 +43,17 @@ pub const FARTHER_BY: f32 = 1.5;
 
 #[derive(Clone, Copy, Debug)]
 enum Node {
-    Leaf { leaf: u32, len: u32, slot: Slot },
-    Inner { dimension: u32, split: f32, low: u32, high: u32 },
+    Leaf {
+        leaf: u32,
+        len: u8,
+        slot: Slot,
+    },
+    /// The high child follows the low one. What is descended at every addition is kept small.
+    Inner {
+        dimension: u16,
+        split: f32,
+        low: u32,
+    },
 }
 
 impl NearestNeighbours {
@@ -87,11 +96,11 @@ impl NearestNeighbours {
         let mut node = 0;
         loop {
             match self.nodes[node] {
-                Node::Inner { dimension, split, low, high } => {
-                    node = if point[dimension as usize] < split { low } else { high } as usize;
+                Node::Inner { dimension, split, low } => {
+                    node = low as usize + usize::from(point[usize::from(dimension)] >= split);
                 }
-                Node::Leaf { leaf, len, slot } if (len as usize) < LEAF => {
-                    self.write(leaf, len as usize, id, &point);
+                Node::Leaf { leaf, len, slot } if usize::from(len) < LEAF => {
+                    self.write(leaf, usize::from(len), id, &point);
                     self.pages.grow(slot, &point);
                     self.nodes[node] = Node::Leaf { leaf, len: len + 1, slot };
                     break;
@@ -211,21 +220,21 @@ impl NearestNeighbours {
         let (low, high) = self.pages.add_beside(slot, Entry::Leaf(leaves[1]));
         self.pages.clear(low);
         let slots = [low, high];
-        let mut lens = [0u32; 2];
+        let mut lens = [0; 2];
         for (place, (id, point)) in points.into_iter().enumerate() {
             // Equal points cannot be told apart: they are dealt out in halves.
             let is_high = if split > values[0] { point[dimension] >= split } else { place >= LEAF / 2 };
             let side = usize::from(is_high);
-            self.write(leaves[side], lens[side] as usize, id, &point);
+            self.write(leaves[side], usize::from(lens[side]), id, &point);
             self.pages.grow(slots[side], &point);
             lens[side] += 1;
         }
-        let child = u32::try_from(self.nodes.len()).unwrap_or(u32::MAX);
+        let low = u32::try_from(self.nodes.len()).unwrap_or(u32::MAX);
         for side in 0..2 {
             self.nodes.push(Node::Leaf { leaf: leaves[side], len: lens[side], slot: slots[side] });
         }
-        let dimension = u32::try_from(dimension).unwrap_or(u32::MAX);
-        self.nodes[node] = Node::Inner { dimension, split, low: child, high: child + 1 };
+        let dimension = u16::try_from(dimension).unwrap_or(u16::MAX);
+        self.nodes[node] = Node::Inner { dimension, split, low };
     }
 
     fn write(&mut self, leaf: u32, slot: usize, id: u32, point: &[f32]) {
