@@ -61,26 +61,37 @@ fn the_json_keys_of_a_plan_stay() {
     assert_eq!(json(&planned)["criterion"], "exact");
 }
 
+/// The way points of a plan for 021 that was made with one variable of the environment set.
+fn way_points(planner: &str, variable: (&str, &str)) -> String {
+    let folder = folder();
+    let output = Command::cargo_bin("cranny")
+        .expect("the program")
+        .current_dir(folder.path())
+        .env(variable.0, variable.1)
+        .args(["plan", "021", "--planner", planner, "--seed", "1", "--iterations", "200000", "-o", "p.json"])
+        .output()
+        .expect("it runs");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
+    let text = std::fs::read_to_string(folder.path().join("p.json")).expect("a plan file");
+    serde_json::from_str::<Value>(&text).expect("JSON")["waypoints"].to_string()
+}
+
 #[test]
 fn a_seed_and_a_budget_of_iterations_give_the_same_bytes_on_any_number_of_threads() {
-    let folder = folder();
-    let way_points = |planner: &str, threads: &str, file: &str| {
-        let output = Command::cargo_bin("cranny")
-            .expect("the program")
-            .current_dir(folder.path())
-            .env("RAYON_NUM_THREADS", threads)
-            .args(["plan", "021", "--planner", planner, "--seed", "1", "--iterations", "200000"])
-            .args(["-o", file])
-            .output()
-            .expect("it runs");
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
-        let text = std::fs::read_to_string(folder.path().join(file)).expect("a plan file");
-        serde_json::from_str::<Value>(&text).expect("JSON")["waypoints"].to_string()
-    };
-    for planner in ["ik-rrt", "j-plus-rrt"] {
-        let first = way_points(planner, "1", "a.plan.json");
-        assert_eq!(first, way_points(planner, "1", "b.plan.json"));
-        assert_eq!(first, way_points(planner, "2", "c.plan.json"));
+    for planner in ["reach", "ik-rrt", "j-plus-rrt"] {
+        let first = way_points(planner, ("RAYON_NUM_THREADS", "1"));
+        assert_eq!(first, way_points(planner, ("RAYON_NUM_THREADS", "1")));
+        assert_eq!(first, way_points(planner, ("RAYON_NUM_THREADS", "2")));
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bytes() {
+    for planner in ["reach", "ik-rrt", "j-plus-rrt"] {
+        let widest = way_points(planner, ("CRANNY_SIMD", "avx512"));
+        for narrower in ["avx2", "sse4.2", "sse2"] {
+            assert_eq!(widest, way_points(planner, ("CRANNY_SIMD", narrower)), "{planner} with {narrower}");
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-use cranny_spatial::LANES;
+use cranny_spatial::{LANES, simd_level};
 use fearless_simd::Level;
 
 use crate::cell::{Cell, Scratch};
@@ -16,7 +16,7 @@ impl Cell {
     /// # Panics
     /// If `configurations` does not consist of whole rows.
     pub fn are_free(&self, configurations: &[f64], scratch: &mut Scratch, verdicts: &mut Vec<bool>) {
-        self.are_free_with(Level::new(), configurations, scratch, verdicts);
+        self.are_free_with(simd_level(), configurations, scratch, verdicts);
     }
 
     /// [`Self::are_free`] with the instructions of `level`.
@@ -62,7 +62,7 @@ impl Cell {
         for (lane, place) in places.enumerate() {
             scratch.lanes.set_lane(lane, between(a, b, place));
         }
-        let free = self.judge_lanes(Level::new(), first_lanes(count), Interest::UpToContact, scratch);
+        let free = self.judge_lanes(simd_level(), first_lanes(count), Interest::UpToContact, scratch);
         free.trailing_ones() as usize
     }
 

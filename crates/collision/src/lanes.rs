@@ -183,6 +183,15 @@ impl Lanes {
         }
     }
 
+    /// Takes the slack off every comparison, to see that the law of the lanes notices.
+    #[cfg(test)]
+    pub fn forget_slack(&mut self) {
+        for pair in self.part_pairs.iter_mut().flatten().chain(&mut self.link_pairs) {
+            let middle = 0.5 * (pair.free_m + pair.contact_m);
+            (pair.free_m, pair.contact_m) = (middle, middle);
+        }
+    }
+
     /// The pairs of links that are not in a table: their index in the list of all pairs.
     pub fn link_pairs(&self) -> impl Iterator<Item = usize> {
         self.link_pairs.iter().map(|pair| pair.pair as usize)
@@ -268,8 +277,25 @@ impl Lanes {
         asked & !open
     }
 
-    #[inline(always)]
+    /// Step 2 for one link. A function of its own for each instruction set: all in one would take minutes to
+    /// compile.
+    #[inline(never)]
     fn body_against_world<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.body_against_parts(simd, body, frames, scratch, open),
+        );
+    }
+
+    #[inline(always)]
+    fn body_against_parts<S: Simd>(
         &self,
         simd: S,
         body: usize,
@@ -370,8 +396,24 @@ impl Lanes {
         part.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
     }
 
-    #[inline(always)]
+    /// Step 3 for one pair.
+    #[inline(never)]
     fn link_against_link<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.balls_against_balls(simd, index, frames, scratch, open),
+        );
+    }
+
+    #[inline(always)]
+    fn balls_against_balls<S: Simd>(
         &self,
         simd: S,
         index: usize,

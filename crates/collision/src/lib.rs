@@ -31,6 +31,8 @@ mod travel;
 mod world;
 
 #[cfg(test)]
+mod lane_tests;
+#[cfg(test)]
 mod proof_tests;
 
 pub use batch::between;

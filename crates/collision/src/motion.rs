@@ -1,4 +1,4 @@
-use cranny_spatial::{LANES, ROUNDING_M};
+use cranny_spatial::{LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
 use crate::batch::{between, first_lanes, lanes_of};
@@ -115,7 +115,7 @@ impl Cell {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        if let Some(at) = self.certify_in_lanes(Level::new(), a, b, scratch, factor) {
+        if let Some(at) = self.certify_in_lanes(simd_level(), a, b, scratch, factor) {
             self.look_at(a, b, at, 0.0, scratch, factor);
             let frames = &scratch.frames;
             let touching = self.pairs.iter().find(|pair| !self.keeps_distance(pair, frames));

@@ -1,3 +1,4 @@
+use cranny_spatial::simd_level;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16};
 
@@ -118,7 +119,7 @@ impl NearestNeighbours {
     /// # Panics
     /// If the query has the wrong number of coordinates.
     pub fn nearest(&mut self, query: &[f64]) -> Option<usize> {
-        self.nearest_by(Level::new(), query)
+        self.nearest_by(simd_level(), query)
     }
 
     fn nearest_by(&mut self, level: Level, query: &[f64]) -> Option<usize> {

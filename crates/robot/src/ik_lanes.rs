@@ -1,4 +1,4 @@
-use cranny_spatial::{LANES, LaneArray, Pose};
+use cranny_spatial::{LANES, LaneArray, Pose, simd_level};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, mask32x16};
 
@@ -89,7 +89,7 @@ impl IkLanes {
 
     /// Runs the first `count` attempts, at most [`LANES`], to their ends.
     pub fn run(&mut self, count: usize) {
-        self.run_at(Level::new(), count);
+        self.run_at(simd_level(), count);
     }
 
     fn run_at(&mut self, level: Level, count: usize) {

@@ -95,7 +95,7 @@ impl BallTree {
         depth: usize,
     ) -> usize {
         let corners = piece.corners();
-        let (ball, stands_out_m) = least_bulge(&corners, planes);
+        let (ball, stands_out_m) = least_bulge(&corners, planes, bulge_m);
         let node = self.nodes.len();
         let radius_m = ball.radius_m + rounding_m + SLACK_M;
         self.nodes.push(BallNode { ball: Ball { radius_m, ..ball }, children: None });
@@ -261,12 +261,13 @@ fn longest_side(points: &[Point]) -> (usize, f64, f64) {
     longer(longer(side(0), side(1)), side(2))
 }
 
-/// The ball around the points that stands out least of the planes, about, and by how much (m).
+/// The ball around the points that stands out least of the planes, about, and by how much (m). One that
+/// stands out by no more than `enough_m` will do.
 ///
 /// Both the radius that is needed and the height above the highest plane are convex in the centre, so it
 /// goes down their sum by subgradients with ever smaller steps (Shor 1985).
-fn least_bulge(points: &[Point], planes: &[Plane]) -> (Ball, f64) {
-    const STEPS: usize = 30;
+fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
+    const STEPS: usize = 16;
     let start = start_ball(points);
     // A plane that is farther below than the search can rise never is the highest.
     let planes: Vec<&Plane> =
@@ -282,6 +283,9 @@ fn least_bulge(points: &[Point], planes: &[Plane]) -> (Ball, f64) {
         let stands_out_m = highest.map_or(radius_m, |plane| plane.height(&center) + radius_m);
         if stands_out_m < best.1 {
             best = (Ball { center, radius_m }, stands_out_m);
+            if stands_out_m <= enough_m {
+                break;
+            }
         }
         let towards_farthest = (farthest - center).try_normalize(0.0).unwrap_or_default();
         let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |plane| -plane.normal);

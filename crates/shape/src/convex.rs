@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::{Point, Vector, simd_level};
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f64x8};
+use fearless_simd::{Simd, dispatch, f64x8};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
 
@@ -142,7 +142,7 @@ impl HullPoints {
     /// The corner farthest along `direction`. Every instruction set adds in the same order, so all find
     /// the same one.
     fn farthest(&self, direction: ParryVector) -> ParryVector {
-        let (chunk, lane) = dispatch!(Level::new(), simd => farthest_corner(simd, &self.chunks, direction));
+        let (chunk, lane) = dispatch!(simd_level(), simd => farthest_corner(simd, &self.chunks, direction));
         self.corner(chunk, lane)
     }
 }

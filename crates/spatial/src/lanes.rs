@@ -1,5 +1,35 @@
+use std::sync::OnceLock;
+
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16};
+
+/// The instructions that vector lanes use: the widest that the machine has, or those that the environment
+/// variable `CRANNY_SIMD` names (`sse2`, `sse4.2`, `avx2`, `avx512`), where the machine has them. Results are
+/// the same bits with all of them.
+pub fn simd_level() -> Level {
+    static LEVEL: OnceLock<Level> = OnceLock::new();
+    *LEVEL.get_or_init(|| {
+        let best = Level::new();
+        std::env::var("CRANNY_SIMD").ok().and_then(|name| named_level(best, &name)).unwrap_or(best)
+    })
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fn named_level(best: Level, name: &str) -> Option<Level> {
+    match name {
+        "sse2" => best.as_sse2().map(Level::Sse2),
+        "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
+        "avx2" => best.as_avx2().map(Level::Avx2),
+        "avx512" => best.as_avx512().map(Level::Avx512),
+        _ => None,
+    }
+}
+
+/// Other machines have one level each.
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+fn named_level(_best: Level, _name: &str) -> Option<Level> {
+    None
+}
 
 /// How many configurations are computed with at once: one register of the widest instruction set in use.
 pub const LANES: usize = 16;
@@ -109,7 +139,7 @@ impl<S: Simd> LaneVector<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::dispatch;
 
     use super::*;
 
@@ -118,7 +148,7 @@ mod tests {
         for step in -200_000..200_000 {
             let angles: LaneArray = std::array::from_fn(|lane| (step as f32 + lane as f32 / 16.0) * 5e-3);
             let (mut sines, mut cosines) = ([0.0; LANES], [0.0; LANES]);
-            dispatch!(Level::new(), simd => {
+            dispatch!(simd_level(), simd => {
                 let (sine, cosine) = sin_cos_lanes(simd, f32x16::from_slice(simd, &angles));
                 sine.store_slice(&mut sines);
                 cosine.store_slice(&mut cosines);

@@ -1,0 +1,176 @@
+//! The law of the lanes: their verdict is that of the exact check, under every instruction set; and a slack
+//! that is too small is caught.
+
+use std::sync::Arc;
+
+use cranny_robot::{Robot, RobotOptions};
+use cranny_shape::Solid;
+use cranny_spatial::{Pose, Stream, Vector};
+use fearless_simd::Level;
+use proptest::prelude::*;
+
+use crate::{Body, Cell, Margins, World};
+
+/// A slide that carries an arm of links of every shape, and two fingers.
+const ARM: &str = r#"<robot name="arm">
+  <link name="rail"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="cart"><collision><origin xyz="0 0 0.1"/><geometry><box size="0.2 0.1 0.04"/></geometry></collision></link>
+  <link name="upper"><collision><origin xyz="0 0 0.2"/>
+    <geometry><capsule radius="0.03" length="0.4"/></geometry></collision></link>
+  <link name="lower"><collision><origin xyz="0 0 0.15"/>
+    <geometry><cylinder radius="0.03" length="0.3"/></geometry></collision></link>
+  <link name="palm"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <link name="left"><collision><origin xyz="0 0.04 0.08"/><geometry><box size="0.02 0.01 0.06"/></geometry></collision></link>
+  <link name="right"><collision><origin xyz="0 -0.04 0.08"/><geometry><box size="0.02 0.01 0.06"/></geometry></collision></link>
+  <joint name="slide" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="turn" type="revolute"><parent link="cart"/><child link="upper"/><origin xyz="0 0 0.2"/>
+    <axis xyz="0 0.6 0.8"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.45" rpy="0.3 0 0"/>
+    <axis xyz="1 0 0"/><limit lower="-2.8" upper="2.8" velocity="1" effort="1"/></joint>
+  <joint name="wrist" type="revolute"><parent link="lower"/><child link="palm"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 1 0"/><limit lower="-2.9" upper="2.9" velocity="1" effort="1"/></joint>
+  <joint name="to_left" type="fixed"><parent link="palm"/><child link="left"/></joint>
+  <joint name="to_right" type="fixed"><parent link="palm"/><child link="right"/></joint>
+</robot>"#;
+
+/// A ball that three slides carry: its distances are exact in the lanes too, save for rounding.
+const BALL: &str = r#"<robot name="ball">
+  <link name="root"/><link name="bridge"/><link name="trolley"/>
+  <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="x" type="prismatic"><parent link="root"/><child link="bridge"/><axis xyz="1 0 0"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+  <joint name="y" type="prismatic"><parent link="bridge"/><child link="trolley"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+  <joint name="z" type="prismatic"><parent link="trolley"/><child link="ball"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+</robot>"#;
+
+/// Every level that this machine can run, the fallback without vector instructions among them.
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    let mut levels = vec![Level::fallback(), best];
+    #[cfg(target_arch = "x86_64")]
+    {
+        levels.extend(best.as_sse2().map(Level::Sse2));
+        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+        levels.extend(best.as_avx2().map(Level::Avx2));
+    }
+    levels
+}
+
+fn robot(urdf: &str) -> Arc<Robot> {
+    Arc::new(Robot::from_urdf_text(urdf, "test.urdf", None, &RobotOptions::default()).expect("a good URDF"))
+}
+
+/// A solid of every kind, turned and strewn about the robot, on a floor.
+fn world(random: &mut Stream) -> World {
+    let mut draw = |low: f64, high: f64| random.uniform_between(low, high);
+    let corners: Vec<cranny_spatial::Point> = (0..12)
+        .map(|_| cranny_spatial::Point::new(draw(-0.2, 0.2), draw(-0.1, 0.1), draw(-0.2, 0.2)))
+        .collect();
+    let solids = [
+        Solid::cuboid(Vector::new(draw(0.01, 0.4), draw(0.01, 0.2), draw(0.01, 0.2))),
+        Solid::cuboid(Vector::new(draw(0.01, 0.4), draw(0.01, 0.2), draw(0.01, 0.2))),
+        Solid::sphere(draw(0.02, 0.3)),
+        Solid::capsule(draw(0.02, 0.3), draw(0.02, 0.1)),
+        Solid::cylinder(draw(0.02, 0.3), draw(0.02, 0.2)),
+        Solid::hull(&corners),
+    ];
+    let mut bodies = vec![Body::floor(-0.3)];
+    for (index, solid) in solids.into_iter().enumerate() {
+        let place = Vector::new(draw(-1.2, 1.2), draw(-1.0, 1.0), draw(-0.3, 1.2));
+        // The first stands along the axes of the planning frame.
+        let turn =
+            if index == 0 { Vector::zeros() } else { Vector::new(draw(-3.0, 3.0), draw(-3.0, 3.0), 0.0) };
+        bodies.push(Body::new(
+            format!("body {index}"),
+            Pose::new(place, turn),
+            solid.expect("positive sizes"),
+        ));
+    }
+    World::new(bodies).expect("good poses")
+}
+
+/// Configurations, half of them uniform, half of them bisected between a free one and one in contact until
+/// no joint differs by more than `tolerance`.
+fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64) -> Vec<Vec<f64>> {
+    let mut scratch = cell.scratch();
+    let mut draw = || -> Vec<f64> {
+        cell.robot().limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
+    };
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    while all.len() < count {
+        let mut ends = [draw(), draw()];
+        all.push(ends[0].clone());
+        let free = ends.each_ref().map(|q| cell.is_free(q, &mut scratch));
+        if free[0] == free[1] {
+            continue;
+        }
+        while ends[0].iter().zip(&ends[1]).any(|(a, b)| (a - b).abs() > tolerance) {
+            let middle: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| 0.5 * (a + b)).collect();
+            let is_free = cell.is_free(&middle, &mut scratch);
+            ends[usize::from(is_free != free[0])] = middle;
+        }
+        all.extend(ends);
+    }
+    all
+}
+
+/// How many of the verdicts of the lanes differ from those of the exact check.
+fn disagreements(cell: &Cell, configurations: &[Vec<f64>], level: Level) -> usize {
+    let mut scratch = cell.scratch();
+    let exact: Vec<bool> = configurations.iter().map(|q| cell.is_free(q, &mut scratch)).collect();
+    let mut verdicts = Vec::new();
+    cell.are_free_with(level, &configurations.concat(), &mut scratch, &mut verdicts);
+    exact.iter().zip(&verdicts).filter(|(exact, lanes)| exact != lanes).count()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn lanes_and_exact_check_agree(seed in any::<u64>(), margin_m in prop_oneof![Just(0.0), 0.001..0.03]) {
+        let mut random = Stream::new(seed, 0);
+        let margins = Margins { margin_m, ..Margins::default() };
+        for urdf in [ARM, BALL] {
+            let cell = Cell::new(robot(urdf), world(&mut random), margins.clone()).expect("a good margin");
+            let configurations = configurations(&cell, &mut random, 400, 1e-6);
+            for level in levels() {
+                prop_assert_eq!(disagreements(&cell, &configurations, level), 0, "{:?}", level);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_look_ahead_ends_at_the_first_contact() {
+    let mut random = Stream::new(7, 0);
+    let cell = Cell::new(robot(ARM), world(&mut random), Margins::default()).expect("no margin");
+    let mut scratch = cell.scratch();
+    for _ in 0..500 {
+        let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| {
+            cell.robot().limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
+        });
+        let places = (1..=11).map(|index| f64::from(index) / 11.0);
+        let mut is_free =
+            |place: f64| cell.is_free(&crate::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch);
+        let expected = places.clone().position(|place| !is_free(place)).unwrap_or(11);
+        assert_eq!(cell.free_ahead(&a, &b, places.collect::<Vec<_>>().into_iter(), &mut scratch), expected);
+    }
+}
+
+/// Without slack the rounding of `f32` decides within micrometres of contact: the law above must see that.
+#[test]
+fn lanes_without_slack_are_caught() {
+    let mut caught = 0;
+    for seed in 0..20 {
+        let mut random = Stream::new(seed, 1);
+        let mut cell = Cell::new(robot(BALL), world(&mut random), Margins::default()).expect("no margin");
+        let configurations = configurations(&cell, &mut random, 300, 1e-9);
+        assert_eq!(disagreements(&cell, &configurations, Level::new()), 0);
+        cell.lanes.forget_slack();
+        caught += disagreements(&cell, &configurations, Level::new());
+    }
+    assert!(caught > 0, "no verdict hung on the slack");
+}
