@@ -119,7 +119,7 @@ fn ik_by_a_single_shot_makes_at_most_one_attempt_at_each_pose() {
     let found = cranny(folder.path(), &["ik", "021", "--single-shot", "--json"]);
     let grasps = json(&found)["grasps"].as_array().expect("a list").clone();
     assert!(grasps.iter().all(|g| g["attempts"].as_u64().is_some_and(|attempts| attempts <= 2)));
-    let is_blocked = |g: &serde_json::Value| g["status"] == "no-solution" && g["blocked_by"].is_string();
+    let is_blocked = |g: &Value| g["status"] == "no-solution" && g["blocked_by"].is_string();
     assert!(grasps.iter().any(is_blocked), "what stood in the way of an arm is named");
     let both = cranny(folder.path(), &["ik", "021", "--single-shot", "--attempts", "5"]);
     assert_eq!(both.status.code(), Some(2));

@@ -19,8 +19,11 @@ impl Cell {
         self.are_free_with(simd_level(), configurations, scratch, verdicts);
     }
 
-    /// [`Self::are_free`] with the instructions of `level`.
-    pub(crate) fn are_free_with(
+    /// [`Self::are_free`] with the instructions of `level`, for comparing instruction sets.
+    ///
+    /// # Panics
+    /// If `configurations` does not consist of whole rows.
+    pub fn are_free_with(
         &self,
         level: Level,
         configurations: &[f64],
