@@ -49,6 +49,70 @@ pub enum ShapeError {
         /// How many edges lack their second triangle.
         edges: usize,
     },
+    /// Triangles of a mesh cannot be turned so that all face outwards.
+    #[error(
+        "the mesh has no inside: its faces cannot all be turned outwards, {edges} of its edges contradict \
+         each other (is it one-sided, or do more than two faces share an edge?)"
+    )]
+    OneSided {
+        /// How many edges have no second triangle the other way round.
+        edges: usize,
+    },
+    /// Triangles of a mesh pass through each other.
+    #[error(
+        "the mesh crosses itself: {pairs} pairs of triangles pass through each other, by {depth_m:.1e} m \
+         triangles {first} and {second} near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one surface)"
+    )]
+    SelfCrossing {
+        /// How many pairs of triangles do.
+        pairs: usize,
+        /// Index of one of the two that do so most deeply.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+        /// How deeply, in metres.
+        depth_m: f64,
+        /// x of a corner there, in metres.
+        x: f64,
+        /// y of it.
+        y: f64,
+        /// z of it.
+        z: f64,
+    },
+    /// A mesh encloses no volume, or a negative one.
+    #[error("the mesh encloses no volume ({volume_m3:.3e} m³; do its faces look inwards?)")]
+    NoVolume {
+        /// What it encloses, in cubic metres.
+        volume_m3: f64,
+    },
+    /// A centre of mass lies outside the body.
+    #[error("the centre of mass ({x}, {y}, {z}) m lies outside the convex hull, so nothing could rest")]
+    CenterOutside {
+        /// x in metres.
+        x: f64,
+        /// y in metres.
+        y: f64,
+        /// z in metres.
+        z: f64,
+    },
+    /// Rings do not make a body.
+    #[error(
+        "{rings} rings, the first of {points} points, make no body: it takes two rings of the same three points or more"
+    )]
+    Rings {
+        /// How many rings there are.
+        rings: usize,
+        /// How many points the first one has.
+        points: usize,
+    },
+    /// The file cannot be written.
+    #[error("{path}: cannot write the mesh: {source}", path = path.display())]
+    Write {
+        /// The mesh file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A mesh is scaled by zero, or by something that is not a number.
     #[error("a mesh cannot be scaled by ({x}, {y}, {z})")]
     Scale {
@@ -93,7 +157,7 @@ impl ShapeError {
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         match self {
-            Self::Read { .. } | Self::Format { .. } | Self::Content { .. } => self,
+            Self::Read { .. } | Self::Write { .. } | Self::Format { .. } | Self::Content { .. } => self,
             fault => Self::Content { path: path.to_owned(), source: Box::new(fault) },
         }
     }

@@ -1,5 +1,5 @@
-//! Solids and triangle meshes: how far apart they are, how deep they overlap, what bounds them, and how
-//! they are read from mesh files.
+//! Solids and triangle meshes: how far apart they are, how deep they overlap, what bounds them, what a ray
+//! meets, what they weigh and how they come to rest, and how they are read from mesh files.
 //!
 //! A [`Solid`] is full: something wholly inside it touches it. A [`Surface`] is only its triangles, as in
 //! the released `paper` check. Distances come with a certificate: [`Separation::lower_m`] is never above
@@ -8,28 +8,45 @@
 //! The narrow phase is `parry3d-f64`'s GJK and EPA; this crate alone names that library.
 //!
 //! ## Limits
-//! No point clouds, no height fields, no signed distance fields. Volumes and inertia of objects are not
-//! here yet.
+//! No point clouds, no height fields, no signed distance fields. Density is uniform. Meshes with holes have
+//! no volume here, and nothing fills the holes.
 
+mod area;
 mod ball_tree;
 mod bound;
 mod convex;
+mod convex_hull;
+mod convex_parts;
 mod cuboid_run;
 mod error;
+mod geodesic_sphere;
 mod inner_balls;
+mod loft;
 mod mesh;
 mod mesh_file;
+mod moments;
 mod parry;
+mod ray;
+mod repair;
+mod self_crossing;
 mod separation;
 mod solid;
+mod stable_pose;
 mod surface;
 
+pub use area::{AreaDistribution, SurfacePoint};
 pub use ball_tree::{BallNode, BallTree};
 pub use bound::{Aabb, Ball, Bounds};
+pub use convex_parts::{ConvexParts, DecompositionSettings, VolumeError};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
 pub use inner_balls::inner_balls;
+pub use loft::Loft;
 pub use mesh_file::TriangleSoup;
+pub use moments::VolumeMoments;
+pub use ray::RayHit;
+pub use repair::{RepairedMesh, SAME_PLACE_M};
 pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
 pub use solid::{Outline, Solid};
+pub use stable_pose::{StablePose, stable_poses};
 pub use surface::Surface;

@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use cranny_spatial::{Point, Vector};
 use parry3d_f64::bounding_volume::Aabb as ParryAabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d_f64::query::Ray;
 
 use crate::convex::{Convex, Core};
 use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
@@ -67,8 +68,9 @@ impl Mesh {
     }
 }
 
-/// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983).
-fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
+/// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983); positive where the eye sees the
+/// back of the triangle.
+pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - eye);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let denominator = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
@@ -119,7 +121,7 @@ fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
 }
 
 /// Every edge is run through as often in one direction as in the other.
-fn check_closed(soup: &TriangleSoup) -> Result<(), ShapeError> {
+pub(crate) fn check_closed(soup: &TriangleSoup) -> Result<(), ShapeError> {
     let mut balance: HashMap<(u32, u32), i64> = HashMap::new();
     for &[a, b, c] in &soup.triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -147,6 +149,14 @@ impl TriangleTree {
     pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
         let region = BvhNode::leaf(parry_box(region), 0);
         self.tree.leaves(move |node| node.intersects(&region))
+    }
+
+    /// Calls `visit` with each triangle whose box a ray meets within `reach_m`, in a fixed order.
+    pub fn along_ray(&self, origin: &Point, direction: &Vector, reach_m: f64, mut visit: impl FnMut(u32)) {
+        let ray = Ray::new(parry::point(origin), parry::vector(direction));
+        for triangle in self.tree.leaves(|node| node.cast_ray(&ray, reach_m) <= reach_m) {
+            visit(triangle);
+        }
     }
 }
 

@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::fmt::Write as _;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -35,6 +36,21 @@ impl TriangleSoup {
         Self::from_corners(corners.iter().map(|corner| corner.coords.component_mul(&scale).into()))
             .and_then(|soup| if soup.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(soup) })
             .map_err(|fault| fault.in_file(path))
+    }
+
+    /// Writes the triangles as an OBJ file, in metres; what is read back is rounded to single precision.
+    ///
+    /// # Errors
+    /// [`ShapeError::Write`].
+    pub fn write_obj(&self, path: &Path) -> Result<(), ShapeError> {
+        let mut text = String::new();
+        for v in &self.vertices {
+            let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
+        }
+        for [a, b, c] in &self.triangles {
+            let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+        }
+        std::fs::write(path, text).map_err(|source| ShapeError::Write { path: path.to_owned(), source })
     }
 
     /// Triangles from their corners, three at a time; equal corners are merged.

@@ -206,6 +206,17 @@ impl Solid {
         }
     }
 
+    /// What the solid sweeps over while it moves straight along `shift` (m), in its frame before the motion;
+    /// `None` for a half-space. Exact for cuboids, spheres, capsules and hulls; a cylinder counts as the
+    /// prism of eight sides around it, a mesh as its convex hull, so that the answer is never too small.
+    #[must_use]
+    pub fn swept(&self, shift: &Vector) -> Option<Self> {
+        let (points, radius_m) = self.bounding_points()?;
+        let both_ends: Vec<_> =
+            points.iter().flat_map(|p| [parry::point(p), parry::point(&(p + shift))]).collect();
+        Some(Self::convex(Convex { core: Core::Hull(Arc::new(HullPoints::new(&both_ends))), radius_m }))
+    }
+
     /// The point of a convex solid that lies farthest along `direction`; `None` for a mesh or half-space.
     pub fn support_point(&self, direction: &Vector) -> Option<Point> {
         match &self.kind {

@@ -7,11 +7,11 @@ use crate::{Aabb, ShapeError, TriangleSoup};
 /// other. What the released planners check (DESIGN, `paper`).
 #[derive(Clone, Debug)]
 pub struct Surface {
-    corners: Vec<[Point; 3]>,
+    pub(crate) corners: Vec<[Point; 3]>,
     /// For each triangle its box, and its unit normal; zero for one without an area.
     boxes: Vec<Aabb>,
     normals: Vec<Vector>,
-    tree: TriangleTree,
+    pub(crate) tree: TriangleTree,
     aabb: Aabb,
 }
 

@@ -1,0 +1,34 @@
+use cranny_spatial::Point;
+use parry3d_f64::transformation::try_convex_hull;
+
+use crate::error::usable;
+use crate::{ShapeError, TriangleSoup, parry};
+
+impl TriangleSoup {
+    /// The convex hull of `points` as a closed mesh, normals outwards.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`], or [`ShapeError::FlatHull`] for points in one plane.
+    pub fn convex_hull(points: &[Point]) -> Result<Self, ShapeError> {
+        for (vertex, p) in points.iter().enumerate() {
+            usable(vertex, p)?;
+        }
+        let given: Vec<_> = points.iter().map(parry::point).collect();
+        let flat = || ShapeError::FlatHull { points: points.len() };
+        let (vertices, triangles) = try_convex_hull(&given).map_err(|_| flat())?;
+        let vertices = vertices.into_iter().map(|v| parry::to_vector(v).into()).collect();
+        let hull = Self { vertices, triangles };
+        if hull.signed_volume_m3() > 0.0 { Ok(hull) } else { Err(flat()) }
+    }
+
+    /// The volume that the triangles enclose, in cubic metres: negative for normals inwards, meaningless for
+    /// a mesh with a hole.
+    pub fn signed_volume_m3(&self) -> f64 {
+        let Some(eye) = self.vertices.first() else { return 0.0 };
+        let of_tetrahedron = |index: usize| {
+            let [a, b, c] = self.corners(index).map(|corner| corner - eye);
+            a.dot(&b.cross(&c)) / 6.0
+        };
+        (0..self.triangles.len()).map(of_tetrahedron).sum()
+    }
+}

@@ -1,0 +1,69 @@
+use cranny_spatial::{Point, Vector};
+
+use crate::{ShapeError, TriangleSoup};
+
+/// A body through a row of closed rings, which all have the same number of points: neighbouring rings are
+/// joined, the first and the last are closed by a fan about their middle.
+///
+/// Rings run counterclockwise seen from where the row leads to, so that normals face outwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loft {
+    rings: Vec<Vec<Point>>,
+}
+
+impl Loft {
+    /// A body through `rings`.
+    ///
+    /// # Errors
+    /// [`ShapeError::Rings`] for fewer than two rings, rings of fewer than three points, or of different
+    /// numbers of them.
+    pub fn new(rings: Vec<Vec<Point>>) -> Result<Self, ShapeError> {
+        let points = rings.first().map_or(0, Vec::len);
+        if rings.len() < 2 || points < 3 || rings.iter().any(|ring| ring.len() != points) {
+            return Err(ShapeError::Rings { rings: rings.len(), points });
+        }
+        Ok(Self { rings })
+    }
+
+    /// The surface: closed, normals outwards.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`].
+    pub fn mesh(&self) -> Result<TriangleSoup, ShapeError> {
+        let mut corners = Vec::new();
+        let count = self.rings[0].len();
+        for pair in self.rings.windows(2) {
+            for here in 0..count {
+                let next = (here + 1) % count;
+                let (a, b, c, d) = (pair[0][here], pair[0][next], pair[1][next], pair[1][here]);
+                corners.extend([a, b, c, a, c, d]);
+            }
+        }
+        let (first, last) = (&self.rings[0], &self.rings[self.rings.len() - 1]);
+        for here in 0..count {
+            let next = (here + 1) % count;
+            corners.extend([middle(first), first[next], first[here]]);
+            corners.extend([middle(last), last[here], last[next]]);
+        }
+        TriangleSoup::from_corners(corners)
+    }
+
+    /// The convex hulls of pieces of the body: cut at the rings `cuts`, which belong to the pieces on both
+    /// sides.
+    ///
+    /// # Errors
+    /// [`ShapeError::FlatHull`] for a piece without volume.
+    pub fn convex_pieces(&self, cuts: &[usize]) -> Result<Vec<TriangleSoup>, ShapeError> {
+        let last = self.rings.len() - 1;
+        let mut bounds: Vec<usize> = cuts.iter().copied().filter(|&cut| cut > 0 && cut < last).collect();
+        bounds.insert(0, 0);
+        bounds.push(last);
+        let piece = |ends: &[usize]| TriangleSoup::convex_hull(&self.rings[ends[0]..=ends[1]].concat());
+        bounds.windows(2).map(piece).collect()
+    }
+}
+
+fn middle(ring: &[Point]) -> Point {
+    let sum: Vector = ring.iter().map(|point| point.coords).sum();
+    (sum / ring.len() as f64).into()
+}

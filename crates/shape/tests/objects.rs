@@ -1,0 +1,309 @@
+//! Repair, volume, convex parts, rest: what becomes of the mesh of an object.
+
+use std::f64::consts::{PI, TAU};
+
+use cranny_shape::{
+    AreaDistribution, ConvexParts, DecompositionSettings, Loft, RepairedMesh, ShapeError, Solid, Surface,
+    TriangleSoup, VolumeMoments, separation, stable_poses,
+};
+use cranny_spatial::{Point, Pose, Stream, Vector, sin_cos};
+use proptest::prelude::*;
+
+fn cuboid(x: f64, y: f64, z: f64) -> TriangleSoup {
+    Surface::cuboid_soup(&(Vector::new(x, y, z) * 0.5))
+}
+
+fn moved(soup: &TriangleSoup, pose: &Pose) -> TriangleSoup {
+    TriangleSoup {
+        vertices: soup.vertices.iter().map(|v| pose * v).collect(),
+        triangles: soup.triangles.clone(),
+    }
+}
+
+/// Two meshes in one.
+fn together(one: &TriangleSoup, other: &TriangleSoup) -> TriangleSoup {
+    let corners = |soup: &TriangleSoup| -> Vec<Point> {
+        (0..soup.triangles.len()).flat_map(|t| soup.corners(t)).collect()
+    };
+    TriangleSoup::from_corners([corners(one), corners(other)].concat()).unwrap()
+}
+
+/// An L: not convex, its volume known.
+fn angle_iron() -> TriangleSoup {
+    let outline = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2)];
+    let ring = |z: f64| outline.map(|(x, y)| Point::new(x, y, z)).to_vec();
+    // A fan about the middle of the outline would leave it, so the caps are cut by hand.
+    let mut corners = Vec::new();
+    let (low, high) = (ring(0.0), ring(0.1));
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        corners.extend([low[i], low[j], high[j], low[i], high[j], high[i]]);
+    }
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
+        corners.extend([high[a], high[b], high[c], low[a], low[c], low[b]]);
+    }
+    TriangleSoup::from_corners(corners).unwrap()
+}
+
+#[test]
+fn flipped_and_doubled_faces_are_repaired() {
+    let whole = cuboid(0.1, 0.2, 0.3);
+    // Every triangle brings its own three vertices, some are turned round, one stands there twice.
+    let mut soup = TriangleSoup::default();
+    for (index, triangle) in (0..12).chain([3]).enumerate() {
+        let first = u32::try_from(soup.vertices.len()).unwrap();
+        soup.vertices.extend(whole.corners(triangle));
+        let turned = index % 3 == 1;
+        soup.triangles.push(if turned {
+            [first, first + 2, first + 1]
+        } else {
+            [first, first + 1, first + 2]
+        });
+    }
+    let repaired = RepairedMesh::of(&soup).unwrap();
+    assert_eq!(repaired.merged_vertices, 39 - 8);
+    assert_eq!((repaired.dropped_triangles, repaired.flipped_triangles), (1, 4));
+    let volume_m3 = VolumeMoments::of_mesh(&repaired.soup).unwrap().volume_m3;
+    assert!((volume_m3 - 0.006).abs() < 1e-15, "{volume_m3}");
+}
+
+#[test]
+fn an_inside_out_mesh_is_turned_and_a_cavity_kept() {
+    let outer = cuboid(0.3, 0.3, 0.3);
+    let mut inner = cuboid(0.1, 0.1, 0.1);
+    for inside_out in [false, true] {
+        // Whichever way the inner box faces, it is the wall of a cavity.
+        let hollow = RepairedMesh::of(&together(&outer, &inner)).unwrap();
+        let volume_m3 = hollow.soup.signed_volume_m3();
+        assert!((volume_m3 - (0.027 - 0.001)).abs() < 1e-12, "{inside_out}: {volume_m3}");
+        for triangle in &mut inner.triangles {
+            triangle.swap(1, 2);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_repaired_is_refused_with_its_reason() {
+    let mut open = cuboid(0.1, 0.1, 0.1);
+    open.triangles.pop();
+    assert!(matches!(RepairedMesh::of(&open), Err(ShapeError::Open { edges: 3 })));
+
+    let crossing = together(&cuboid(0.1, 0.1, 0.1), &moved(&cuboid(0.1, 0.1, 0.1), &shift(0.03, 0.04, 0.05)));
+    let fault = RepairedMesh::of(&crossing).unwrap_err();
+    assert!(matches!(fault, ShapeError::SelfCrossing { .. }), "{fault}");
+
+    // Apart from each other the same two boxes are sound.
+    let apart = together(&cuboid(0.1, 0.1, 0.1), &moved(&cuboid(0.1, 0.1, 0.1), &shift(0.3, 0.04, 0.05)));
+    assert_eq!(RepairedMesh::of(&apart).unwrap().flipped_triangles, 0);
+
+    // A Möbius strip of which both faces are given: closed by count, but one-sided.
+    let klein = klein_bottle(12, 8);
+    let fault = RepairedMesh::of(&klein).unwrap_err();
+    assert!(matches!(fault, ShapeError::OneSided { .. }), "{fault}");
+
+    assert!(matches!(RepairedMesh::of(&TriangleSoup::default()), Err(ShapeError::Empty)));
+}
+
+fn shift(x: f64, y: f64, z: f64) -> Pose {
+    Pose::translation(x, y, z)
+}
+
+/// A torus whose tube is glued to itself the wrong way round.
+fn klein_bottle(around: u32, tube: u32) -> TriangleSoup {
+    let vertex = |i: u32, j: u32| {
+        let (i, j) = if i == around { (0, (tube - j) % tube) } else { (i, j % tube) };
+        i * tube + j
+    };
+    let mut soup = TriangleSoup::default();
+    for i in 0..around {
+        for j in 0..tube {
+            let (sin_i, cos_i) = sin_cos(TAU * f64::from(i) / f64::from(around));
+            let (sin_j, cos_j) = sin_cos(TAU * f64::from(j) / f64::from(tube));
+            let reach = 0.1 + 0.03 * cos_j;
+            soup.vertices.push(Point::new(reach * cos_i, reach * sin_i, 0.03 * sin_j));
+            let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
+            soup.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    soup
+}
+
+#[test]
+fn moments_of_a_turned_cuboid_are_those_of_the_textbook() {
+    let (x, y, z) = (0.1, 0.2, 0.4);
+    let pose = Pose::new(Vector::new(3.0, -2.0, 1.0), Vector::new(0.3, -0.8, 0.5));
+    let moments = VolumeMoments::of_mesh(&moved(&cuboid(x, y, z), &pose)).unwrap();
+    assert!((moments.volume_m3 - x * y * z).abs() < 1e-14);
+    assert!((moments.center - pose * Point::origin()).norm() < 1e-12);
+    let textbook = Vector::new(y * y + z * z, x * x + z * z, x * x + y * y) / 12.0;
+    let rotation = pose.rotation.to_rotation_matrix();
+    let expected = rotation.matrix()
+        * cranny_spatial::nalgebra::Matrix3::from_diagonal(&textbook)
+        * rotation.matrix().transpose();
+    assert!((moments.inertia_per_mass_m2 - expected).amax() < 1e-12);
+}
+
+#[test]
+fn moments_of_a_fine_sphere_are_nearly_those_of_a_sphere() {
+    let moments = VolumeMoments::of_mesh(&TriangleSoup::geodesic_sphere(0.1, 4)).unwrap();
+    let share = moments.volume_m3 / (4.0 / 3.0 * PI * 1e-3);
+    assert!(share < 1.0 && share > 0.997, "{share}");
+    assert!((moments.inertia_per_mass_m2.m11 / (0.4 * 0.01) - 1.0).abs() < 3e-3);
+    assert!(moments.center.coords.norm() < 1e-12);
+}
+
+#[test]
+fn convex_parts_of_an_angle_iron_are_few_and_their_error_is_honest() {
+    let mesh = angle_iron();
+    let found = ConvexParts::of_mesh(&mesh, &DecompositionSettings::default()).unwrap();
+    assert!((2..=6).contains(&found.parts.len()), "{}", found.parts.len());
+    assert!(found.error.excess < 0.02 && found.error.missing < 0.02, "{:?}", found.error);
+    // Against the hull the error is known: the triangle between the two arms.
+    let hull = TriangleSoup::convex_hull(&mesh.vertices).unwrap();
+    let of_hull = ConvexParts::measured(&mesh, vec![hull.clone()]).unwrap();
+    let volume_m3 = mesh.signed_volume_m3();
+    let expected = hull.signed_volume_m3() / volume_m3 - 1.0;
+    assert!((volume_m3 - 0.00175).abs() < 1e-12);
+    assert!((of_hull.error.excess - expected).abs() < 5e-3, "{:?}, {expected}", of_hull.error);
+    assert!(of_hull.error.missing < 1e-3);
+    let half = vec![moved(&cuboid(0.2, 0.05, 0.1), &shift(0.1, 0.025, 0.05))];
+    let of_half = ConvexParts::measured(&mesh, half).unwrap();
+    assert!((of_half.error.missing - 0.75 / 1.75).abs() < 5e-3 && of_half.error.excess < 1e-3);
+}
+
+/// Solid angle of a rectangle a × b seen from the distance d above its middle, over 4π.
+fn share_of_rectangle(a: f64, b: f64, d: f64) -> f64 {
+    (a * b / (2.0 * d * (4.0 * d * d + a * a + b * b).sqrt())).atan() / PI
+}
+
+#[test]
+fn a_cuboid_rests_on_its_six_sides_with_the_shares_of_their_solid_angles() {
+    let (x, y, z) = (0.038, 0.089, 0.175);
+    let poses = stable_poses(&cuboid(x, y, z).vertices, &Point::origin()).unwrap();
+    let found: Vec<f64> = poses.iter().map(|pose| pose.probability).collect();
+    let shares = [(y, z, x), (x, z, y), (x, y, z)].map(|(a, b, d)| share_of_rectangle(a, b, 0.5 * d));
+    assert_eq!(found.len(), 6);
+    for (index, share) in found.iter().enumerate() {
+        assert!((share - shares[index / 2]).abs() < 1e-12, "{found:?}, {shares:?}");
+    }
+    for (pose, height) in poses.iter().zip([x, x, y, y, z, z]) {
+        assert!((pose.ground_from_body.translation.z - 0.5 * height).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_leaning_prism_topples_from_the_faces_that_do_not_hold_it() {
+    // Its top is shifted by twice its width: standing on an end, the centre of mass is beyond the edge.
+    let ring = |x: f64, z: f64| {
+        [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)].map(|(a, b)| Point::new(x + a, b, z)).to_vec()
+    };
+    let mesh = Loft::new(vec![ring(0.0, 0.0), ring(0.2, 0.3)]).unwrap().mesh().unwrap();
+    let center = VolumeMoments::of_mesh(&mesh).unwrap().center;
+    let poses = stable_poses(&mesh.vertices, &center).unwrap();
+    assert_eq!(poses.len(), 4, "{poses:?}");
+    assert!((poses.iter().map(|pose| pose.probability).sum::<f64>() - 1.0).abs() < 1e-12);
+    let down = |pose: &Pose| pose.rotation.inverse() * -Vector::z();
+    assert!(poses.iter().all(|pose| down(&pose.ground_from_body).z.abs() < 0.9));
+}
+
+#[test]
+fn a_centre_of_mass_outside_is_refused() {
+    let far = Point::new(1.0, 0.0, 0.0);
+    assert!(matches!(
+        stable_poses(&cuboid(0.1, 0.1, 0.1).vertices, &far),
+        Err(ShapeError::CenterOutside { .. })
+    ));
+}
+
+#[test]
+fn points_of_a_surface_are_uniform_over_its_area() {
+    let surface = Surface::new(&cuboid(0.1, 0.2, 0.4)).unwrap();
+    let area = AreaDistribution::new(&surface).unwrap();
+    assert!((area.area_m2() - 2.0 * (0.02 + 0.04 + 0.08)).abs() < 1e-12);
+    let mut random = Stream::new(1, 0);
+    let (mut of_side, mut upper) = ([0; 3], 0);
+    for _ in 0..60_000 {
+        let found = area.point([random.uniform(), random.uniform(), random.uniform()]);
+        let axis = found.normal.iamax();
+        of_side[axis] += 1;
+        let half = [0.05, 0.1, 0.2][axis];
+        assert!((found.point[axis] - half * found.normal[axis].signum()).abs() < 1e-15);
+        upper += usize::from(found.point.z > 0.1);
+    }
+    let share = |count: usize| count as f64 / 60_000.0;
+    assert!((share(of_side[0]) - 4.0 / 7.0).abs() < 0.01, "{of_side:?}");
+    assert!((share(of_side[1]) - 2.0 / 7.0).abs() < 0.01 && (share(of_side[2]) - 1.0 / 7.0).abs() < 0.01);
+    // The upper quarter has a quarter of the sides and one of the two ends.
+    assert!((share(upper) - (0.25 * 6.0 / 7.0 + 0.5 / 7.0)).abs() < 0.01);
+}
+
+#[test]
+fn a_loft_needs_rings_that_fit() {
+    let ring = |count: usize| vec![Point::origin(); count];
+    for rings in [vec![], vec![ring(4)], vec![ring(2), ring(2)], vec![ring(4), ring(5)]] {
+        assert!(matches!(Loft::new(rings), Err(ShapeError::Rings { .. })));
+    }
+}
+
+proptest! {
+    #[test]
+    fn rays_meet_what_a_scan_of_all_triangles_finds(seed in 0_u64..200) {
+        let mut random = Stream::new(seed, 0);
+        let soup = TriangleSoup::geodesic_sphere(0.1, 2);
+        let surface = Surface::new(&soup).unwrap();
+        let mut vector = || Vector::new(random.normal(), random.normal(), random.normal());
+        let (origin, direction) = (Point::from(vector() * 0.1), vector().normalize());
+        let found = surface.ray_hits(&origin, &direction, 1.0);
+        // The oracle: the plane of each triangle, and on which side of each edge it is met.
+        let mut expected: Vec<f64> = Vec::new();
+        for index in 0..soup.triangles.len() {
+            let [a, b, c] = soup.corners(index);
+            let normal = (b - a).cross(&(c - a));
+            let distance = (a - origin).dot(&normal) / direction.dot(&normal);
+            let point = origin + direction * distance;
+            let inside = [(a, b), (b, c), (c, a)]
+                .iter()
+                .all(|(from, to)| (to - from).cross(&(point - from)).dot(&normal) >= 0.0);
+            if inside && (0.0..=1.0).contains(&distance) {
+                expected.push(distance);
+            }
+        }
+        expected.sort_by(f64::total_cmp);
+        prop_assert_eq!(found.len(), expected.len());
+        for (hit, distance) in found.iter().zip(&expected) {
+            prop_assert!((hit.distance_m - distance).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_swept_solid_touches_what_the_solid_touches_on_its_way(seed in 0_u64..60) {
+        let mut random = Stream::new(seed, 0);
+        let mut vector = |size: f64| {
+            Vector::new(random.normal(), random.normal(), random.normal()) * size
+        };
+        let solids = [
+            Solid::cuboid(Vector::new(0.02, 0.05, 0.01)).unwrap(),
+            Solid::sphere(0.03).unwrap(),
+            Solid::capsule(0.05, 0.01).unwrap(),
+        ];
+        let obstacle = Solid::cuboid(Vector::new(0.04, 0.03, 0.02)).unwrap();
+        let pose = Pose::new(vector(0.1), vector(1.0));
+        let shift = vector(0.1);
+        for solid in &solids {
+            let swept = solid.swept(&shift).unwrap();
+            let gap = separation(&swept, &Pose::identity(), &obstacle, &pose, 1.0);
+            // The least distance of the solid on its way, at many places: never less than that of the sweep,
+            // and more by at most half a step.
+            let steps = 200;
+            let on_the_way = (0..=steps)
+                .map(|step| {
+                    let there = Pose::from_parts((shift * (f64::from(step) / f64::from(steps))).into(),
+                        cranny_spatial::Rotation::identity());
+                    separation(solid, &there, &obstacle, &pose, 1.0).upper_m
+                })
+                .fold(f64::INFINITY, f64::min);
+            prop_assert!(on_the_way >= gap.lower_m - 1e-9);
+            prop_assert!(on_the_way <= gap.upper_m + shift.norm() / f64::from(steps) + 1e-6);
+        }
+    }
+}
