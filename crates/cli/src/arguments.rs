@@ -7,6 +7,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::Geometry;
 
+use crate::grasps::GraspsArguments;
+use crate::object::ObjectArguments;
+
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///
 /// ID is a built-in scenario (see `cranny list`), the folder of a scenario, or the folder of a scenario in
@@ -52,6 +55,10 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Look for free configurations at every grasp of a scenario
     Ik(IkArguments),
+    /// Sample, filter and compare grasps
+    Grasps(GraspsArguments),
+    /// Make objects to grasp from meshes, and show those that there are
+    Object(ObjectArguments),
 }
 
 /// Which task, under which criterion.

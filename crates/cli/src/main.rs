@@ -4,9 +4,12 @@
 
 mod arguments;
 mod failure;
+mod grasp_choice;
+mod grasps;
 mod ik;
 mod info;
 mod list;
+mod object;
 mod plan;
 mod plan_task;
 mod progress;
@@ -40,6 +43,8 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => plan::run(arguments, cli.output),
         Command::Verify(arguments) => verify::run(arguments, cli.output),
         Command::Ik(arguments) => ik::run(arguments, cli.output),
+        Command::Grasps(arguments) => grasps::run(arguments, cli.output),
+        Command::Object(arguments) => object::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,

@@ -25,6 +25,15 @@ pub fn bar(total: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
+/// A line that says what is being done where nobody knows for how long.
+pub fn spinner(message: &'static str, quiet: bool) -> ProgressBar {
+    let spinner = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    spinner.set_style(style("{spinner} {msg}, {elapsed}"));
+    spinner.set_message(message);
+    spinner.enable_steady_tick(PATIENCE / 4);
+    spinner
+}
+
 /// Shows how a search goes once it takes longer than a second, and ends it on Ctrl-C.
 pub struct SearchProgress {
     spinner: ProgressBar,

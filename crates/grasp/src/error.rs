@@ -11,6 +11,19 @@ pub enum GraspError {
         /// Index of the grasp, from 0.
         grasp: usize,
     },
+    /// A setting of the sampler is out of its range.
+    #[error("the {setting} of a sampling must be {range}, but is {value}")]
+    Setting {
+        /// Which setting.
+        setting: &'static str,
+        /// The offending value.
+        value: f64,
+        /// What would fit.
+        range: &'static str,
+    },
+    /// There is no surface to sample on.
+    #[error("the object's triangles have no area, so there is nothing to grasp")]
+    NoArea,
     /// A score lies outside its range.
     #[error("the score of grasp {grasp} is {score}, but scores lie in [0, 1]")]
     Score {

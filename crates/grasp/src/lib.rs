@@ -1,18 +1,31 @@
-//! Grasps: where a gripper would be, how good that is, how far one grasp is from another, and the files that
-//! hold sets of them.
+//! Grasps: where a gripper would be, how good that is, how far one grasp is from another, how they are
+//! sampled on a bare object, and the files that hold sets of them.
 //!
 //! The **gripper frame** has its origin between the finger pads, y along the axis on which the fingers close,
 //! z out of the palm, the approach direction. A parallel gripper turned by 180° about z is the same grasp.
 //!
 //! ## Limits
-//! Parallel grippers only. Grasps are read and compared here, not sampled or scored.
+//! Parallel grippers only, two point contacts with friction; torque about the line between the contacts is
+//! not resisted. Contacts are those of one triangle each; pads do not bend around an edge. Whether hand and
+//! fingers fit around the object is asked in `plan`.
 
+mod contact;
 mod error;
 mod file;
 mod grasp;
+mod gripper;
 mod homogeneous;
+mod metric;
+mod sampler;
+mod subset;
+mod twins;
 
+pub use contact::{Contact, friction_needed, friction_score};
 pub use error::GraspError;
 pub use file::{read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
+pub use gripper::Gripper;
 pub use homogeneous::pose_of_rows;
+pub use metric::{COVERAGE_THRESHOLD, coverage, grasp_distance, nearest_distances, pairwise_distances};
+pub use sampler::{FirstApproach, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
+pub use subset::{covering_subset, farthest_subset, random_subset};

@@ -18,6 +18,7 @@ mod goal_meter;
 mod goal_pool;
 mod grasp_failure;
 mod grasp_poses;
+mod hand_filter;
 mod ik_annotation;
 mod ik_rrt;
 mod j_plus_rrt;
@@ -44,6 +45,7 @@ mod verification;
 
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
+pub use hand_filter::{APPROACH_M, Hand, HandFilter};
 pub use ik_annotation::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
 };

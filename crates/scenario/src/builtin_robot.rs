@@ -1,8 +1,9 @@
 use std::sync::Arc;
 
+use cranny_plan::Hand;
 use cranny_robot::{Robot, RobotError, RobotOptions, TextSource};
 
-use crate::robot_file;
+use crate::{hand, robot_file};
 
 /// What scenario files call the built-in robot.
 pub(crate) const PANDA_MOBILE: &str = "panda_mobile";
@@ -17,7 +18,16 @@ pub fn panda_mobile() -> Result<Arc<Robot>, RobotError> {
     panda_mobile_with(&RobotOptions::default())
 }
 
-/// The same with another tip or other values of the fingers.
+/// The hand of the built-in robot, with open fingers.
+///
+/// # Errors
+/// As [`panda_mobile`].
+pub fn panda_hand() -> Result<Hand, RobotError> {
+    let robot = panda_mobile()?;
+    Ok(Hand::of_robot(&robot, &hand::hand_links(&robot)))
+}
+
+/// The robot with another tip or other values of the fingers.
 pub(crate) fn panda_mobile_with(options: &RobotOptions) -> Result<Arc<Robot>, RobotError> {
     let text = |name: &str, text: &str| TextSource::Text { name: name.to_owned(), text: text.to_owned() };
     let mut options = options.clone();
@@ -43,7 +53,7 @@ mod tests {
         assert_eq!(robot.dof(), 9);
         assert_eq!(robot.links()[robot.tip()].name, "panda_grasptarget");
         assert!(robot.limits().iter().all(|l| l.acceleration.is_some() && l.jerk.is_some()));
-        let hand = crate::hand::hand_links(&robot);
+        let hand = hand::hand_links(&robot);
         let names: Vec<&str> = hand.iter().map(|&link| robot.links()[link].name.as_str()).collect();
         assert_eq!(names, ["panda_hand", "panda_leftfinger", "panda_rightfinger"]);
         // The pads stand 8 cm apart.

@@ -1,4 +1,4 @@
-use cranny_collision::{Body, Part, World};
+use cranny_collision::{Body, World};
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_robot::RobotOptions;
 use cranny_shape::Solid;
@@ -6,7 +6,7 @@ use cranny_spatial::nalgebra::Translation3;
 use cranny_spatial::{Pose, Stream, Vector};
 
 use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{OpenOptions, Scenario, ScenarioError, builtin_robot, hand, robot_file};
+use crate::{Obstacle, OpenOptions, Scenario, ScenarioError, builtin_robot, hand, robot_file};
 
 /// A scenario that needs no file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ fn ball_under_table(id: &str, level: usize, options: &OpenOptions) -> Result<Sce
     let planning_from_ball = planning_from_scene * Translation3::from(ball_in_scene);
     let planning_from_table = planning_from_scene * Pose::translation(0.0, 0.6, 0.0);
     let bodies = vec![
-        Body { name: "table".into(), parts: inverted_u(&TABLE, &planning_from_table)? },
+        Obstacle::TABLE.body("table", &planning_from_table)?,
         Body::new("ball", planning_from_ball, Solid::sphere(BALL_RADIUS_M)?),
         Body::floor(FLOOR_M),
     ];
@@ -100,35 +100,6 @@ const BALL_RADIUS_M: f64 = 0.03235;
 
 /// The start of every scenario of the paper (base y, base x in m; the seven joints of the arm in rad).
 const START: [f64; 9] = [0.0, 0.0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534];
-
-/// Two legs that stand on the floor and a slab, as thick as the legs, that lies on them; in metres.
-struct InvertedU {
-    thickness: f64,
-    width: f64,
-    depth: f64,
-    leg_height: f64,
-}
-
-const TABLE: InvertedU = InvertedU { thickness: 0.1, width: 2.0, depth: 0.8, leg_height: 0.4 };
-
-/// The cuboids of an inverted U, whose own frame has its origin on the floor at a corner, x along its width,
-/// y along its depth.
-fn inverted_u(shape: &InvertedU, world_from_u: &Pose) -> Result<Vec<Part>, ScenarioError> {
-    let InvertedU { thickness, width, depth, leg_height } = *shape;
-    let cuboid = |low: Vector, size: Vector| -> Result<Part, ScenarioError> {
-        let middle = low + size * 0.5;
-        Ok(Part {
-            world_from_solid: world_from_u * Pose::translation(middle.x, middle.y, middle.z),
-            solid: Solid::cuboid(size * 0.5)?,
-        })
-    };
-    let leg = Vector::new(thickness, depth, leg_height);
-    Ok(vec![
-        cuboid(Vector::zeros(), leg)?,
-        cuboid(Vector::new(width - thickness, 0.0, 0.0), leg)?,
-        cuboid(Vector::new(0.0, 0.0, leg_height), Vector::new(width, depth, thickness))?,
-    ])
-}
 
 /// Grasps of a sphere: closing axes through its centre, uniform over all directions, approach directions
 /// uniform about them, the gripper frame's origin at the centre. Together that is a rotation uniform over

@@ -325,6 +325,45 @@ pub enum ScenarioError {
         /// The frames that there are.
         known: String,
     },
+    /// A mesh is too large or too small for an object that a hand grasps.
+    #[error(
+        "the object is {size_m:.3e} m long, so its mesh is hardly in metres (if it is in {unit}, scale it by \
+         {scale})"
+    )]
+    ObjectSize {
+        /// Its greatest extent as read, in metres.
+        size_m: f64,
+        /// The unit that the mesh may be in.
+        unit: &'static str,
+        /// The scale that would then be right.
+        scale: f64,
+    },
+    /// A number that describes an object is none.
+    #[error("the {what} of an object must be a positive number, but is {value}")]
+    ObjectNumber {
+        /// Which number.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+    },
+    /// A gripper has a size that is none.
+    #[error("{}: {reason}", path.display())]
+    GripperSize {
+        /// The gripper's file.
+        path: PathBuf,
+        /// Which size.
+        reason: cranny_shape::ShapeError,
+    },
+    /// No built-in object has that name.
+    #[error(
+        "there is no built-in object '{name}' (there are: {known}) and no folder of that name with object.yaml"
+    )]
+    UnknownBuiltinObject {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The robot cannot be built.
     #[error(transparent)]
     Robot(#[from] cranny_robot::RobotError),
@@ -340,6 +379,17 @@ pub enum ScenarioError {
     /// The problem is malformed.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+}
+
+impl ScenarioError {
+    /// The same fault, said of the mesh file that it was found in.
+    #[must_use]
+    pub fn in_mesh(self, path: &std::path::Path) -> Self {
+        match self {
+            Self::ShapeFile(fault) => Self::ShapeFile(fault.in_file(path)),
+            fault => fault,
+        }
+    }
 }
 
 fn listed(paths: &[PathBuf]) -> String {

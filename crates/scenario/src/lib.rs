@@ -15,14 +15,16 @@
 //! planning frame, the root frame of the robot.
 //!
 //! ## Limits
-//! Of the catalogue, only environment 02 (a ball under a table) is built in. Scenarios in a zip file are not
+//! Objects have no thumbnails yet. Of the catalogue, only environment 02 (a ball under a table) is built in. Scenarios in a zip file are not
 //! read. Meshes of obstacles must be closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
 //! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
 
 mod atomic_file;
+mod builtin_object;
 mod builtin_robot;
 mod catalogue;
 mod error;
+mod gripper_file;
 mod hand;
 mod moveit;
 mod moveit_file;
@@ -30,7 +32,10 @@ mod moveit_request;
 mod moveit_robot;
 mod moveit_world;
 mod number_table;
+mod object;
+mod object_folder;
 mod object_library;
+mod obstacle;
 mod own_layout;
 mod plan_file;
 mod released;
@@ -41,10 +46,15 @@ mod trajectory_file;
 mod waypoints;
 mod yaml;
 
-pub use builtin_robot::panda_mobile;
+pub use builtin_object::{builtin_object, builtin_object_names};
+pub use builtin_robot::{panda_hand, panda_mobile};
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::ScenarioError;
+pub use gripper_file::read_gripper;
 pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};
+pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
+pub use object_folder::OBJECT_FILE;
+pub use obstacle::Obstacle;
 pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 pub use scenario::{Demands, Geometry, OpenOptions, Scenario};
 pub use trajectory_file::write_trajectory_csv;

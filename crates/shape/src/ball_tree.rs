@@ -1,9 +1,8 @@
 use cranny_spatial::{Point, Pose};
-use parry3d_f64::transformation::try_convex_hull;
 
 use crate::convex::{Convex, Core};
 use crate::solid::Kind;
-use crate::{Ball, Solid, parry};
+use crate::{Ball, Solid, TriangleSoup};
 
 /// Balls whose union contains a solid, as a binary tree.
 ///
@@ -44,18 +43,15 @@ impl BallTree {
                 return Some(Self::along_segment(half_length, radius_m, bulge_m));
             }
         }
-        let corners: Vec<_> = points.iter().map(parry::point).collect();
-        let Ok((hull, faces)) = try_convex_hull(&corners) else {
+        // 1.
+        let Ok(hull) = TriangleSoup::convex_hull(&points) else {
+            // All in one plane, or one point.
             return Some(Self {
                 nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }],
             });
         };
-        // 1.
-        let corner = |index: u32| {
-            let p = hull[index as usize];
-            Point::new(p.x, p.y, p.z)
-        };
-        let piece = Piece { faces: faces.iter().map(|face| face.map(corner).to_vec()).collect() };
+        let piece =
+            Piece { faces: (0..hull.triangles.len()).map(|face| hull.corners(face).to_vec()).collect() };
         let planes = planes(&piece.faces);
         let mut tree = Self { nodes: Vec::new() };
         tree.cover(piece, &planes, radius_m, bulge_m, 0);

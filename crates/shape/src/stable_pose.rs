@@ -112,8 +112,12 @@ impl Faces {
             let face = faces.normals.len();
             faces.of_triangle[seed] = face;
             let mut members = vec![seed];
+            let mut height = f64::NEG_INFINITY;
             while let Some(triangle) = members.pop() {
                 let [a, b, c] = hull.triangles[triangle];
+                for corner in hull.corners(triangle) {
+                    height = height.max(plane.dot(&corner.coords));
+                }
                 for edge in [(b, a), (c, b), (a, c)] {
                     let Some(&other) = at_edge.get(&edge) else { continue };
                     let turn = plane.cross(&normal(other)).norm();
@@ -124,9 +128,8 @@ impl Faces {
                     }
                 }
             }
-            let height = |vertex: &Point| plane.dot(&vertex.coords);
             faces.normals.push(plane);
-            faces.heights.push(hull.vertices.iter().map(height).fold(f64::NEG_INFINITY, f64::max));
+            faces.heights.push(height);
         }
         faces.edges = vec![Vec::new(); faces.normals.len()];
         for (triangle, &[a, b, c]) in hull.triangles.iter().enumerate() {

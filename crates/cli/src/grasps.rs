@@ -1,0 +1,458 @@
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use clap::{Args, Subcommand};
+use cranny_collision::{Body, World};
+use cranny_grasp::{
+    COVERAGE_THRESHOLD, FirstApproach, Grasp, GraspSet, Gripper, SampledGrasp, SamplerSettings, Sampling,
+    nearest_distances, pairwise_distances, read_csv, sample_grasps, write_csv,
+};
+use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_scenario::{ObjectType, OpenOptions, Scenario, ScenarioError, panda_hand, read_gripper};
+use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::grasp_choice::GraspChoice;
+use crate::progress::{bar, stop_on_interrupt};
+use crate::{object, text};
+
+#[derive(Clone, Debug, Args)]
+pub struct GraspsArguments {
+    #[command(subcommand)]
+    pub command: GraspsCommand,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+pub enum GraspsCommand {
+    /// Sample antipodal grasps on an object or a mesh
+    Sample(Box<SampleArguments>),
+    /// Keep the grasps that the hand alone can take in a scenario
+    Filter(FilterArguments),
+    /// How much of one set of grasps another covers
+    Coverage(CoverageArguments),
+    /// How far the grasps of a file are from each other
+    Distances(DistancesArguments),
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny grasps sample banana
+  cranny grasps sample sugar_box --pose 0 --count 500 --choose farthest -o box.csv
+  cranny grasps sample scan.obj --friction 0.4 --bare --json
+  cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
+
+Poses are written in the frame of the object: the 16 numbers of each row by row, score, width. The score is
+1 for contacts that need no friction and 0 for those that need all there is.")]
+pub struct SampleArguments {
+    /// Built-in object, the folder of an object, or a mesh file (normals outwards; holes are allowed)
+    #[arg(value_name = "OBJECT")]
+    pub object: String,
+    /// Where to write the grasps
+    #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
+    pub output: PathBuf,
+    /// How many grasps to write
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub count: usize,
+    /// How many to sample, from which those are chosen [default: ten times as many]
+    #[arg(long, value_name = "N")]
+    pub candidates: Option<usize>,
+    /// How to choose
+    #[arg(long, value_enum, default_value = "covering")]
+    pub choose: GraspChoice,
+    /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
+    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
+    pub friction: Option<f64>,
+    /// Gripper, as YAML [default: the built-in robot's hand]
+    #[arg(long, value_name = "FILE")]
+    pub gripper: Option<PathBuf>,
+    /// Approach directions about each closing axis
+    #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches)]
+    pub approaches: usize,
+    /// Turn the approach directions of each closing axis at random, instead of from level on
+    #[arg(long)]
+    pub random_approaches: bool,
+    /// The object rests on the ground in this one of its stable poses (see `cranny object show`): grasp it
+    /// from the side or from above, hand above the ground
+    #[arg(long, value_name = "K")]
+    pub pose: Option<usize>,
+    /// Between which depths the gripper stands, in millimetres along the approach from the middle between
+    /// the contacts
+    #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0],
+          allow_negative_numbers = true)]
+    pub depth: Vec<f64>,
+    /// Length of the straight approach that must be free, in millimetres
+    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0, allow_negative_numbers = true)]
+    pub approach: f64,
+    /// Do not ask whether the hand collides with the object or the ground
+    #[arg(long)]
+    pub bare: bool,
+    /// What to multiply the coordinates of a mesh file by
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub scale: f64,
+    /// Seed of all randomness: the same seed gives the same grasps
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny grasps filter 021 -o free.csv
+  cranny grasps filter path/to/scenarios/011 --grasps mine.csv --approach 30 -o free.csv
+
+Grasps of a file are those of the scenario's planning frame. A grasp stays if the hand, or the hand turned by
+180°, is free at it and along the approach.")]
+pub struct FilterArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// Grasps to filter [default: the scenario's own]
+    #[arg(long, value_name = "FILE")]
+    pub grasps: Option<PathBuf>,
+    /// Where to write those that stay [default: nowhere]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Length of the straight approach that must be free, in millimetres
+    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0, allow_negative_numbers = true)]
+    pub approach: f64,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny grasps coverage reference.csv mine.csv
+  cranny grasps coverage reference.csv mine.csv --threshold 30 --json")]
+pub struct CoverageArguments {
+    /// Grasps that should be covered
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// Grasps that cover
+    #[arg(value_name = "SET")]
+    pub set: PathBuf,
+    /// A grasp is covered where another is so near, in millimetres plus degrees
+    #[arg(long, value_name = "D", default_value_t = COVERAGE_THRESHOLD)]
+    pub threshold: f64,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny grasps distances grasps.csv")]
+pub struct DistancesArguments {
+    /// File of grasps
+    #[arg(value_name = "GRASPS")]
+    pub grasps: PathBuf,
+}
+
+pub fn run(arguments: &GraspsArguments, output: Output) -> Result<Answer, Failure> {
+    match &arguments.command {
+        GraspsCommand::Sample(arguments) => sample(arguments, output),
+        GraspsCommand::Filter(arguments) => filter(arguments, output),
+        GraspsCommand::Coverage(arguments) => coverage(arguments, output),
+        GraspsCommand::Distances(arguments) => distances(arguments, output),
+    }
+}
+
+/// What `grasps sample --json` prints.
+#[derive(Serialize)]
+struct Sampled {
+    object: String,
+    grasps: usize,
+    candidates: usize,
+    first_contacts: usize,
+    pairs: usize,
+    rejected: usize,
+    merged: usize,
+    best_score: f64,
+    mean_score: f64,
+    file: PathBuf,
+}
+
+fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure> {
+    let subject = Subject::open(arguments)?;
+    let (gripper, hand) = match &arguments.gripper {
+        Some(path) => {
+            let gripper = read_gripper(path)?;
+            let hand = Hand::of_gripper(&gripper).map_err(ScenarioError::from)?;
+            (gripper, hand)
+        }
+        None => (Gripper::panda_hand(), panda_hand().map_err(ScenarioError::from)?),
+    };
+    let surface = Surface::new(&subject.mesh).map_err(ScenarioError::from)?;
+    let settings = settings(arguments, &subject, &gripper);
+    let filter = if arguments.bare {
+        None
+    } else {
+        Some(subject.filter(&hand, &surface, arguments.approach / 1000.0)?)
+    };
+    let stop = stop_on_interrupt()?;
+    let progress = bar(settings.count as u64, output.quiet);
+    let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
+    let found = sample_grasps(&surface, &settings, &accept, &mut |count| {
+        progress.set_position(count as u64);
+        !stop.load(Ordering::Relaxed)
+    });
+    progress.finish_and_clear();
+    let found = found.map_err(ScenarioError::from)?;
+    let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
+    let chosen = arguments.choose.choose(&candidates, arguments.count, arguments.seed);
+    let chosen: Vec<Grasp> = chosen.into_iter().map(|index| candidates[index]).collect();
+    if chosen.is_empty() {
+        text::print(&nothing_found(&found, arguments))?;
+        return Ok(Answer::No);
+    }
+    let scores = || chosen.iter().filter_map(|grasp| grasp.score);
+    let sampled = Sampled {
+        object: subject.name,
+        grasps: chosen.len(),
+        candidates: candidates.len(),
+        first_contacts: found.first_contacts,
+        pairs: found.pairs,
+        rejected: found.rejected,
+        merged: found.merged,
+        best_score: scores().fold(0.0, f64::max),
+        mean_score: scores().sum::<f64>() / chosen.len() as f64,
+        file: arguments.output.clone(),
+    };
+    let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
+    write_csv(&arguments.output, &set).map_err(ScenarioError::from)?;
+    if output.json {
+        text::print_json(&sampled)?;
+    } else if !output.quiet {
+        text::print(&sampled.page())?;
+    }
+    // Fewer than wished is an honest no, though they are written.
+    Ok(if set.len() == arguments.count { Answer::Done } else { Answer::No })
+}
+
+fn nothing_found(found: &Sampling, arguments: &SampleArguments) -> String {
+    format!(
+        "{}: no grasp found ({} first contacts, {} pairs of contacts, {} times the hand collides); nothing is \
+         written\n",
+        arguments.object, found.first_contacts, found.pairs, found.rejected
+    )
+}
+
+impl Sampled {
+    fn page(&self) -> String {
+        let mut page = String::new();
+        let mut line = |name: &str, value: String| {
+            let _ = writeln!(page, "  {name:<14}{value}");
+        };
+        line("object", self.object.clone());
+        line("grasps", format!("{} of {} candidates", self.grasps, self.candidates));
+        line("contacts", format!("{} pairs from {} first contacts", self.pairs, self.first_contacts));
+        line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
+        line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
+        line("written to", self.file.display().to_string());
+        page
+    }
+}
+
+/// What is grasped.
+struct Subject {
+    name: String,
+    mesh: TriangleSoup,
+    friction: f64,
+    /// How it rests, if it does.
+    ground_from_object: Option<Pose>,
+}
+
+impl Subject {
+    fn open(arguments: &SampleArguments) -> Result<Self, Failure> {
+        let path = std::path::Path::new(&arguments.object);
+        if path.is_file() {
+            if arguments.pose.is_some() {
+                let problem = "a bare mesh has no stable poses (make it an object: cranny object add)".into();
+                return Err(Failure::Flag { flag: "pose", problem });
+            }
+            let mesh =
+                TriangleSoup::load(path, Vector::repeat(arguments.scale)).map_err(ScenarioError::from)?;
+            let friction = cranny_scenario::DEFAULT_FRICTION;
+            return Ok(Self { name: arguments.object.clone(), mesh, friction, ground_from_object: None });
+        }
+        let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
+        let ground_from_object = match arguments.pose {
+            None => None,
+            Some(index) => Some(stable_poses.get(index).ok_or_else(|| Failure::Flag {
+                flag: "pose",
+                problem: format!("{name} has {} stable poses, counted from 0", stable_poses.len()),
+            })?),
+        };
+        let ground_from_object = ground_from_object.map(|stable| stable.ground_from_body);
+        Ok(Self { name, mesh, friction, ground_from_object })
+    }
+
+    /// The filter of the hand against the object and the ground; an object with holes is only a surface.
+    fn filter(&self, hand: &Hand, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
+        let mut bodies = Vec::new();
+        let solid = Solid::mesh(&self.mesh).ok();
+        let is_open = solid.is_none();
+        bodies.extend(solid.map(|solid| Body::new(self.name.clone(), Pose::identity(), solid)));
+        if let Some(ground_from_object) = &self.ground_from_object {
+            bodies.push(Body::new("floor", ground_from_object.inverse(), Solid::half_space()));
+        }
+        let world = World::new(bodies).map_err(ScenarioError::from)?;
+        let filter = HandFilter::new(hand, world, approach_m).map_err(ScenarioError::from)?;
+        Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
+    }
+}
+
+fn settings(arguments: &SampleArguments, subject: &Subject, gripper: &Gripper) -> SamplerSettings {
+    let mut settings = SamplerSettings {
+        count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
+        friction: arguments.friction.unwrap_or(subject.friction),
+        opening_m: gripper.opening_m,
+        approaches: arguments.approaches,
+        depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
+        seed: arguments.seed,
+        ..SamplerSettings::default()
+    };
+    if arguments.random_approaches {
+        settings.first_approach = FirstApproach::Random;
+    }
+    if let Some(ground_from_object) = &subject.ground_from_object {
+        settings.up = ground_from_object.rotation.inverse() * Vector::z();
+        settings.steepest_rise_rad = 0.0;
+        settings.ground_m = Some(-ground_from_object.translation.z);
+    }
+    settings
+}
+
+/// What `grasps filter --json` prints.
+#[derive(Serialize)]
+struct Filtered {
+    scenario: String,
+    grasps: usize,
+    free: usize,
+    blocked_by: Vec<Blocking>,
+}
+
+#[derive(Serialize)]
+struct Blocking {
+    body: String,
+    grasps: usize,
+}
+
+fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure> {
+    let scenario = Scenario::open(&arguments.id, &OpenOptions::default())?;
+    let set = match &arguments.grasps {
+        Some(path) => read_csv(path).map_err(ScenarioError::from)?,
+        None => scenario.grasps.clone(),
+    };
+    let hand = Hand::of_robot(&scenario.robot, &scenario.hand_links);
+    let filter = HandFilter::new(&hand, scenario.world.clone(), arguments.approach / 1000.0)
+        .map_err(ScenarioError::from)?;
+    let mut blocked = vec![0; scenario.world.bodies().len()];
+    let mut free = Vec::new();
+    let progress = bar(set.len() as u64, output.quiet);
+    for grasp in set.grasps() {
+        progress.inc(1);
+        if filter.is_free(grasp) {
+            free.push(*grasp);
+        } else if let Some(body) = filter.blocking_body(&grasp.world_from_gripper) {
+            blocked[body] += 1;
+        }
+    }
+    progress.finish_and_clear();
+    let names = scenario.world.bodies().iter().map(|body| body.name.clone());
+    let blocked_by = names.zip(blocked).filter(|(_, grasps)| *grasps > 0);
+    let filtered = Filtered {
+        scenario: scenario.id.clone(),
+        grasps: set.len(),
+        free: free.len(),
+        blocked_by: blocked_by.map(|(body, grasps)| Blocking { body, grasps }).collect(),
+    };
+    if let Some(path) = arguments.output.as_ref().filter(|_| !free.is_empty()) {
+        let set = GraspSet::new(free).map_err(ScenarioError::from)?;
+        write_csv(path, &set).map_err(ScenarioError::from)?;
+    }
+    if output.json {
+        text::print_json(&filtered)?;
+    } else if !output.quiet {
+        let Filtered { scenario, grasps, free, .. } = &filtered;
+        let mut page = format!("{scenario}: the hand alone can take {free} of {grasps} grasps\n");
+        for Blocking { body, grasps } in &filtered.blocked_by {
+            let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
+        }
+        text::print(&page)?;
+    }
+    Ok(if filtered.free > 0 { Answer::Done } else { Answer::No })
+}
+
+/// What `grasps coverage --json` prints.
+#[derive(Serialize)]
+struct CoverageAnswer {
+    coverage: f64,
+    covered: usize,
+    reference: usize,
+    set: usize,
+    threshold: f64,
+    median_distance: f64,
+}
+
+fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Failure> {
+    if arguments.threshold.is_nan() || arguments.threshold <= 0.0 {
+        return Err(Failure::Flag { flag: "threshold", problem: "a distance is positive".into() });
+    }
+    let read = |path| read_csv(path).map_err(ScenarioError::from);
+    let (reference, set) = (read(&arguments.reference)?, read(&arguments.set)?);
+    let mut distances = nearest_distances(reference.grasps(), set.grasps());
+    distances.sort_by(f64::total_cmp);
+    let covered = distances.iter().filter(|distance| **distance <= arguments.threshold).count();
+    let answer = CoverageAnswer {
+        coverage: covered as f64 / reference.len() as f64,
+        covered,
+        reference: reference.len(),
+        set: set.len(),
+        threshold: arguments.threshold,
+        median_distance: distances[distances.len() / 2],
+    };
+    if output.json {
+        text::print_json(&answer)?;
+    } else {
+        let CoverageAnswer { coverage, covered, reference, set, threshold, median_distance } = answer;
+        text::print(&format!(
+            "{:.1} % covered: {covered} of {reference} grasps are within {threshold} (mm + degrees) of one of \
+             {set}, half of them within {median_distance:.1}\n",
+            coverage * 100.0
+        ))?;
+    }
+    Ok(Answer::Done)
+}
+
+/// What `grasps distances --json` prints; distances in millimetres plus degrees.
+#[derive(Serialize)]
+struct Spread {
+    grasps: usize,
+    least: Option<f64>,
+    median: Option<f64>,
+    greatest: Option<f64>,
+}
+
+fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, Failure> {
+    let set = read_csv(&arguments.grasps).map_err(ScenarioError::from)?;
+    let mut all = pairwise_distances(set.grasps());
+    all.sort_by(f64::total_cmp);
+    let spread = Spread {
+        grasps: set.len(),
+        least: all.first().copied(),
+        median: all.get(all.len() / 2).copied(),
+        greatest: all.last().copied(),
+    };
+    if output.json {
+        text::print_json(&spread)?;
+    } else {
+        let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |d| format!("{d:.1}"));
+        let (least, median, greatest) =
+            (number(spread.least), number(spread.median), number(spread.greatest));
+        text::print(&format!(
+            "{} grasps; between two of them, in mm + degrees: least {least}, median {median}, greatest \
+             {greatest}\n",
+            spread.grasps
+        ))?;
+    }
+    Ok(Answer::Done)
+}

@@ -1,0 +1,289 @@
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use cranny_scenario::{
+    DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, ScenarioError, builtin_object,
+    builtin_object_names,
+};
+use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup};
+use cranny_spatial::Vector;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::progress;
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+pub struct ObjectArguments {
+    #[command(subcommand)]
+    pub command: ObjectCommand,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+pub enum ObjectCommand {
+    /// List the built-in objects
+    List,
+    /// Show an object: size, mass, convex parts, stable poses
+    Show(ShowArguments),
+    /// Make an object from a mesh: repair it, cut it into convex parts, weigh it, find how it rests
+    Add(AddArguments),
+    /// Write a built-in object as a folder, to be changed or used elsewhere
+    Export(ExportArguments),
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny object show banana
+  cranny object show path/to/mug --json")]
+pub struct ShowArguments {
+    /// Built-in object, or the folder of one
+    #[arg(value_name = "OBJECT")]
+    pub object: String,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny object add mug.obj --mass 0.118
+  cranny object add box.stl --mass 0.4 --scale 0.001 --friction 0.5 -o objects/box
+
+The mesh must enclose a volume. Doubled vertices and faces the wrong way round are repaired; holes and
+faces that pass through each other are not.")]
+pub struct AddArguments {
+    /// Mesh file: OBJ, STL, PLY or DAE, in metres
+    #[arg(value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// Mass in kilograms
+    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    pub mass: f64,
+    /// Coefficient of friction between the object and the pads of a gripper
+    #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION, allow_negative_numbers = true)]
+    pub friction: f64,
+    /// What to multiply the mesh's coordinates by: 0.001 for millimetres
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub scale: f64,
+    /// At most so many convex parts
+    #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().most_parts,
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub parts: u32,
+    /// Cubes along the longest side into which the mesh is cut to find the parts
+    #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().resolution,
+          value_parser = clap::value_parser!(u32).range(8..=400))]
+    pub resolution: u32,
+    /// What the object is called [default: the name of the mesh file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Folder to write [default: the object's name, in this folder]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny object export flat_screwdriver
+  cranny object export banana -o objects/banana")]
+pub struct ExportArguments {
+    /// Built-in object
+    #[arg(value_name = "OBJECT")]
+    pub object: String,
+    /// Folder to write [default: the object's name, in this folder]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+}
+
+/// What `object show` and `object add` print with `--json`.
+#[derive(Serialize)]
+struct Shown {
+    object: String,
+    size_m: [f64; 3],
+    triangles: usize,
+    volume_m3: f64,
+    mass_kg: f64,
+    friction: f64,
+    center_of_mass: [f64; 3],
+    inertia_kg_m2: [[f64; 3]; 3],
+    convex_parts: usize,
+    volume_error: VolumeError,
+    stable_poses: Vec<Pose>,
+    repaired: Option<Repaired>,
+    folder: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct VolumeError {
+    excess: f64,
+    missing: f64,
+}
+
+#[derive(Serialize)]
+struct Pose {
+    probability: f64,
+    position: [f64; 3],
+    quaternion_xyzw: [f64; 4],
+}
+
+#[derive(Serialize)]
+struct Repaired {
+    merged_vertices: usize,
+    dropped_triangles: usize,
+    flipped_triangles: usize,
+    shallow_crossings: usize,
+}
+
+/// The object that `what` names: a built-in one, or a folder.
+pub fn open(what: &str) -> Result<ObjectType, ScenarioError> {
+    let folder = Path::new(what);
+    if folder.join(OBJECT_FILE).is_file() { ObjectType::read_folder(folder) } else { builtin_object(what) }
+}
+
+pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failure> {
+    match &arguments.command {
+        ObjectCommand::List => list(output),
+        ObjectCommand::Show(arguments) => show(&Shown::of(&open(&arguments.object)?), output),
+        ObjectCommand::Add(arguments) => add(arguments, output),
+        ObjectCommand::Export(arguments) => {
+            let object = builtin_object(&arguments.object)?;
+            let folder = arguments.output.clone().unwrap_or_else(|| arguments.object.clone().into());
+            written(Shown::of(&object), &object, folder, output)
+        }
+    }
+}
+
+fn list(output: Output) -> Result<Answer, Failure> {
+    let names = builtin_object_names();
+    if output.json {
+        text::print_json(&names)?;
+    } else {
+        text::print(&format!("{}\n\nTry: cranny object show {}\n", names.join("\n"), names[0]))?;
+    }
+    Ok(Answer::Done)
+}
+
+fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
+    let stem = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let settings = ObjectSettings {
+        friction: arguments.friction,
+        decomposition: DecompositionSettings {
+            resolution: arguments.resolution,
+            most_parts: arguments.parts,
+            ..DecompositionSettings::default()
+        },
+        ..ObjectSettings::new(arguments.name.clone().unwrap_or(stem), arguments.mass)
+    };
+    let spinner = progress::spinner("repairing, cutting into convex parts", output.quiet);
+    let soup = TriangleSoup::load(&arguments.mesh, Vector::repeat(arguments.scale));
+    let made = soup.map_err(ScenarioError::from).and_then(|soup| ObjectType::from_mesh(&soup, &settings));
+    spinner.finish_and_clear();
+    let (object, repaired) = made.map_err(|fault| fault.in_mesh(&arguments.mesh))?;
+    let folder = arguments.output.clone().unwrap_or_else(|| object.name.clone().into());
+    written(Shown::of(&object).with(&repaired), &object, folder, output)
+}
+
+fn written(
+    mut shown: Shown,
+    object: &ObjectType,
+    folder: PathBuf,
+    output: Output,
+) -> Result<Answer, Failure> {
+    object.write_folder(&folder)?;
+    shown.folder = Some(folder);
+    show(&shown, output)
+}
+
+fn show(shown: &Shown, output: Output) -> Result<Answer, Failure> {
+    if output.json {
+        text::print_json(shown)?;
+    } else if !output.quiet {
+        text::print(&shown.page())?;
+    }
+    Ok(Answer::Done)
+}
+
+/// More stable poses than a person looks at; `--json` has all.
+const POSES_SHOWN: usize = 12;
+
+impl Shown {
+    fn of(object: &ObjectType) -> Self {
+        let first = object.mesh.vertices[0];
+        let (low, high) = object.mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+        let inertia = &object.inertia_kg_m2;
+        Self {
+            object: object.name.clone(),
+            size_m: (high - low).into(),
+            triangles: object.mesh.triangles.len(),
+            volume_m3: object.volume_m3,
+            mass_kg: object.mass_kg,
+            friction: object.friction,
+            center_of_mass: object.center_of_mass.into(),
+            inertia_kg_m2: [0, 1, 2].map(|i| [0, 1, 2].map(|j| inertia[(i, j)])),
+            convex_parts: object.parts.parts.len(),
+            volume_error: VolumeError {
+                excess: object.parts.error.excess,
+                missing: object.parts.error.missing,
+            },
+            stable_poses: object
+                .stable_poses
+                .iter()
+                .map(|stable| Pose {
+                    probability: stable.probability,
+                    position: stable.ground_from_body.translation.vector.into(),
+                    quaternion_xyzw: stable.ground_from_body.rotation.coords.into(),
+                })
+                .collect(),
+            repaired: None,
+            folder: None,
+        }
+    }
+
+    fn with(mut self, repaired: &RepairedMesh) -> Self {
+        self.repaired = Some(Repaired {
+            merged_vertices: repaired.merged_vertices,
+            dropped_triangles: repaired.dropped_triangles,
+            flipped_triangles: repaired.flipped_triangles,
+            shallow_crossings: repaired.shallow_crossings,
+        });
+        self
+    }
+
+    fn page(&self) -> String {
+        let mut page = format!("{}\n", self.object);
+        let mut line = |name: &str, value: String| {
+            let _ = writeln!(page, "  {name:<14}{value}");
+        };
+        let [x, y, z] = self.size_m.map(|size| size * 1000.0);
+        line("size", format!("{x:.1} × {y:.1} × {z:.1} mm, {} triangles", self.triangles));
+        let litres = self.volume_m3 * 1000.0;
+        line("mass", format!("{} kg, {litres:.4} l, friction {}", self.mass_kg, self.friction));
+        let VolumeError { excess, missing } = self.volume_error;
+        let (excess, missing) = (excess * 100.0, missing * 100.0);
+        let parts = self.convex_parts;
+        line("convex parts", format!("{parts}: {excess:.2} % too much, {missing:.2} % missing"));
+        for (index, pose) in self.stable_poses.iter().enumerate().take(POSES_SHOWN) {
+            let name = if index == 0 { "rests" } else { "" };
+            let height = text::millimetres(pose.position[2]);
+            let percent = pose.probability * 100.0;
+            line(name, format!("pose {index}: {percent:.1} %, origin {height} above the ground"));
+        }
+        if self.stable_poses.len() > POSES_SHOWN {
+            line("", format!("{} more", self.stable_poses.len() - POSES_SHOWN));
+        }
+        if let Some(repaired) = &self.repaired {
+            line(
+                "repaired",
+                format!(
+                    "{} vertices merged, {} triangles left out, {} turned round, {} shallow folds left",
+                    repaired.merged_vertices,
+                    repaired.dropped_triangles,
+                    repaired.flipped_triangles,
+                    repaired.shallow_crossings
+                ),
+            );
+        }
+        if let Some(folder) = &self.folder {
+            line("written to", folder.display().to_string());
+        }
+        page
+    }
+}

@@ -1,0 +1,92 @@
+//! How far grasps are from each other, and how well one set stands for another.
+
+use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Rotation, Vector};
+use rayon::prelude::*;
+
+use crate::Grasp;
+
+/// The distance of two grasps: millimetres between their origins plus degrees between their rotations, over
+/// the 180° symmetry of the gripper. Twice the released metric.
+///
+/// `distance(a, b) = distance(b, a)`, `distance(a, a.twin()) = 0`.
+pub fn grasp_distance(a: &Grasp, b: &Grasp) -> f64 {
+    Place::of(a).distance(&Place::of(b))
+}
+
+/// Eppner et al. 2019 count a grasp as found where one of a set is near; so near by [`grasp_distance`].
+pub const COVERAGE_THRESHOLD: f64 = 15.0;
+
+/// For each grasp of `reference` its distance to the nearest one of `set`; infinite for an empty set.
+pub fn nearest_distances(reference: &[Grasp], set: &[Grasp]) -> Vec<f64> {
+    let set: Vec<Place> = set.iter().map(Place::of).collect();
+    reference
+        .par_iter()
+        .map(|grasp| {
+            let place = Place::of(grasp);
+            set.iter().fold(f64::INFINITY, |nearest, other| place.distance_if_below(other, nearest))
+        })
+        .collect()
+}
+
+/// How much of `reference` the grasps of `set` cover: the share of its grasps that are within `threshold` of
+/// one of `set` by [`grasp_distance`] (Eppner et al. 2019, §V); 0 for an empty reference.
+pub fn coverage(reference: &[Grasp], set: &[Grasp], threshold: f64) -> f64 {
+    let distances = nearest_distances(reference, set);
+    let covered = distances.iter().filter(|distance| **distance <= threshold).count();
+    if reference.is_empty() { 0.0 } else { covered as f64 / reference.len() as f64 }
+}
+
+/// The distances of all pairs of different grasps: (0, 1), (0, 2), …, (1, 2), ….
+pub fn pairwise_distances(grasps: &[Grasp]) -> Vec<f64> {
+    let places: Vec<Place> = grasps.iter().map(Place::of).collect();
+    let from = |index: usize| places[index + 1..].iter().map(move |other| (index, other));
+    (0..places.len()).flat_map(from).map(|(index, other)| places[index].distance(other)).collect()
+}
+
+/// A grasp, made ready to be compared with many.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub origin_mm: Vector,
+    rotation: Quaternion<f64>,
+    twin: Quaternion<f64>,
+}
+
+impl Place {
+    pub fn of(grasp: &Grasp) -> Self {
+        let rotation = |rotation: Rotation| rotation.into_inner();
+        Self {
+            origin_mm: grasp.world_from_gripper.translation.vector * 1000.0,
+            rotation: rotation(grasp.world_from_gripper.rotation),
+            twin: rotation(grasp.twin().world_from_gripper.rotation),
+        }
+    }
+
+    pub fn distance(&self, other: &Self) -> f64 {
+        self.distance_if_below(other, f64::INFINITY)
+    }
+
+    /// The distance, or `limit` if it is not below.
+    pub fn distance_if_below(&self, other: &Self, limit: f64) -> f64 {
+        let translation_mm = (self.origin_mm - other.origin_mm).norm();
+        if translation_mm >= limit {
+            return limit;
+        }
+        let cosine = self.cosine(other);
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        limit.min(translation_mm + (2.0 * libm::atan2(sine, cosine)).to_degrees())
+    }
+
+    /// Whether the distance is at most `threshold`; most that are not are told apart without an arc tangent.
+    pub fn is_within(&self, other: &Self, threshold: f64) -> bool {
+        // |cos| of half of `threshold` degrees, beyond which the rotation alone is too far.
+        let least = (threshold.min(180.0) * 0.5).to_radians();
+        let least_cosine = 1.0 - 0.5 * least * least;
+        self.cosine(other) >= least_cosine && self.distance(other) <= threshold
+    }
+
+    /// |cos| of half the angle to the nearer of the other and its twin.
+    fn cosine(&self, other: &Self) -> f64 {
+        self.rotation.dot(&other.rotation).abs().max(self.twin.dot(&other.rotation).abs())
+    }
+}

@@ -1,0 +1,342 @@
+//! Antipodal grasps of a bare object (the paper's §IV.C; Eppner et al. 2019, §III).
+//!
+//! 1. A first contact, uniform over the surface's area.
+//! 2. Rays from it, uniform over the solid angle of the friction cone about the inward normal.
+//! 3. A second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray
+//!    lies inside that contact's friction cone too.
+//! 4. Approach directions, evenly about the closing axis, or some of them.
+//! 5. What the caller does not accept (a hand that collides) goes.
+//! 6. Grasps that an earlier one equals, or its twin, go.
+//!
+//! First contacts come in chunks of a fixed size, each with a random stream of its own, and are put together
+//! in the order of the chunks: the answer does not depend on the number of threads.
+
+use cranny_shape::{AreaDistribution, Surface, SurfacePoint};
+use cranny_spatial::{Point, Pose, Rotation, Stream, Vector, nalgebra, sin_cos};
+use rayon::prelude::*;
+
+use crate::twins::TwinFilter;
+use crate::{Contact, Grasp, GraspError, friction_needed, friction_score};
+
+/// How grasps are sampled. Directions are in the object's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SamplerSettings {
+    /// How many grasps to find. Default 2000.
+    pub count: usize,
+    /// The coefficient of friction between pads and object, which bounds the cones and scales the score;
+    /// positive. Default 0.24, which the paper's object library gives all its objects.
+    pub friction: f64,
+    /// How far apart two contacts may be, in metres: the gripper's opening. Default 0.08, a Panda's.
+    pub opening_m: f64,
+    /// Rays from each first contact. Default 1: another contact tells more than another ray from the same.
+    pub rays: usize,
+    /// Approach directions about each closing axis. Default 12, every 30°, as in the released grasps.
+    pub approaches: usize,
+    /// How many of them each pair of contacts keeps, drawn at random. Default 1: another pair tells more than
+    /// another turn about the same one.
+    pub kept_approaches: usize,
+    /// Where the first of them points. Default [`FirstApproach::Level`], as in the released grasps.
+    pub first_approach: FirstApproach,
+    /// Which way is up. Default z.
+    pub up: Vector,
+    /// How steeply an approach may rise, in radians from −π/2 to π/2: 0 keeps those that come from the side
+    /// or from above. Default π/2: all.
+    pub steepest_rise_rad: f64,
+    /// Height of the ground along `up`, in metres in the object's frame: grasps of which an open pad, half the
+    /// opening beside the origin of the gripper frame, would lie below it are left out. Default none. The
+    /// released grasps keep to this rule; that the whole hand stays above is for `accept` to say.
+    pub ground_m: Option<f64>,
+    /// Between which depths the gripper frame stands, in metres along the approach direction from the middle
+    /// between the contacts, drawn uniformly. Default 0 to 0, as in the released grasps.
+    pub depth_m: [f64; 2],
+    /// First contacts after which the search gives up. Default a million: two seconds or so.
+    pub most_contacts: usize,
+    /// Seed of all randomness. Default 0.
+    pub seed: u64,
+}
+
+/// Where the first of several approach directions points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FirstApproach {
+    /// Level: at a right angle to `up`. Objects that lie as given are then grasped from the side and from
+    /// above at the same angles.
+    #[default]
+    Level,
+    /// Anywhere, drawn anew for each closing axis.
+    Random,
+}
+
+impl Default for SamplerSettings {
+    fn default() -> Self {
+        Self {
+            count: 2000,
+            friction: 0.24,
+            opening_m: 0.08,
+            rays: 1,
+            approaches: 12,
+            kept_approaches: 1,
+            first_approach: FirstApproach::Level,
+            up: Vector::z(),
+            steepest_rise_rad: std::f64::consts::FRAC_PI_2,
+            ground_m: None,
+            depth_m: [0.0, 0.0],
+            most_contacts: 1_000_000,
+            seed: 0,
+        }
+    }
+}
+
+/// A grasp with the contacts that it was made from. Its pose is `object_from_gripper`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampledGrasp {
+    /// The grasp, scored, with its width.
+    pub grasp: Grasp,
+    /// Where the pads touch, first on the side of −y of the gripper, then of +y.
+    pub contacts: [Contact; 2],
+}
+
+/// What a sampling found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sampling {
+    /// The grasps, `count` or fewer.
+    pub grasps: Vec<SampledGrasp>,
+    /// First contacts that were tried.
+    pub first_contacts: usize,
+    /// Pairs of contacts in force closure that were found.
+    pub pairs: usize,
+    /// Grasps that the caller did not accept.
+    pub rejected: usize,
+    /// Grasps that were left out because an earlier one, or its twin, is the same.
+    pub merged: usize,
+}
+
+/// Samples grasps on `surface`, whose triangles face outwards; it may have holes.
+///
+/// `accept` is asked from several threads whether a grasp may stay. `progress` hears after each wave how many
+/// there are, and says whether to go on.
+///
+/// # Errors
+/// [`GraspError::Setting`] for a setting out of its range, [`GraspError::NoArea`].
+pub fn sample_grasps(
+    surface: &Surface,
+    settings: &SamplerSettings,
+    accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
+    progress: &mut dyn FnMut(usize) -> bool,
+) -> Result<Sampling, GraspError> {
+    settings.check()?;
+    let area = AreaDistribution::new(surface).ok_or(GraspError::NoArea)?;
+    let mut found = Sampling::default();
+    let mut twins = TwinFilter::default();
+    let mut chunk = 0;
+    while found.grasps.len() < settings.count && found.first_contacts < settings.most_contacts {
+        let wave: Vec<Chunk> = (chunk..chunk + CHUNKS_PER_WAVE)
+            .into_par_iter()
+            .map(|chunk| Chunk::sampled(chunk, surface, &area, settings, accept))
+            .collect();
+        chunk += CHUNKS_PER_WAVE;
+        for chunk in wave {
+            if found.grasps.len() >= settings.count || found.first_contacts >= settings.most_contacts {
+                break;
+            }
+            found.first_contacts += CONTACTS_PER_CHUNK;
+            found.pairs += chunk.pairs;
+            found.rejected += chunk.rejected;
+            for sampled in chunk.grasps {
+                if !twins.is_new(&sampled.grasp) {
+                    found.merged += 1;
+                } else if found.grasps.len() < settings.count {
+                    found.grasps.push(sampled);
+                }
+            }
+        }
+        if !progress(found.grasps.len()) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// First contacts that share a random stream: enough to outweigh the making of the stream.
+const CONTACTS_PER_CHUNK: usize = 16;
+
+/// Chunks between two reports of progress; a fixed number, so that it decides nothing.
+const CHUNKS_PER_WAVE: u64 = 32;
+
+/// Contacts closer than this are one, in metres: no finger closes on less than an export's noise.
+const LEAST_WIDTH_M: f64 = 1e-4;
+
+impl SamplerSettings {
+    fn check(&self) -> Result<(), GraspError> {
+        let fault = |setting: &'static str, value: f64, range: &'static str| {
+            Err(GraspError::Setting { setting, value, range })
+        };
+        let is_positive = |x: f64| x > 0.0 && x.is_finite();
+        if !is_positive(self.friction) {
+            return fault("friction", self.friction, "a positive number");
+        }
+        if !is_positive(self.opening_m) {
+            return fault("opening", self.opening_m, "a positive number of metres");
+        }
+        if !is_positive(self.up.norm()) {
+            return fault("length of the upward direction", self.up.norm(), "positive");
+        }
+        if let Some(ground_m) = self.ground_m.filter(|height| !height.is_finite()) {
+            return fault("height of the ground", ground_m, "a finite number of metres");
+        }
+        let [low, high] = self.depth_m;
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return fault("depth range", high - low, "two finite numbers, the lower first");
+        }
+        if self.steepest_rise_rad.is_nan() || self.steepest_rise_rad.abs() > std::f64::consts::FRAC_PI_2 {
+            return fault("steepest rise", self.steepest_rise_rad, "between −π/2 and π/2 rad");
+        }
+        for (setting, count) in
+            [("rays", self.rays), ("approaches", self.approaches), ("kept approaches", self.kept_approaches)]
+        {
+            if count == 0 {
+                return fault(setting, 0.0, "at least 1");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the first contacts of one random stream give.
+#[derive(Default)]
+struct Chunk {
+    grasps: Vec<SampledGrasp>,
+    pairs: usize,
+    rejected: usize,
+}
+
+impl Chunk {
+    fn sampled(
+        number: u64,
+        surface: &Surface,
+        area: &AreaDistribution,
+        settings: &SamplerSettings,
+        accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
+    ) -> Self {
+        let mut random = Stream::new(settings.seed, number);
+        let mut chunk = Self::default();
+        for _ in 0..CONTACTS_PER_CHUNK {
+            // 1.
+            let first = area.point([random.uniform(), random.uniform(), random.uniform()]);
+            for _ in 0..settings.rays {
+                // 2.
+                let ray = direction_in_cone(&-first.normal, settings.friction, &mut random);
+                // 3.
+                for contacts in pairs_along(surface, &first, &ray, settings) {
+                    chunk.pairs += 1;
+                    // 4.
+                    for pose in gripper_poses(&contacts, settings, &mut random) {
+                        let sampled = scored(pose, contacts, settings.friction);
+                        // 5.
+                        if accept(&sampled) {
+                            chunk.grasps.push(sampled);
+                        } else {
+                            chunk.rejected += 1;
+                        }
+                    }
+                }
+            }
+        }
+        chunk
+    }
+}
+
+/// A unit vector uniform over the solid angle of the cone about `axis` whose half angle has the tangent
+/// `friction`.
+fn direction_in_cone(axis: &Vector, friction: f64, random: &mut Stream) -> Vector {
+    let least_cosine = 1.0 / (1.0 + friction * friction).sqrt();
+    let cosine = random.uniform_between(least_cosine, 1.0);
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let (sin_turn, cos_turn) = sin_cos(std::f64::consts::TAU * random.uniform());
+    let [across, beside] = perpendiculars(axis);
+    axis * cosine + (across * cos_turn + beside * sin_turn) * sine
+}
+
+/// The pairs of contacts in force closure along a ray. The contact that comes first is the one on the side
+/// of −y, and y is one and the same for a pair and its twin.
+fn pairs_along(
+    surface: &Surface,
+    first: &SurfacePoint,
+    ray: &Vector,
+    settings: &SamplerSettings,
+) -> Vec<[Contact; 2]> {
+    let contact = |point: Point, normal: Vector| Contact { point_in_object: point, normal_in_object: normal };
+    let begin = contact(first.point, first.normal);
+    let mut pairs = Vec::new();
+    for hit in surface.ray_hits(&first.point, ray, settings.opening_m) {
+        let end = contact(first.point + ray * hit.distance_m, hit.normal);
+        let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M;
+        if leaves && friction_needed(&begin, &end) <= settings.friction {
+            let is_turned = ray[ray.iamax()] < 0.0;
+            pairs.push(if is_turned { [end, begin] } else { [begin, end] });
+        }
+    }
+    pairs
+}
+
+/// The poses of the gripper frame about one pair of contacts.
+fn gripper_poses(contacts: &[Contact; 2], settings: &SamplerSettings, random: &mut Stream) -> Vec<Pose> {
+    let [begin, end] = contacts.map(|contact| contact.point_in_object);
+    let y = (end - begin).normalize();
+    let middle = begin + (end - begin) * 0.5;
+    let up = settings.up.normalize();
+    let level = y.cross(&up);
+    // A closing axis that stands upright has only level approaches, and any may be the first.
+    let first = level.try_normalize(UPRIGHT).unwrap_or_else(|| perpendiculars(&y)[0]);
+    let beside = first.cross(&y);
+    let step = std::f64::consts::TAU / settings.approaches as f64;
+    let begin_at = match settings.first_approach {
+        FirstApproach::Level => 0.0,
+        FirstApproach::Random => step * random.uniform(),
+    };
+    let greatest_rise = sin_cos(settings.steepest_rise_rad).0 + LEVEL;
+    let mut poses = Vec::new();
+    for index in 0..settings.approaches {
+        let (sine, cosine) = sin_cos(begin_at + step * index as f64);
+        let depth_m = random.uniform_between(settings.depth_m[0], settings.depth_m[1]);
+        let z = first * cosine + beside * sine;
+        if z.dot(&up) > greatest_rise {
+            continue;
+        }
+        let axes = nalgebra::Matrix3::from_columns(&[y.cross(&z), y, z]);
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(axes);
+        let origin = middle + z * depth_m;
+        let lower_pad_m = origin.coords.dot(&up) - 0.5 * settings.opening_m * y.dot(&up).abs();
+        if settings.ground_m.is_some_and(|ground_m| lower_pad_m < ground_m) {
+            continue;
+        }
+        poses.push(Pose::from_parts(origin.coords.into(), Rotation::from_rotation_matrix(&rotation)));
+    }
+    while poses.len() > settings.kept_approaches {
+        poses.swap_remove(random.index(poses.len()));
+    }
+    poses
+}
+
+/// Sine of the angle below which a closing axis counts as upright.
+const UPRIGHT: f64 = 1e-6;
+
+/// A level approach may rise by as much from rounding, as a sine.
+const LEVEL: f64 = 1e-9;
+
+fn scored(object_from_gripper: Pose, contacts: [Contact; 2], friction: f64) -> SampledGrasp {
+    let [a, b] = &contacts;
+    let grasp = Grasp {
+        world_from_gripper: object_from_gripper,
+        score: Some(friction_score(friction_needed(a, b), friction)),
+        width_m: Some((b.point_in_object - a.point_in_object).norm()),
+    };
+    SampledGrasp { grasp, contacts }
+}
+
+/// Two unit vectors at right angles to `axis` and to each other.
+fn perpendiculars(axis: &Vector) -> [Vector; 2] {
+    let mut helper = Vector::zeros();
+    helper[axis.iamin()] = 1.0;
+    let across = axis.cross(&helper).normalize();
+    [across, axis.cross(&across)]
+}

@@ -1,0 +1,148 @@
+//! Few grasps that stand for many: at random, far from each other, or near to as many others as can be.
+
+use std::collections::HashMap;
+
+use cranny_spatial::{Stream, Vector};
+use rayon::prelude::*;
+
+use crate::Grasp;
+use crate::metric::Place;
+
+/// `count` of `total` indices, each set of them as likely as any other, in ascending order; all of them if
+/// there are no more.
+pub fn random_subset(total: usize, count: usize, seed: u64) -> Vec<usize> {
+    let mut random = Stream::new(seed, SUBSET_STREAM);
+    let mut indices: Vec<usize> = (0..total).collect();
+    let count = count.min(total);
+    for place in 0..count {
+        indices.swap(place, place + random.index(total - place));
+    }
+    indices.truncate(count);
+    indices.sort_unstable();
+    indices
+}
+
+/// Indices of `count` grasps that lie far from each other, in the order in which they were chosen: the first
+/// at random, then always the one farthest from all before (Gonzalez 1985); of equally far ones the first.
+/// All indices if there are no more.
+pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> {
+    let places: Vec<Place> = grasps.iter().map(Place::of).collect();
+    if places.is_empty() || count == 0 {
+        return Vec::new();
+    }
+    let mut newest = Stream::new(seed, SUBSET_STREAM).index(places.len());
+    let mut chosen = vec![newest];
+    let mut distance = vec![f64::INFINITY; places.len()];
+    while chosen.len() < count.min(places.len()) {
+        let place = places[newest];
+        // A chosen one is at distance 0 from itself, but so may be others: only −1 keeps it out for ever.
+        distance[newest] = -1.0;
+        let farthest = distance
+            .par_iter_mut()
+            .zip(&places)
+            .with_min_len(PLACES_PER_TASK)
+            .enumerate()
+            .map(|(index, (nearest, other))| {
+                *nearest = place.distance_if_below(other, *nearest);
+                (*nearest, index)
+            })
+            .reduce(|| (f64::NEG_INFINITY, usize::MAX), farther);
+        newest = farthest.1;
+        chosen.push(newest);
+    }
+    chosen
+}
+
+/// No stream of a sampling has this number.
+const SUBSET_STREAM: u64 = u64::MAX;
+
+/// Fewer are not worth a thread.
+const PLACES_PER_TASK: usize = 2048;
+
+/// The farther of two, of equals the first: the same whatever order they are compared in.
+fn farther(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
+    let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+    if order.is_gt() { b } else { a }
+}
+
+/// Indices of `count` grasps of which as many as possible of all are near, in the order in which they were
+/// chosen: always the one that has most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance)
+/// that no chosen one is near to yet; of equally good ones the first (greedy maximum coverage, Nemhauser et
+/// al. 1978). Where all are covered, the count begins anew. All indices if there are no more.
+pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<usize> {
+    let near = neighbours(grasps, threshold);
+    let count = count.min(grasps.len());
+    let mut chosen = Vec::with_capacity(count);
+    let mut is_chosen = vec![false; grasps.len()];
+    while chosen.len() < count {
+        let mut is_covered = is_chosen.clone();
+        let uncovered = |near: &Vec<u32>, is_covered: &[bool]| {
+            near.iter().filter(|other| !is_covered[**other as usize]).count()
+        };
+        let mut gain: Vec<usize> = near.iter().map(|near| uncovered(near, &is_covered)).collect();
+        let begin = chosen.len();
+        while chosen.len() < count {
+            // The first of the best: max_by_key takes the last.
+            let best = (0..grasps.len()).rev().filter(|&index| !is_chosen[index]).max_by_key(|&i| gain[i]);
+            let Some(best) = best.filter(|&best| gain[best] > 0) else { break };
+            chosen.push(best);
+            is_chosen[best] = true;
+            for &covered in &near[best] {
+                if !std::mem::replace(&mut is_covered[covered as usize], true) {
+                    for &other in &near[covered as usize] {
+                        gain[other as usize] -= 1;
+                    }
+                }
+            }
+        }
+        if chosen.len() == begin {
+            break;
+        }
+    }
+    chosen
+}
+
+/// For each grasp all that are within `threshold` of it, itself included.
+///
+/// Two grasps cannot be near unless their approach directions are, so they are looked for in cells of these
+/// directions, and in each cell along x.
+fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
+    let places: Vec<Place> = grasps.iter().map(Place::of).collect();
+    // The chord of `threshold` degrees is shorter than the arc.
+    let cell_size = threshold.to_radians().max(LEAST_CELL);
+    // Components of a unit vector over a cell's size are small.
+    #[allow(clippy::cast_possible_truncation)]
+    let cell_of = |grasp: &Grasp| {
+        let approach = grasp.world_from_gripper.rotation * Vector::z();
+        [approach.x, approach.y, approach.z].map(|x| (x / cell_size).floor() as i64)
+    };
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (index, grasp) in (0..u32::MAX).zip(grasps) {
+        cells.entry(cell_of(grasp)).or_default().push(index);
+    }
+    let x_of = |index: u32| places[index as usize].origin_mm.x;
+    for members in cells.values_mut() {
+        members.sort_by(|&a, &b| x_of(a).total_cmp(&x_of(b)).then(a.cmp(&b)));
+    }
+    let around = || (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
+    grasps
+        .par_iter()
+        .zip(&places)
+        .map(|(grasp, place)| {
+            let [x, y, z] = cell_of(grasp);
+            let mut near = Vec::new();
+            for members in around().filter_map(|[i, j, k]| cells.get(&[x + i, y + j, z + k])) {
+                let begin = members.partition_point(|&other| x_of(other) < place.origin_mm.x - threshold);
+                let within = members[begin..]
+                    .iter()
+                    .take_while(|&&other| x_of(other) <= place.origin_mm.x + threshold)
+                    .filter(|&&other| place.is_within(&places[other as usize], threshold));
+                near.extend(within);
+            }
+            near
+        })
+        .collect()
+}
+
+/// Smaller cells of directions would only be empty.
+const LEAST_CELL: f64 = 0.01;

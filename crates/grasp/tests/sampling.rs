@@ -1,0 +1,222 @@
+//! Sampled grasps against what makes a grasp, checked triangle by triangle.
+
+use cranny_grasp::{
+    FirstApproach, GraspError, Gripper, SampledGrasp, SamplerSettings, Sampling, grasp_distance,
+    sample_grasps,
+};
+use cranny_shape::{Surface, TriangleSoup};
+use cranny_spatial::{Point, Vector};
+
+fn sampled(surface: &Surface, settings: &SamplerSettings) -> Sampling {
+    sample_grasps(surface, settings, &|_| true, &mut |_| true).unwrap()
+}
+
+fn ball() -> TriangleSoup {
+    TriangleSoup::geodesic_sphere(0.03, 3)
+}
+
+fn cuboid() -> TriangleSoup {
+    Surface::cuboid_soup(&Vector::new(0.02, 0.05, 0.09))
+}
+
+fn settings(count: usize) -> SamplerSettings {
+    SamplerSettings { count, ..SamplerSettings::default() }
+}
+
+/// The distance of a point from a triangle, by its corners, edges and inside one after the other.
+fn distance_to_triangle(point: &Point, corners: &[Point; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(&(c - a)).normalize();
+    let foot = point - normal * (point - a).dot(&normal);
+    let is_above =
+        [(a, b), (b, c), (c, a)].iter().all(|(p, q)| (*q - *p).cross(&(foot - *p)).dot(&normal) >= 0.0);
+    let to_edge = |p: &Point, q: &Point| {
+        let along = ((point - p).dot(&(q - p)) / (q - p).norm_squared()).clamp(0.0, 1.0);
+        (p + (q - p) * along - point).norm()
+    };
+    if is_above { (point - foot).norm() } else { to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a)) }
+}
+
+/// The angle between a direction and the normal of the triangle nearest to `point`, the most favourable one
+/// where several are equally near.
+fn angle_at(soup: &TriangleSoup, point: &Point, outwards: &Vector) -> (f64, f64) {
+    let distances: Vec<f64> =
+        (0..soup.triangles.len()).map(|t| distance_to_triangle(point, &soup.corners(t))).collect();
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let angles = (0..soup.triangles.len()).filter(|&t| distances[t] <= nearest + 1e-9).map(|t| {
+        let [a, b, c] = soup.corners(t);
+        (b - a).cross(&(c - a)).angle(outwards)
+    });
+    (nearest, angles.fold(f64::INFINITY, f64::min))
+}
+
+fn check(soup: &TriangleSoup, grasp: &SampledGrasp, settings: &SamplerSettings) {
+    let pose = grasp.grasp.world_from_gripper;
+    let y = pose.rotation * Vector::y();
+    let half = 0.5 * grasp.grasp.width_m.unwrap();
+    assert!(2.0 * half <= settings.opening_m + 1e-12);
+    let cone = settings.friction.atan();
+    let mut steepest = 0.0_f64;
+    // The pads touch where the closing axis leaves the object; the depth is 0 here.
+    for side in [-1.0, 1.0] {
+        let contact = Point::from(pose.translation.vector) + y * (side * half);
+        let (distance, angle) = angle_at(soup, &contact, &(y * side));
+        assert!(distance < 1e-9, "{distance} m off the surface");
+        assert!(angle <= cone + 1e-9, "{angle} rad outside a cone of {cone}");
+        steepest = steepest.max(angle);
+    }
+    let score = grasp.grasp.score.unwrap();
+    assert!((score - (1.0 - steepest.tan() / settings.friction)).abs() < 1e-6, "{score}");
+}
+
+#[test]
+fn every_grasp_closes_on_two_points_of_the_surface_inside_both_cones() {
+    for soup in [ball(), cuboid()] {
+        let surface = Surface::new(&soup).unwrap();
+        for friction in [0.1, 0.24, 0.8] {
+            let settings = SamplerSettings { friction, ..settings(300) };
+            let found = sampled(&surface, &settings);
+            assert_eq!(found.grasps.len(), 300);
+            for grasp in &found.grasps {
+                check(&soup, grasp, &settings);
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_wider_than_the_opening_is_grasped() {
+    let surface = Surface::new(&cuboid()).unwrap();
+    // 4 cm across x, 10 and 18 cm across the others.
+    let found = sampled(&surface, &settings(500));
+    for grasp in &found.grasps {
+        let y = grasp.grasp.world_from_gripper.rotation * Vector::y();
+        assert!(y.x.abs() > 0.9 && grasp.grasp.width_m.unwrap() < 0.05);
+    }
+    let narrow = SamplerSettings { opening_m: 0.03, most_contacts: 10_000, ..settings(500) };
+    let none = sampled(&surface, &narrow);
+    assert!(none.grasps.is_empty() && none.first_contacts >= 10_000);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let surface = Surface::new(&ball()).unwrap();
+    let bits = |threads: usize| -> Vec<u64> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let accept = |grasp: &SampledGrasp| grasp.grasp.world_from_gripper.translation.x < 1e-3;
+        let found =
+            pool.install(|| sample_grasps(&surface, &settings(2000), &accept, &mut |_| true).unwrap());
+        let numbers = |grasp: &SampledGrasp| {
+            let pose = grasp.grasp.world_from_gripper;
+            let coordinates: Vec<f64> =
+                pose.translation.vector.iter().chain(pose.rotation.coords.iter()).copied().collect();
+            [coordinates, vec![grasp.grasp.score.unwrap(), grasp.grasp.width_m.unwrap()]].concat()
+        };
+        found.grasps.iter().flat_map(numbers).map(f64::to_bits).collect()
+    };
+    let one = bits(1);
+    assert_eq!(one.len(), 2000 * 9);
+    assert!(one == bits(2) && one == bits(5));
+}
+
+#[test]
+fn approaches_stand_evenly_about_the_closing_axis_from_level_on() {
+    let surface = Surface::new(&cuboid()).unwrap();
+    let all = SamplerSettings { kept_approaches: 12, ..settings(600) };
+    let found = sampled(&surface, &all);
+    assert_eq!(found.grasps.len(), 600);
+    for pair in found.grasps.chunks(12) {
+        let axes = |grasp: &SampledGrasp| {
+            let rotation = grasp.grasp.world_from_gripper.rotation;
+            (rotation * Vector::y(), rotation * Vector::z())
+        };
+        let (y, first) = axes(&pair[0]);
+        assert!(first.z.abs() < 1e-9, "the first approach is level");
+        for (index, grasp) in pair.iter().enumerate() {
+            let (other_y, z) = axes(grasp);
+            assert!((other_y - y).norm() < 1e-9);
+            let expected = (std::f64::consts::TAU * index as f64 / 12.0).cos();
+            assert!((first.dot(&z) - expected).abs() < 1e-9);
+        }
+    }
+    let from_above = sampled(&surface, &SamplerSettings { steepest_rise_rad: 0.0, ..all.clone() });
+    let rise = |g: &SampledGrasp| (g.grasp.world_from_gripper.rotation * Vector::z()).z;
+    assert!(from_above.grasps.iter().all(|g| rise(g) < 1e-8));
+    let turned = sampled(&surface, &SamplerSettings { first_approach: FirstApproach::Random, ..all });
+    assert!(turned.grasps.iter().filter(|g| rise(g).abs() < 1e-6).count() < 10);
+}
+
+#[test]
+fn depths_and_ground_are_kept_to() {
+    let surface = Surface::new(&ball()).unwrap();
+    let deep = SamplerSettings { depth_m: [-0.02, 0.01], ground_m: Some(-0.03), ..settings(500) };
+    for sampled in &sampled(&surface, &deep).grasps {
+        let pose = sampled.grasp.world_from_gripper;
+        let [a, b] = sampled.contacts.map(|contact| contact.point_in_object);
+        let from_middle = pose.translation.vector - (a.coords + b.coords) * 0.5;
+        let z = pose.rotation * Vector::z();
+        let depth_m = from_middle.dot(&z);
+        assert!((from_middle - z * depth_m).norm() < 1e-12 && (-0.02..=0.01).contains(&depth_m));
+        let y = pose.rotation * Vector::y();
+        assert!(pose.translation.z - 0.04 * y.z.abs() >= -0.03);
+    }
+}
+
+#[test]
+fn twins_are_found_once() {
+    // Two parallel triangles, nearly points: whatever is sampled there is one of few grasps.
+    let tiny = |y: f64, flip: bool| {
+        let corners = [(0.0, 0.0), (1e-6, 0.0), (0.0, 1e-6)].map(|(x, z)| Point::new(x, y, z));
+        if flip { [corners[0], corners[2], corners[1]] } else { corners }
+    };
+    let soup = TriangleSoup::from_corners([tiny(0.01, true), tiny(-0.01, false)].concat()).unwrap();
+    let surface = Surface::new(&soup).unwrap();
+    let few = SamplerSettings { friction: 1e-6, kept_approaches: 12, most_contacts: 2000, ..settings(1000) };
+    let found = sampled(&surface, &few);
+    assert_eq!(found.grasps.len(), 12, "{found:?}");
+    assert!(found.merged > 12);
+    for (index, a) in found.grasps.iter().enumerate() {
+        for b in &found.grasps[..index] {
+            assert!(grasp_distance(&a.grasp, &b.grasp) > 1.0);
+        }
+    }
+}
+
+#[test]
+fn settings_that_are_none_are_refused() {
+    let surface = Surface::new(&ball()).unwrap();
+    let good = SamplerSettings::default;
+    let bad = [
+        SamplerSettings { friction: 0.0, ..good() },
+        SamplerSettings { friction: f64::NAN, ..good() },
+        SamplerSettings { opening_m: -1.0, ..good() },
+        SamplerSettings { up: Vector::zeros(), ..good() },
+        SamplerSettings { depth_m: [0.1, 0.0], ..good() },
+        SamplerSettings { depth_m: [f64::NAN, 0.0], ..good() },
+        SamplerSettings { ground_m: Some(f64::INFINITY), ..good() },
+        SamplerSettings { steepest_rise_rad: f64::NAN, ..good() },
+        SamplerSettings { rays: 0, ..good() },
+        SamplerSettings { approaches: 0, ..good() },
+        SamplerSettings { kept_approaches: 0, ..good() },
+    ];
+    for settings in &bad {
+        let answer = sample_grasps(&surface, settings, &|_| true, &mut |_| true);
+        assert!(matches!(answer, Err(GraspError::Setting { .. })), "{settings:?}");
+    }
+    let flat = TriangleSoup::from_corners([Point::origin(); 3]).unwrap();
+    let answer = sample_grasps(&Surface::new(&flat).unwrap(), &good(), &|_| true, &mut |_| true);
+    assert!(matches!(answer, Err(GraspError::NoArea)));
+}
+
+#[test]
+fn a_gripper_of_boxes_leaves_its_opening_free() {
+    let gripper = Gripper::panda_hand();
+    let parts = gripper.parts().unwrap();
+    assert_eq!(parts.len(), 3);
+    let inner = |index: usize| {
+        let (pose, solid) = &parts[index];
+        pose.translation.y.abs() - solid.as_cuboid().unwrap().y
+    };
+    assert!((inner(0) - 0.04).abs() < 1e-12 && (inner(1) - 0.04).abs() < 1e-12);
+    assert!(Gripper { finger_width_m: -0.01, ..gripper }.parts().is_err());
+}
