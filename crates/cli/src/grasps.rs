@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_collision::{Body, World};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, FirstApproach, Grasp, GraspSet, Gripper, SampledGrasp, SamplerSettings, Sampling,
+    COVERAGE_THRESHOLD, FirstApproach, Grasp, GraspSet, Gripper, SampledGrasp, SamplerSettings,
     nearest_distances, pairwise_distances, read_csv, sample_grasps, write_csv,
 };
 use cranny_plan::{APPROACH_M, Hand, HandFilter};
@@ -167,7 +167,7 @@ struct Sampled {
     merged: usize,
     best_score: f64,
     mean_score: f64,
-    file: PathBuf,
+    file: Option<PathBuf>,
 }
 
 fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure> {
@@ -199,10 +199,6 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
     let chosen = arguments.choose.choose(&candidates, arguments.count, arguments.seed);
     let chosen: Vec<Grasp> = chosen.into_iter().map(|index| candidates[index]).collect();
-    if chosen.is_empty() {
-        text::print(&nothing_found(&found, arguments))?;
-        return Ok(Answer::No);
-    }
     let scores = || chosen.iter().filter_map(|grasp| grasp.score);
     let sampled = Sampled {
         object: subject.name,
@@ -213,11 +209,14 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         rejected: found.rejected,
         merged: found.merged,
         best_score: scores().fold(0.0, f64::max),
-        mean_score: scores().sum::<f64>() / chosen.len() as f64,
-        file: arguments.output.clone(),
+        mean_score: scores().sum::<f64>() / chosen.len().max(1) as f64,
+        // Where there is nothing to write, what stood there before stays.
+        file: Some(arguments.output.clone()).filter(|_| !chosen.is_empty()),
     };
     let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
-    write_csv(&arguments.output, &set).map_err(ScenarioError::from)?;
+    if !set.is_empty() {
+        write_csv(&arguments.output, &set).map_err(ScenarioError::from)?;
+    }
     if output.json {
         text::print_json(&sampled)?;
     } else if !output.quiet {
@@ -225,14 +224,6 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     }
     // Fewer than wished is an honest no, though they are written.
     Ok(if set.len() == arguments.count { Answer::Done } else { Answer::No })
-}
-
-fn nothing_found(found: &Sampling, arguments: &SampleArguments) -> String {
-    format!(
-        "{}: no grasp found ({} first contacts, {} pairs of contacts, {} times the hand collides); nothing is \
-         written\n",
-        arguments.object, found.first_contacts, found.pairs, found.rejected
-    )
 }
 
 impl Sampled {
@@ -246,7 +237,8 @@ impl Sampled {
         line("contacts", format!("{} pairs from {} first contacts", self.pairs, self.first_contacts));
         line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
-        line("written to", self.file.display().to_string());
+        let file = self.file.as_ref().map(|file| file.display().to_string());
+        line("written to", file.unwrap_or_else(|| "nowhere: no grasp was found".to_owned()));
         page
     }
 }

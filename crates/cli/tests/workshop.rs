@@ -1,5 +1,6 @@
 //! Objects and grasps from the command line.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Output;
 
@@ -37,11 +38,11 @@ fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
 fn write_box(folder: &Path, name: &str, left_out: usize) {
     let mut text = String::new();
     for (x, y, z) in (0..8).map(|i| (i & 1, i >> 1 & 1, i >> 2)) {
-        text += &format!("v {} {} {}\n", x * 40, y * 60, z * 100);
+        let _ = writeln!(text, "v {} {} {}", x * 40, y * 60, z * 100);
     }
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     for [a, b, c, d] in &quads[..6 - left_out] {
-        text += &format!("f {} {} {}\nf {} {} {}\n", a + 1, b + 1, c + 1, a + 1, c + 1, d + 1);
+        let _ = writeln!(text, "f {} {} {}\nf {} {} {}", a + 1, b + 1, c + 1, a + 1, c + 1, d + 1);
     }
     std::fs::write(folder.join(name), text).expect("written");
 }

@@ -82,7 +82,9 @@ impl Place {
         // |cos| of half of `threshold` degrees, beyond which the rotation alone is too far.
         let least = (threshold.min(180.0) * 0.5).to_radians();
         let least_cosine = 1.0 - 0.5 * least * least;
-        self.cosine(other) >= least_cosine && self.distance(other) <= threshold
+        (self.origin_mm - other.origin_mm).norm_squared() <= threshold * threshold
+            && self.cosine(other) >= least_cosine
+            && self.distance(other) <= threshold
     }
 
     /// |cos| of half the angle to the nearer of the other and its twin.

@@ -105,7 +105,7 @@ pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<us
 /// For each grasp all that are within `threshold` of it, itself included.
 ///
 /// Two grasps cannot be near unless their approach directions are, so they are looked for in cells of these
-/// directions, and in each cell along x.
+/// directions, and in each cell along the axis on which they are spread farthest.
 fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     // The chord of `threshold` degrees is shorter than the arc.
@@ -120,9 +120,13 @@ fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
     for (index, grasp) in (0..u32::MAX).zip(grasps) {
         cells.entry(cell_of(grasp)).or_default().push(index);
     }
-    let x_of = |index: u32| places[index as usize].origin_mm.x;
+    let Some(first) = places.first().map(|place| place.origin_mm) else { return Vec::new() };
+    let (low, high) =
+        places.iter().fold((first, first), |(l, h), p| (l.inf(&p.origin_mm), h.sup(&p.origin_mm)));
+    let axis = (high - low).imax();
+    let along = |index: u32| places[index as usize].origin_mm[axis];
     for members in cells.values_mut() {
-        members.sort_by(|&a, &b| x_of(a).total_cmp(&x_of(b)).then(a.cmp(&b)));
+        members.sort_by(|&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
     }
     let around = || (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
     grasps
@@ -132,10 +136,11 @@ fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
             let [x, y, z] = cell_of(grasp);
             let mut near = Vec::new();
             for members in around().filter_map(|[i, j, k]| cells.get(&[x + i, y + j, z + k])) {
-                let begin = members.partition_point(|&other| x_of(other) < place.origin_mm.x - threshold);
+                let begin =
+                    members.partition_point(|&other| along(other) < place.origin_mm[axis] - threshold);
                 let within = members[begin..]
                     .iter()
-                    .take_while(|&&other| x_of(other) <= place.origin_mm.x + threshold)
+                    .take_while(|&&other| along(other) <= place.origin_mm[axis] + threshold)
                     .filter(|&&other| place.is_within(&places[other as usize], threshold));
                 near.extend(within);
             }

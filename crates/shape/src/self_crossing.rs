@@ -21,10 +21,12 @@ pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError
             }
         }
     }
+    let size_m = 2.0 * Aabb::around(corners.iter().flatten(), 0.0).half_extents.max();
+    let shallow_m = SHALLOW_SHARE * size_m;
     let deepest = crossing.iter().max_by(|a, b| a.0.total_cmp(&b.0));
     match deepest {
         Some(&(depth_m, first, second))
-            if depth_m > SHALLOW_M || crossing.len() * SHALLOW_TRIANGLES > corners.len() =>
+            if depth_m > shallow_m || crossing.len() * SHALLOW_TRIANGLES > corners.len() =>
         {
             let Point { coords } = corners[first][0];
             let (x, y, z) = (coords.x, coords.y, coords.z);
@@ -34,8 +36,9 @@ pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError
     }
 }
 
-/// Folds of this depth, in metres, are noise of a scan: the YCB scans have a few of some 0.1 mm.
-const SHALLOW_M: f64 = 5e-4;
+/// Folds no deeper than this share of the mesh's greatest extent are noise of a scan, if they are few: the
+/// scan of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
+const SHALLOW_SHARE: f64 = 0.01;
 
 /// One shallow crossing for so many triangles is noise; more are two bodies in one mesh.
 const SHALLOW_TRIANGLES: usize = 100;

@@ -13,7 +13,7 @@ pub type Failure = Box<dyn std::error::Error>;
 pub const KEPT: usize = 2000;
 
 /// Grasps from which those are chosen.
-pub const CANDIDATES: usize = 20_000;
+pub const CANDIDATES: usize = 40_000;
 
 #[derive(Deserialize)]
 struct Scene {
