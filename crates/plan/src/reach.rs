@@ -18,18 +18,19 @@ use crate::{
 /// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
 ///    their twins, as further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
-/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side takes one step towards
-///    a random configuration, the other side then goes as far as it can towards the new node.
-/// 4. Growth looks at single configurations on the way, coarse to fine (Thomason, Kingston & Kavraki 2024);
-///    where both sides meet, every edge of the path is proven, and an edge that cannot be is cut off with
-///    all that grew from it.
+/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side grows towards a random
+///    configuration, the other side then goes as far as it can towards the new node.
+/// 4. Growth looks at a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
+///    before the first that is not free; where both sides meet, every edge of the path is proven, and an
+///    edge that cannot be is cut off with all that grew from it.
 ///
 /// One iteration is one random configuration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reach {
-    /// How far one step goes in the metric weighted by reach. Default 0.25.
+    /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
     pub step: f64,
-    /// Configurations looked at on a step, its end included. Default 4.
+    /// Configurations looked at between two nodes, the second included. One growth looks at [`LANES`].
+    /// Default 4.
     pub looks: usize,
     /// Goals that are enough. Default 100: more do not help.
     pub goals: usize,
@@ -125,8 +126,10 @@ impl Search<'_> {
             Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
             Goal::Configurations(goals) => {
                 for goal in goals {
-                    if self.cell.is_free(goal, &mut self.scratch) {
-                        self.add(1, goal, None);
+                    if self.cell.is_free(goal, &mut self.scratch)
+                        && let Some(path) = self.add_goal(goal)
+                    {
+                        return Ok(Ok(path));
                     }
                 }
                 // With no goal that is free there is nothing to search for.
@@ -160,10 +163,10 @@ impl Search<'_> {
                     return Err(Outcome::NoReachableGrasp);
                 }
                 let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
-                for goal in &found {
-                    self.add(1, goal, None);
-                }
                 goals += found.len();
+                if let Some(path) = found.iter().find_map(|goal| self.add_goal(goal)) {
+                    return Ok(path);
+                }
             }
             if self.sides[1].len() == 0 {
                 continue;
@@ -179,7 +182,13 @@ impl Search<'_> {
         }
     }
 
-    /// One step of one side towards a random configuration, and the other side's way to where it ended.
+    /// Adds a root to the goal forest, and looks whether the way to it lies open.
+    fn add_goal(&mut self, goal: &[f64]) -> Option<Path> {
+        let root = self.add(1, goal, None);
+        self.meet(1, root)
+    }
+
+    /// Growth of one side towards a random configuration, and the other side's way to where it ended.
     fn grow_both(&mut self, side: usize) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.q);
         for (value, limits) in sample.iter_mut().zip(self.problem.robot.limits()) {
@@ -191,16 +200,21 @@ impl Search<'_> {
         if node == nearest {
             return None;
         }
+        self.meet(side, node)
+    }
+
+    /// The other side's way to a node, as far as it goes; a path if it gets there.
+    fn meet(&mut self, side: usize, node: usize) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
         let mut other = Growth { node: from, is_target: false, is_open: true };
         while other.is_open && !other.is_target {
             other = self.grow(1 - side, other.node, &meeting);
         }
-        other
-            .is_target
-            .then(|| if side == 0 { [node, other.node] } else { [other.node, node] })
-            .and_then(|ends| self.proven_path(ends))
+        if !other.is_target {
+            return None;
+        }
+        self.proven_path(if side == 0 { [node, other.node] } else { [other.node, node] })
     }
 
     fn nearest(&mut self, side: usize, q: &[f64]) -> usize {

@@ -38,10 +38,10 @@ impl BallTree {
     /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core.
     pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
         let (points, radius_m) = solid.bounding_points()?;
-        if let Kind::Convex(convex) = solid.kind() {
-            if let Convex { core: Core::Segment { half_length }, .. } = **convex {
-                return Some(Self::along_segment(half_length, radius_m, bulge_m));
-            }
+        if let Kind::Convex(convex) = solid.kind()
+            && let Convex { core: Core::Segment { half_length }, .. } = **convex
+        {
+            return Some(Self::along_segment(half_length, radius_m, bulge_m));
         }
         // 1.
         let Ok(hull) = TriangleSoup::convex_hull(&points) else {
@@ -54,7 +54,7 @@ impl BallTree {
             Piece { faces: (0..hull.triangles.len()).map(|face| hull.corners(face).to_vec()).collect() };
         let planes = planes(&piece.faces);
         let mut tree = Self { nodes: Vec::new() };
-        tree.cover(piece, &planes, radius_m, bulge_m, 0);
+        tree.cover(&piece, &planes, radius_m, bulge_m, 0);
         Some(tree)
     }
 
@@ -84,7 +84,7 @@ impl BallTree {
     /// Steps 2 and 3 for one piece; returns its node.
     fn cover(
         &mut self,
-        piece: Piece,
+        piece: &Piece,
         planes: &[Plane],
         rounding_m: f64,
         bulge_m: f64,
@@ -95,12 +95,12 @@ impl BallTree {
         let node = self.nodes.len();
         let radius_m = ball.radius_m + rounding_m + SLACK_M;
         self.nodes.push(BallNode { ball: Ball { radius_m, ..ball }, children: None });
-        if stands_out_m > bulge_m && depth < DEEPEST {
-            if let Some([low, high]) = piece.halves(&corners) {
-                let low = self.cover(low, planes, rounding_m, bulge_m, depth + 1);
-                let high = self.cover(high, planes, rounding_m, bulge_m, depth + 1);
-                self.nodes[node].children = Some([low, high]);
-            }
+        if stands_out_m > bulge_m
+            && depth < DEEPEST
+            && let Some(halves) = piece.halves(&corners)
+        {
+            let [low, high] = halves.map(|half| self.cover(&half, planes, rounding_m, bulge_m, depth + 1));
+            self.nodes[node].children = Some([low, high]);
         }
         node
     }
@@ -138,7 +138,7 @@ impl BallTree {
             }
             return node;
         }
-        let balls: Vec<Ball> = trees.iter().flat_map(|tree| tree.leaves()).collect();
+        let balls: Vec<Ball> = trees.iter().flat_map(Self::leaves).collect();
         let ball = around_balls(&balls);
         self.nodes.push(BallNode { ball, children: None });
         let centers: Vec<Point> = trees.iter().map(|tree| tree.nodes[0].ball.center).collect();

@@ -33,9 +33,11 @@ pub fn inner_balls(solid: &Solid, count: usize) -> Vec<Ball> {
     chosen
 }
 
-/// How far a point lies below the surface of the solid, in metres: never more than the truth; negative
-/// outside.
-fn depth_below_surface(solid: &Solid) -> Option<Box<dyn Fn(&Point) -> f64 + '_>> {
+/// How far a point lies below a surface, in metres: never more than the truth; negative outside.
+type Depth<'a> = Box<dyn Fn(&Point) -> f64 + 'a>;
+
+/// The depth below the surface of the solid, if it is convex.
+fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
     let Kind::Convex(convex) = solid.kind() else { return None };
     let radius_m = convex.radius_m;
     Some(match &convex.core {

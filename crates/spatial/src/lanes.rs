@@ -65,6 +65,7 @@ pub fn sin_cos_lanes<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S
 ///
 /// Its functions take no closures and must not be called in one: a closure would lose the instruction set
 /// of the function around it.
+#[must_use]
 #[derive(Clone, Copy, Debug)]
 pub struct LaneVector<S: Simd> {
     /// Along x.
