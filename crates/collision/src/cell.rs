@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Separation, overlap};
-use cranny_spatial::Pose;
+use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::CollisionError;
 use crate::clearance::Margins;
@@ -10,6 +10,7 @@ use crate::contact::{Collider, Contact};
 use crate::lanes::{LaneScratch, Lanes};
 use crate::link_body::{LinkBody, group_separation};
 use crate::motion::WorkList;
+use crate::part_tree::PartTree;
 use crate::self_pairs::self_pairs;
 use crate::travel::{Travel, shared_joints};
 use crate::world::{Part, World};
@@ -22,9 +23,26 @@ pub struct Cell {
     margins: Margins,
     pub(crate) bodies: Vec<LinkBody>,
     parts: Vec<(usize, Part)>,
+    tree: PartTree,
+    /// First those of links with parts, then those of links with links.
     pub(crate) pairs: Vec<Pair>,
+    part_pairs: Vec<PartPairs>,
     pub(crate) lanes: Lanes,
 }
+
+/// The pairs of a link with every part, in the order of the tree.
+#[derive(Clone, Debug)]
+struct PartPairs {
+    /// Index into the link bodies.
+    body: usize,
+    /// The first of them, as an index into all pairs.
+    begin: usize,
+    /// The greatest distance that any of them demands, in metres.
+    required_m: f64,
+}
+
+/// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
+const MOST_FIRST: usize = 32;
 
 /// Two things that are checked against each other.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +66,7 @@ pub(crate) enum Other {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(crate) frames: LinkFrames,
-    /// The pairs in the order in which single configurations are asked about.
+    /// The pairs that single configurations are asked about first, in this order.
     order: Vec<u32>,
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
@@ -80,25 +98,29 @@ impl Cell {
             .enumerate()
             .flat_map(|(body, b)| b.parts.iter().map(move |part| (body, part.clone())))
             .collect();
-        let mut pairs = Vec::new();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        let (mut pairs, mut part_pairs) = (Vec::new(), Vec::new());
         // Hand and wrist first: they are what touches first.
         for first in (0..bodies.len()).rev() {
             let link = bodies[first].link;
             if robot.ancestors(link).is_empty() {
                 continue;
             }
-            for (index, (body, _)) in parts.iter().enumerate() {
-                let required_m = margins.between(link, *body);
-                pairs.push(Pair { first, second: Other::Part(index), required_m });
-            }
+            let begin = pairs.len();
+            pairs.extend(tree.parts().iter().map(|&part| {
+                let required_m = margins.between(link, parts[part].0);
+                Pair { first, second: Other::Part(part), required_m }
+            }));
+            let required_m = pairs[begin..].iter().map(|pair| pair.required_m).fold(0.0, f64::max);
+            part_pairs.push(PartPairs { body: first, begin, required_m });
         }
         for (first, second) in self_pairs(&robot, &bodies) {
             let shared_joints = shared_joints(&robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
             pairs.push(Pair { first, second, required_m: margins.between_links() });
         }
-        let lanes = Lanes::new(&robot, &bodies, &parts, &pairs);
-        Ok(Self { robot, world, margins, bodies, parts, pairs, lanes })
+        let lanes = Lanes::new(&robot, &bodies, &parts, &tree, &pairs);
+        Ok(Self { robot, world, margins, bodies, parts, tree, pairs, part_pairs, lanes })
     }
 
     /// The robot.
@@ -137,7 +159,7 @@ impl Cell {
     pub fn scratch(&self) -> Scratch {
         Scratch {
             frames: self.robot.frames(),
-            order: self.all_pairs().collect(),
+            order: if self.tree.is_trivial() { self.all_pairs().collect() } else { Vec::new() },
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
             slope: vec![0.0; self.robot.dof()],
@@ -170,8 +192,44 @@ impl Cell {
         // order changes no verdict.
         if let Some(place) = blocked {
             scratch.order.swap(place, place / 2);
+            return false;
+        }
+        if scratch.order.len() == self.pairs.len() {
+            return true;
+        }
+        let blocked = self.first_close_pair(&scratch.frames);
+        if let Some(pair) = blocked {
+            scratch.order.truncate(MOST_FIRST - 1);
+            scratch.order.push(pair);
         }
         blocked.is_none()
+    }
+
+    /// The first pair that does not keep its distance.
+    pub(crate) fn first_close_pair(&self, frames: &LinkFrames) -> Option<u32> {
+        self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs[pair as usize], frames))
+    }
+
+    /// The pairs of links with parts that may not keep their distance, and all pairs of links, in order.
+    fn near_pairs<'a>(&'a self, frames: &'a LinkFrames) -> impl Iterator<Item = u32> + 'a {
+        let links = self.part_pairs.len() * self.parts.len()..self.pairs.len();
+        let with_parts = self.part_pairs.iter().flat_map(|pairs| {
+            let world_from_link = frames.link(self.bodies[pairs.body].link);
+            self.near_parts(pairs, world_from_link)
+        });
+        with_parts.chain(links).map(as_index)
+    }
+
+    /// The pairs of a link at this pose with parts that may not keep their distance, in order.
+    fn near_parts<'a>(
+        &'a self,
+        pairs: &'a PartPairs,
+        world_from_link: &Pose,
+    ) -> impl Iterator<Item = usize> + use<'a> {
+        let ball = &self.bodies[pairs.body].bounds.ball;
+        // What is passed over is so far away that the exact distance agrees.
+        let reach_m = ball.radius_m + pairs.required_m + CONTACT_M;
+        self.tree.near(world_from_link * ball.center, reach_m).map(|place| pairs.begin + place)
     }
 
     /// Whether the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its
@@ -188,13 +246,18 @@ impl Cell {
         scratch.q.fill(0.0);
         self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
         let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
-        self.pairs.iter().find_map(|pair| {
+        let is_of_hand = |pairs: &&PartPairs| {
+            let link = self.bodies[pairs.body].link;
+            self.margins.hand_links.contains(&link)
+        };
+        let mut near = self.part_pairs.iter().filter(is_of_hand).flat_map(|pairs| {
+            let link = self.bodies[pairs.body].link;
+            let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(link));
+            self.near_parts(pairs, &world_from_link).map(move |pair| (&self.pairs[pair], world_from_link))
+        });
+        near.find_map(|(pair, world_from_link)| {
             let body = &self.bodies[pair.first];
             let Other::Part(index) = pair.second else { return None };
-            if !self.margins.hand_links.contains(&body.link) {
-                return None;
-            }
-            let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(body.link));
             let (body_index, part) = &self.parts[index];
             if body.quick_bound_to(&world_from_link, part, pair.required_m) > pair.required_m {
                 return None;
@@ -243,10 +306,7 @@ impl Cell {
     pub fn first_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let frames = &scratch.frames;
-        self.pairs
-            .iter()
-            .find(|pair| !self.keeps_distance(pair, frames))
-            .map(|pair| self.describe(pair, frames))
+        self.first_close_pair(frames).map(|pair| self.describe(&self.pairs[pair as usize], frames))
     }
 
     /// Every pair that is closer at `q` than it may be, link pairs and link-body pairs once each.
@@ -256,7 +316,8 @@ impl Cell {
     pub fn contacts(&self, q: &[f64], scratch: &mut Scratch) -> Vec<Contact> {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut contacts: Vec<Contact> = Vec::new();
-        for pair in &self.pairs {
+        for pair in self.near_pairs(&scratch.frames) {
+            let pair = &self.pairs[pair as usize];
             if self.keeps_distance(pair, &scratch.frames) {
                 continue;
             }
@@ -273,7 +334,7 @@ impl Cell {
 
     /// The indices of all pairs.
     pub(crate) fn all_pairs(&self) -> std::ops::Range<u32> {
-        0..u32::try_from(self.pairs.len()).unwrap_or(u32::MAX)
+        0..as_index(self.pairs.len())
     }
 
     pub(crate) fn describe(&self, pair: &Pair, frames: &LinkFrames) -> Contact {
@@ -356,4 +417,9 @@ impl Cell {
             }
         }
     }
+}
+
+/// There are far fewer pairs than an index can tell apart.
+fn as_index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -14,10 +14,37 @@ pub(crate) struct LanePart {
     /// Its origin in the planning frame, in metres.
     origin: [f32; 3],
     kind: LaneKind,
-    /// Half extents of a box around it along the axes of the planning frame, in metres.
-    around: [f32; 3],
+    /// A box around it; of a half-space, its origin alone.
+    around: LaneAabb,
     /// Whether the distance is that to the solid; else it is that to a box around it.
     pub is_exact: bool,
+}
+
+/// A box along the axes of the planning frame, in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneAabb {
+    center: [f32; 3],
+    half_extents: [f32; 3],
+}
+
+impl LaneAabb {
+    pub fn new(center: &Vector, half_extents: &Vector) -> Self {
+        Self { center: lanes(center), half_extents: lanes(half_extents) }
+    }
+
+    /// Bits of the lanes in which another such box is not certainly `reach` (m) or farther away along an axis.
+    #[inline(always)]
+    pub fn within_reach<S: Simd>(
+        &self,
+        simd: S,
+        center: LaneVector<S>,
+        half_extents: LaneVector<S>,
+        reach: f32x16<S>,
+    ) -> u32 {
+        let offset = center.minus(LaneVector::splat(simd, self.center)).abs();
+        let gap = offset.minus(half_extents).minus(LaneVector::splat(simd, self.half_extents));
+        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(reach))
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +95,7 @@ impl LanePart {
             ((world_from_solid * solid.aabb().center).coords, rotation.abs() * solid.aabb().half_extents)
         };
         let rows = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
-        Self { rows, origin: lanes(&origin), kind, around: lanes(&around), is_exact }
+        Self { rows, origin: lanes(&origin), kind, around: LaneAabb::new(&origin, &around), is_exact }
     }
 
     /// Bits of the lanes in which a point of the planning frame is not certainly `reach` (m) or farther from
@@ -120,9 +147,7 @@ impl LanePart {
             let [x, y, z] = self.rows[2].map(f32::abs);
             return bits(!(offset.dot(self.rows[2]) - half_extents.dot([x, y, z])).simd_ge(reach));
         }
-        let offset = center.minus(LaneVector::splat(simd, self.origin)).abs();
-        let gap = offset.minus(half_extents).minus(LaneVector::splat(simd, self.around));
-        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(reach))
+        self.around.within_reach(simd, center, half_extents, reach)
     }
 }
 

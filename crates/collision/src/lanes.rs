@@ -8,7 +8,9 @@ use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::{LaneBall, LaneBody, LaneNode};
 use crate::lane_part::{LanePart, bits, shorter};
+use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
+use crate::part_tree::PartTree;
 use crate::world::Part;
 
 /// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
@@ -22,8 +24,12 @@ pub(crate) struct Lanes {
     kinematics: LaneKinematics,
     bodies: Vec<LaneBody>,
     parts: Vec<LanePart>,
-    /// Per link body the parts that it is checked against.
+    /// What leads to the parts that are near.
+    branches: Vec<LaneBranch>,
+    /// Per link body the parts that it is checked against: all or none, in the order of the branches.
     part_pairs: Vec<Vec<LanePair>>,
+    /// Per link body the greatest `free_m` of these, in metres.
+    farthest_free_m: Vec<f32>,
     /// Pairs of links that are looked up.
     tables: Vec<JointTable>,
     /// Per pair how much closer it can seem than it is, in metres.
@@ -142,7 +148,14 @@ struct Near {
 }
 
 impl Lanes {
-    pub fn new(robot: &Robot, bodies: &[LinkBody], parts: &[(usize, Part)], pairs: &[Pair]) -> Self {
+    /// `pairs` has the parts that a link is checked against in the order of `tree`.
+    pub fn new(
+        robot: &Robot,
+        bodies: &[LinkBody],
+        parts: &[(usize, Part)],
+        tree: &PartTree,
+        pairs: &[Pair],
+    ) -> Self {
         let kinematics = LaneKinematics::new(robot);
         let lane_bodies: Vec<LaneBody> = bodies.iter().map(|body| LaneBody::new(&kinematics, body)).collect();
         let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
@@ -171,10 +184,13 @@ impl Lanes {
                 }
             }
         }
+        let farthest = |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(0.0, f32::max);
         Self {
             kinematics,
+            farthest_free_m: part_pairs.iter().map(farthest).collect(),
             bodies: lane_bodies,
             parts: lane_parts,
+            branches: tree.nodes().iter().map(LaneBranch::of).collect(),
             part_pairs,
             tables,
             blurs_m,
@@ -313,13 +329,24 @@ impl Lanes {
         let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
         let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
         let travel_m = scratch.travel.bodies[body];
+        let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
         scratch.near.clear();
-        for (index, pair) in pairs.iter().enumerate() {
-            let reach = f32x16::splat(simd, pair.free_m + travel_m);
-            let part = &self.parts[pair.other as usize];
-            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & *open;
-            if lanes != 0 {
-                scratch.near.push(Near { index: as_index(index), lanes });
+        let mut next = 0;
+        while next < self.branches.len() {
+            let branch = &self.branches[next];
+            if branch.within_reach(simd, middle, half_extents, farthest) & *open == 0 {
+                next = branch.next;
+                continue;
+            }
+            next += 1;
+            for index in branch.begin..branch.end {
+                let pair = &pairs[index as usize];
+                let reach = f32x16::splat(simd, pair.free_m + travel_m);
+                let part = &self.parts[pair.other as usize];
+                let lanes = part.box_within_reach(simd, middle, half_extents, reach) & *open;
+                if lanes != 0 {
+                    scratch.near.push(Near { index, lanes });
+                }
             }
         }
         if scratch.near.is_empty() {
@@ -372,7 +399,8 @@ impl Lanes {
                 *lanes &= *open;
                 if *lanes != 0 {
                     let center = *center.get_or_insert(frame.point(simd, ball.center));
-                    let place = pairs.iter().position(|p| p.pair == *pair).unwrap_or_default();
+                    // The pairs of a link with parts follow each other.
+                    let place = (*pair - pairs[0].pair) as usize;
                     *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
                 }
             }

@@ -118,9 +118,8 @@ impl Cell {
         if let Some(at) = self.certify_in_lanes(simd_level(), a, b, scratch, factor) {
             self.look_at(a, b, at, 0.0, scratch, factor);
             let frames = &scratch.frames;
-            let touching = self.pairs.iter().find(|pair| !self.keeps_distance(pair, frames));
-            if let Some(pair) = touching {
-                return Motion::Contact { at, contact: self.describe(pair, frames) };
+            if let Some(pair) = self.first_close_pair(frames) {
+                return Motion::Contact { at, contact: self.describe(&self.pairs[pair as usize], frames) };
             }
             // The lanes are certain of contact only where the exact check is; were it not so, it would have
             // to look at everything itself.
@@ -148,11 +147,12 @@ impl Cell {
         let mut rest = std::mem::take(&mut scratch.rest);
         [&mut work, &mut next, &mut rest].into_iter().for_each(WorkList::clear);
         let mut half_width = 0.5 / FIRST_INTERVALS as f64;
-        work.pairs.extend(self.all_pairs());
+        // At first nothing is certified: these intervals have all pairs, and list none.
+        let mut is_first = true;
         work.intervals.extend((0..FIRST_INTERVALS).map(|index| Interval {
             middle: (2 * index + 1) as f64 * half_width,
             half_width,
-            pairs: (0, self.pairs.len()),
+            pairs: (0, 0),
         }));
         let mut contact_at = None;
         while !work.intervals.is_empty() && contact_at.is_none() {
@@ -176,7 +176,7 @@ impl Cell {
                     let (begin_next, begin_rest) = (next.pairs.len(), rest.pairs.len());
                     for (pair, lanes) in &scratch.lanes.doubts {
                         // A pair that was certified for the interval around this one stays so.
-                        if lanes >> lane & 1 == 0 || !known.contains(pair) {
+                        if lanes >> lane & 1 == 0 || !(is_first || known.contains(pair)) {
                             continue;
                         }
                         let blur_m = self.lanes.blur_m(*pair).max(FINEST_IN_LANES_M);
@@ -190,6 +190,7 @@ impl Cell {
                 }
             }
             std::mem::swap(&mut work, &mut next);
+            is_first = false;
             half_width *= 0.5;
         }
         scratch.work = rest;

@@ -1,0 +1,47 @@
+use cranny_spatial::{LaneVector, Vector};
+use fearless_simd::{Simd, f32x16};
+
+use crate::lane_part::LaneAabb;
+use crate::part_tree::PartNode;
+
+/// A node of the [`PartTree`](crate::part_tree::PartTree) as the lanes see it.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneBranch {
+    /// A box around all its parts; none where it would not help.
+    around: Option<LaneAabb>,
+    /// The places of its parts; no place for a node that is not a leaf.
+    pub begin: u32,
+    pub end: u32,
+    /// The node that follows if this one is passed over.
+    pub next: usize,
+}
+
+impl LaneBranch {
+    pub fn of(node: &PartNode) -> Self {
+        /// More than rounding to `f32` can move a face of the box, relative to how far away it is.
+        const OVERHANG: f64 = 2e-6;
+        let around = node.aabb.as_ref().map(|aabb| {
+            let farthest_m = aabb.center.coords.abs() + aabb.half_extents;
+            let grown = aabb.half_extents + (farthest_m + Vector::repeat(1.0)) * OVERHANG;
+            LaneAabb::new(&aabb.center.coords, &grown)
+        });
+        let [begin, end] = [node.places.start, node.places.end].map(|p| u32::try_from(p).unwrap_or(u32::MAX));
+        Self { around, begin, end, next: node.next }
+    }
+
+    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
+    /// farther from all parts of the branch.
+    #[inline(always)]
+    pub fn within_reach<S: Simd>(
+        &self,
+        simd: S,
+        center: LaneVector<S>,
+        half_extents: LaneVector<S>,
+        reach: f32x16<S>,
+    ) -> u32 {
+        match &self.around {
+            Some(around) => around.within_reach(simd, center, half_extents, reach),
+            None => u32::MAX,
+        }
+    }
+}
