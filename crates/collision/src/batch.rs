@@ -70,7 +70,7 @@ impl Cell {
     }
 
     /// Bits of those lanes of `asked` that are free, or at least of those of `interest`; the configurations
-    /// are those of [`LaneScratch::set_lane`](crate::lanes::LaneScratch::set_lane).
+    /// are those of [`LaneScratch::set_lane`](crate::lane_scratch::LaneScratch::set_lane).
     fn judge_lanes(&self, level: Level, asked: u32, interest: Interest, scratch: &mut Scratch) -> u32 {
         let Scratch { lanes, frames, .. } = scratch;
         lanes.travel.clear();

@@ -1,6 +1,6 @@
-use cranny_shape::Outline;
+use cranny_shape::{Outline, Solid};
 use cranny_spatial::nalgebra::Matrix3;
-use cranny_spatial::{LaneVector, Vector};
+use cranny_spatial::{LaneVector, Pose, Vector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
@@ -18,6 +18,8 @@ pub(crate) struct LanePart {
     around: LaneAabb,
     /// Whether the distance is that to the solid; else it is that to a box around it.
     pub is_exact: bool,
+    /// A bound on the rounding of distances to it, in metres.
+    pub slack_m: f64,
 }
 
 /// A box along the axes of the planning frame, in metres.
@@ -95,7 +97,9 @@ impl LanePart {
             ((world_from_solid * solid.aabb().center).coords, rotation.abs() * solid.aabb().half_extents)
         };
         let rows = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
-        Self { rows, origin: lanes(&origin), kind, around: LaneAabb::new(&origin, &around), is_exact }
+        let slack_m = rounding_m(world_from_solid, solid);
+        let around = LaneAabb::new(&origin, &around);
+        Self { rows, origin: lanes(&origin), kind, around, is_exact, slack_m }
     }
 
     /// Bits of the lanes in which a point of the planning frame is not certainly `reach` (m) or farther from
@@ -172,6 +176,15 @@ fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
     let turned = rotation.abs();
     let is_straight = turned.iter().all(|entry| *entry < STRAIGHT || *entry > 1.0 - STRAIGHT);
     is_straight.then(|| turned.map(f64::round) * half_extents)
+}
+
+/// A bound on the rounding of distances to a part, in metres: of its own place and size, and of the sums of
+/// the kernels, relative to how far away it is.
+fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
+    /// Some twenty roundings of 6·10⁻⁸.
+    const RELATIVE: f64 = 2e-6;
+    let size = if solid.is_half_space() { 0.0 } else { solid.ball().radius_m };
+    RELATIVE * (world_from_solid.translation.vector.norm() + size + 1.0)
 }
 
 /// A vector as the lanes hold it.

@@ -1,13 +1,14 @@
 use cranny_robot::{LaneFrame, LaneKinematics, Robot};
-use cranny_spatial::{LANES, LaneArray, LaneVector};
+use cranny_spatial::{LANES, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 
 use crate::batch::lanes_of;
 use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
-use crate::lane_body::{LaneBall, LaneBody, LaneNode};
-use crate::lane_part::{LanePart, bits, shorter};
+use crate::lane_body::{LaneBody, LaneNode};
+use crate::lane_part::{LanePart, shorter};
+use crate::lane_scratch::{Descent, LaneScratch, Near, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
 use crate::part_tree::PartTree;
@@ -88,65 +89,6 @@ impl Interest {
     }
 }
 
-/// How far things may be from the configurations that are looked at: all 0 for these alone, more for all
-/// that a motion passes between them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LaneTravel {
-    /// Per link body, against the world, in metres.
-    pub bodies: Vec<f32>,
-    /// Per pair of links, against each other, in metres.
-    pub link_pairs: Vec<f32>,
-    /// Per joint, in metres or radians.
-    pub joints: Vec<f32>,
-}
-
-/// What one asker needs to compute with.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LaneScratch {
-    pub travel: LaneTravel,
-    /// Per joint.
-    q: Vec<LaneArray>,
-    /// The same lane by lane, as it was given.
-    pub exact_q: Vec<f64>,
-    frames: Vec<LaneFrame>,
-    /// Per body a box around it along the axes of the root.
-    boxes: Vec<LaneBox>,
-    /// Centres of the outer balls of all bodies at this batch, in root coordinates, once asked for.
-    centers: Vec<[LaneArray; 3]>,
-    /// For each of them the batch that it was computed for.
-    computed: Vec<u32>,
-    batch: u32,
-    /// Where each body's balls begin in `centers`.
-    begins: Vec<usize>,
-    stack: Vec<Descent>,
-    near: Vec<Near>,
-    /// Pairs in doubt, and in which lanes, as bits.
-    pub doubts: Vec<(u32, u32)>,
-}
-
-/// A box along the axes of the root frame, for every lane.
-#[derive(Clone, Copy, Debug)]
-struct LaneBox {
-    middle: [LaneArray; 3],
-    half_extents: [LaneArray; 3],
-}
-
-/// A node of a body's tree that is still to be compared with a range of the `near` list.
-#[derive(Clone, Copy, Debug)]
-struct Descent {
-    node: u32,
-    begin: u32,
-    end: u32,
-}
-
-/// A part that is near to a node in some lanes.
-#[derive(Clone, Copy, Debug)]
-struct Near {
-    /// Index into the body's part pairs.
-    index: u32,
-    lanes: u32,
-}
-
 impl Lanes {
     /// `pairs` has the parts that a link is checked against in the order of `tree`.
     pub fn new(
@@ -172,7 +114,7 @@ impl Lanes {
             let slack_m = lane_bodies[pair.first].slack_m;
             match pair.second {
                 Other::Part(part) => {
-                    let slack_m = slack_m + part_rounding_m(&parts[part].1);
+                    let slack_m = slack_m + lane_parts[part].slack_m;
                     blurs_m.push(blur_m + if lane_parts[part].is_exact { 0.0 } else { BOX_BLUR_M });
                     part_pairs[pair.first].push(LanePair::new(index, part, pair.required_m, slack_m));
                 }
@@ -219,30 +161,8 @@ impl Lanes {
     }
 
     pub fn scratch(&self, dof: usize) -> LaneScratch {
-        let mut begins = Vec::new();
-        let mut count = 0;
-        for body in &self.bodies {
-            begins.push(count);
-            count += body.outer.len();
-        }
-        LaneScratch {
-            q: vec![[0.0; LANES]; dof],
-            exact_q: vec![0.0; LANES * dof],
-            frames: vec![LaneFrame::IDENTITY; self.kinematics.frame_count()],
-            centers: vec![[[0.0; LANES]; 3]; count],
-            computed: vec![0; count],
-            begins,
-            travel: LaneTravel {
-                bodies: vec![0.0; self.bodies.len()],
-                link_pairs: vec![0.0; self.link_pairs.len()],
-                joints: vec![0.0; dof],
-            },
-            boxes: vec![
-                LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
-                self.bodies.len()
-            ],
-            ..LaneScratch::default()
-        }
+        let balls = self.bodies.iter().map(|body| body.outer.len());
+        LaneScratch::new(dof, self.kinematics.frame_count(), self.link_pairs.len(), balls)
     }
 
     /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
@@ -455,7 +375,7 @@ impl Lanes {
         let (frame_a, frame_b) = (&frames[a.frame], &frames[b.frame]);
         // 1.
         let reach = pair.free_m + scratch.travel.link_pairs[index];
-        let lanes = boxes_within_reach(simd, &scratch.boxes[first], &scratch.boxes[second], reach) & *open;
+        let lanes = scratch.boxes[first].within_reach(simd, &scratch.boxes[second], reach) & *open;
         if lanes == 0 {
             return;
         }
@@ -530,78 +450,6 @@ impl Lanes {
     }
 }
 
-impl LaneTravel {
-    /// Nothing beyond the configurations themselves.
-    pub fn clear(&mut self) {
-        self.bodies.fill(0.0);
-        self.link_pairs.fill(0.0);
-        self.joints.fill(0.0);
-    }
-}
-
-impl LaneScratch {
-    /// Takes over the configuration of a lane.
-    pub fn set_lane(&mut self, lane: usize, q: impl Iterator<Item = f64>) {
-        let dof = self.q.len();
-        for (joint, value) in q.enumerate() {
-            self.exact_q[lane * dof + joint] = value;
-            // Lanes are `f32` by design; the slack of every comparison covers it.
-            #[allow(clippy::cast_possible_truncation)]
-            {
-                self.q[joint][lane] = value as f32;
-            }
-        }
-    }
-
-    fn begin(&mut self) {
-        self.batch = self.batch.wrapping_add(1);
-        if self.batch == 0 {
-            self.computed.fill(u32::MAX);
-        }
-        self.doubts.clear();
-    }
-
-    /// The centre of an outer ball in root coordinates, computed once in a batch.
-    #[inline(always)]
-    fn center<S: Simd>(
-        &mut self,
-        simd: S,
-        body: usize,
-        node: usize,
-        ball: &LaneBall,
-        frame: &LaneFrame,
-    ) -> LaneVector<S> {
-        let index = self.begins[body] + node;
-        let lanes = &mut self.centers[index];
-        if self.computed[index] == self.batch {
-            return LaneVector::load(simd, lanes);
-        }
-        self.computed[index] = self.batch;
-        let center = frame.point(simd, ball.center);
-        center.store(lanes);
-        center
-    }
-
-    fn push_children(&mut self, children: [u32; 2], begin: usize, end: usize) {
-        if children != [0; 2] {
-            let (begin, end) = (as_index(begin), as_index(end));
-            self.stack.extend(children.map(|node| Descent { node, begin, end }));
-        }
-    }
-
-    /// The lanes in which the pair is in doubt already; the pair's body began with doubt number `first`.
-    fn doubt(&self, first: usize, pair: u32) -> u32 {
-        self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
-    }
-
-    fn add_doubt(&mut self, first: usize, pair: u32, lanes: u32) {
-        match self.doubts[first..].iter_mut().find(|(doubtful, _)| *doubtful == pair) {
-            Some((_, known)) => *known |= lanes,
-            None => self.doubts.push((pair, lanes)),
-        }
-    }
-}
-
 impl LanePair {
     // Lanes are `f32` by design; the slack covers it.
     #[allow(clippy::cast_possible_truncation)]
@@ -645,31 +493,8 @@ fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, open
     }
 }
 
-/// A bound on the rounding of distances to a part, in metres: of its own place and size, and of the sums of
-/// the kernels, relative to how far away it is.
-fn part_rounding_m(part: &Part) -> f64 {
-    /// Some twenty roundings of 6·10⁻⁸.
-    const RELATIVE: f64 = 2e-6;
-    let size = if part.solid.is_half_space() { 0.0 } else { part.solid.ball().radius_m };
-    RELATIVE * (part.world_from_solid.translation.vector.norm() + size + 1.0)
-}
-
-/// Bits of the lanes in which two boxes are not certainly `reach` (m) or farther apart along an axis.
-#[inline(always)]
-fn boxes_within_reach<S: Simd>(simd: S, a: &LaneBox, b: &LaneBox, reach: f32) -> u32 {
-    let offset = LaneVector::load(simd, &a.middle).minus(LaneVector::load(simd, &b.middle)).abs();
-    let gap =
-        offset.minus(LaneVector::load(simd, &a.half_extents)).minus(LaneVector::load(simd, &b.half_extents));
-    bits(!gap.x.max(gap.y).max(gap.z).simd_ge(f32x16::splat(simd, reach)))
-}
-
 /// Bits of the lanes in which two points are closer than `reach`.
 #[inline(always)]
 fn touching<S: Simd>(a: LaneVector<S>, b: LaneVector<S>, reach: f32) -> u32 {
     shorter(a.minus(b).norm_squared(), f32x16::splat(a.x.token(), reach))
-}
-
-/// Indices in the lanes are short: there are far fewer links, parts and balls than they can tell apart.
-fn as_index(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }

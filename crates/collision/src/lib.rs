@@ -22,6 +22,7 @@ mod error;
 mod joint_table;
 mod lane_body;
 mod lane_part;
+mod lane_scratch;
 mod lane_tree;
 mod lanes;
 mod link_body;

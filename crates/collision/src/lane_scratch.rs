@@ -1,0 +1,181 @@
+use cranny_robot::LaneFrame;
+use cranny_spatial::{LANES, LaneArray, LaneVector};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::lane_body::LaneBall;
+use crate::lane_part::bits;
+
+/// How far things may be from the configurations that are looked at: all 0 for these alone, more for all
+/// that a motion passes between them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneTravel {
+    /// Per link body, against the world, in metres.
+    pub bodies: Vec<f32>,
+    /// Per pair of links, against each other, in metres.
+    pub link_pairs: Vec<f32>,
+    /// Per joint, in metres or radians.
+    pub joints: Vec<f32>,
+}
+
+/// What one asker needs to compute with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneScratch {
+    pub travel: LaneTravel,
+    /// Per joint.
+    pub q: Vec<LaneArray>,
+    /// The same lane by lane, as it was given.
+    pub exact_q: Vec<f64>,
+    pub frames: Vec<LaneFrame>,
+    /// Per body a box around it along the axes of the root.
+    pub boxes: Vec<LaneBox>,
+    /// Centres of the outer balls of all bodies at this batch, in root coordinates, once asked for.
+    centers: Vec<[LaneArray; 3]>,
+    /// For each of them the batch that it was computed for.
+    computed: Vec<u32>,
+    batch: u32,
+    /// Where each body's balls begin in `centers`.
+    begins: Vec<usize>,
+    pub stack: Vec<Descent>,
+    pub near: Vec<Near>,
+    /// Pairs in doubt, and in which lanes, as bits.
+    pub doubts: Vec<(u32, u32)>,
+}
+
+/// A box along the axes of the root frame, for every lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneBox {
+    pub middle: [LaneArray; 3],
+    pub half_extents: [LaneArray; 3],
+}
+
+/// A node of a body's tree that is still to be compared with a range of the `near` list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    pub node: u32,
+    pub begin: u32,
+    pub end: u32,
+}
+
+/// A part that is near to a node in some lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// Index into the body's part pairs.
+    pub index: u32,
+    pub lanes: u32,
+}
+
+impl LaneTravel {
+    /// Nothing beyond the configurations themselves.
+    pub fn clear(&mut self) {
+        self.bodies.fill(0.0);
+        self.link_pairs.fill(0.0);
+        self.joints.fill(0.0);
+    }
+}
+
+impl LaneScratch {
+    /// Room for robots of so many joints, frames and pairs of links, with so many outer balls on each body.
+    pub fn new(dof: usize, frames: usize, link_pairs: usize, balls: impl Iterator<Item = usize>) -> Self {
+        let mut begins = Vec::new();
+        let mut count = 0;
+        for balls in balls {
+            begins.push(count);
+            count += balls;
+        }
+        let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
+        Self {
+            q: vec![[0.0; LANES]; dof],
+            exact_q: vec![0.0; LANES * dof],
+            frames: vec![LaneFrame::IDENTITY; frames],
+            boxes: vec![nowhere; begins.len()],
+            centers: vec![[[0.0; LANES]; 3]; count],
+            computed: vec![0; count],
+            travel: LaneTravel {
+                bodies: vec![0.0; begins.len()],
+                link_pairs: vec![0.0; link_pairs],
+                joints: vec![0.0; dof],
+            },
+            begins,
+            ..Self::default()
+        }
+    }
+
+    /// Takes over the configuration of a lane.
+    pub fn set_lane(&mut self, lane: usize, q: impl Iterator<Item = f64>) {
+        let dof = self.q.len();
+        for (joint, value) in q.enumerate() {
+            self.exact_q[lane * dof + joint] = value;
+            // Lanes are `f32` by design; the slack of every comparison covers it.
+            #[allow(clippy::cast_possible_truncation)]
+            {
+                self.q[joint][lane] = value as f32;
+            }
+        }
+    }
+
+    pub fn begin(&mut self) {
+        self.batch = self.batch.wrapping_add(1);
+        if self.batch == 0 {
+            self.computed.fill(u32::MAX);
+        }
+        self.doubts.clear();
+    }
+
+    /// The centre of an outer ball in root coordinates, computed once in a batch.
+    #[inline(always)]
+    pub fn center<S: Simd>(
+        &mut self,
+        simd: S,
+        body: usize,
+        node: usize,
+        ball: &LaneBall,
+        frame: &LaneFrame,
+    ) -> LaneVector<S> {
+        let index = self.begins[body] + node;
+        let lanes = &mut self.centers[index];
+        if self.computed[index] == self.batch {
+            return LaneVector::load(simd, lanes);
+        }
+        self.computed[index] = self.batch;
+        let center = frame.point(simd, ball.center);
+        center.store(lanes);
+        center
+    }
+
+    pub fn push_children(&mut self, children: [u32; 2], begin: usize, end: usize) {
+        if children != [0; 2] {
+            let (begin, end) = (as_index(begin), as_index(end));
+            self.stack.extend(children.map(|node| Descent { node, begin, end }));
+        }
+    }
+
+    /// The lanes in which the pair is in doubt already; the pair's body began with doubt number `first`.
+    pub fn doubt(&self, first: usize, pair: u32) -> u32 {
+        self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
+    }
+
+    pub fn add_doubt(&mut self, first: usize, pair: u32, lanes: u32) {
+        match self.doubts[first..].iter_mut().find(|(doubtful, _)| *doubtful == pair) {
+            Some((_, known)) => *known |= lanes,
+            None => self.doubts.push((pair, lanes)),
+        }
+    }
+}
+
+impl LaneBox {
+    /// Bits of the lanes in which two boxes are not certainly `reach` (m) or farther apart along an axis.
+    #[inline(always)]
+    pub fn within_reach<S: Simd>(&self, simd: S, other: &Self, reach: f32) -> u32 {
+        let offset = LaneVector::load(simd, &self.middle).minus(LaneVector::load(simd, &other.middle)).abs();
+        let gap = offset
+            .minus(LaneVector::load(simd, &self.half_extents))
+            .minus(LaneVector::load(simd, &other.half_extents));
+        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(f32x16::splat(simd, reach)))
+    }
+}
+
+/// Indices in the lanes are short: there are far fewer links, parts and balls than they can tell apart.
+pub(crate) fn as_index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
