@@ -15,30 +15,45 @@ use crate::{Grasp, GraspError, GraspSet};
 pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
     let text = fs::read_to_string(path)
         .map_err(|reason| GraspError::Unreadable { path: path.to_owned(), reason })?;
-    let at_line = |line: usize, fault: GraspError| GraspError::Line {
-        path: path.to_owned(),
-        line,
-        fault: Box::new(fault),
-    };
-    let mut grasps = Vec::new();
-    let mut lines = Vec::new();
+    parse_csv(path, &text)
+}
+
+/// The grasps of a text as [`read_csv`] reads it; errors name `path`.
+///
+/// # Errors
+/// As [`read_csv`].
+pub fn parse_csv(path: &Path, text: &str) -> Result<GraspSet, GraspError> {
+    let (grasps, faults) = check_csv(path, text);
+    match faults.into_iter().next() {
+        Some(fault) => Err(fault),
+        None => Ok(grasps),
+    }
+}
+
+/// The grasps of a text as far as its lines are sound, and what is wrong with each of the others.
+pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
+    let mut sound = Vec::new();
+    let mut faults = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         if line.trim().is_empty() || (index == 0 && is_header(&fields)) {
             continue;
         }
-        grasps.push(parse(&fields).map_err(|fault| at_line(index + 1, fault))?);
-        lines.push(index + 1);
+        // Faults of a single grasp call it by its place in the file.
+        let place = sound.len() + faults.len();
+        let checked = parse(&fields).and_then(|grasp| grasp.checked(place));
+        match checked {
+            Ok(grasp) => sound.push(grasp),
+            Err(fault) => {
+                let path = path.to_owned();
+                faults.push(GraspError::Line { path, line: index + 1, fault: Box::new(fault) });
+            }
+        }
     }
-    if grasps.is_empty() {
-        return Err(GraspError::Empty { path: path.to_owned() });
+    if sound.is_empty() && faults.is_empty() {
+        faults.push(GraspError::Empty { path: path.to_owned() });
     }
-    GraspSet::new(grasps).map_err(|fault| match fault {
-        GraspError::NotFinite { grasp }
-        | GraspError::Score { grasp, .. }
-        | GraspError::Width { grasp, .. } => at_line(lines[grasp], fault),
-        other => other,
-    })
+    (GraspSet::of_checked(sound), faults)
 }
 
 /// Writes what [`read_csv`] reads, with a header; what is not known stays empty.
@@ -46,6 +61,12 @@ pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
 /// # Errors
 /// [`GraspError::Unwritable`].
 pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
+    fs::write(path, csv_text(grasps))
+        .map_err(|reason| GraspError::Unwritable { path: path.to_owned(), reason })
+}
+
+/// The text that [`write_csv`] writes.
+pub fn csv_text(grasps: &GraspSet) -> String {
     let mut text = String::new();
     for row in 0..4 {
         for column in 0..4 {
@@ -60,7 +81,7 @@ pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
         let or_empty = |value: Option<f64>| value.map_or_else(String::new, |x| x.to_string());
         let _ = writeln!(text, "{},{}", or_empty(grasp.score), or_empty(grasp.width_m));
     }
-    fs::write(path, text).map_err(|reason| GraspError::Unwritable { path: path.to_owned(), reason })
+    text
 }
 
 fn is_header(fields: &[&str]) -> bool {

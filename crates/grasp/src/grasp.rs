@@ -24,6 +24,21 @@ impl Grasp {
         twin
     }
 
+    /// The grasp, if it is one; errors call it by its `place` in its set.
+    pub(crate) fn checked(self, place: usize) -> Result<Self, GraspError> {
+        let pose = &self.world_from_gripper;
+        if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite()) {
+            return Err(GraspError::NotFinite { grasp: place });
+        }
+        if let Some(score) = self.score.filter(|s| !(0.0..=1.0).contains(s)) {
+            return Err(GraspError::Score { grasp: place, score });
+        }
+        if let Some(width_m) = self.width_m.filter(|w| !(w.is_finite() && *w >= 0.0)) {
+            return Err(GraspError::Width { grasp: place, width_m });
+        }
+        Ok(self)
+    }
+
     /// How far a gripper is from the grasp or its twin, whichever is nearer by the released metric.
     pub fn difference(&self, world_from_gripper: &Pose) -> PoseDifference {
         let direct = PoseDifference::between(&self.world_from_gripper, world_from_gripper);
@@ -46,18 +61,14 @@ impl GraspSet {
     /// [0, 1], [`GraspError::Width`] for a negative width.
     pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
         for (grasp, g) in grasps.iter().enumerate() {
-            let pose = &g.world_from_gripper;
-            if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite()) {
-                return Err(GraspError::NotFinite { grasp });
-            }
-            if let Some(score) = g.score.filter(|s| !(0.0..=1.0).contains(s)) {
-                return Err(GraspError::Score { grasp, score });
-            }
-            if let Some(width_m) = g.width_m.filter(|w| !(w.is_finite() && *w >= 0.0)) {
-                return Err(GraspError::Width { grasp, width_m });
-            }
+            g.checked(grasp)?;
         }
         Ok(Self { grasps })
+    }
+
+    /// A set of grasps that have been checked one by one.
+    pub(crate) fn of_checked(grasps: Vec<Grasp>) -> Self {
+        Self { grasps }
     }
 
     /// How many grasps there are.

@@ -32,7 +32,7 @@ pub fn pose_of_rows(rows: &[f64; 16]) -> Result<Pose, GraspError> {
 }
 
 /// The homogeneous matrix of a pose, row by row.
-pub(crate) fn rows_of_pose(pose: &Pose) -> [f64; 16] {
+pub fn rows_of_pose(pose: &Pose) -> [f64; 16] {
     let matrix = pose.to_homogeneous();
     std::array::from_fn(|index| matrix[(index / 4, index % 4)])
 }

@@ -22,10 +22,10 @@ mod twins;
 
 pub use contact::{Contact, friction_needed, friction_score};
 pub use error::GraspError;
-pub use file::{read_csv, write_csv};
+pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
 pub use gripper::Gripper;
-pub use homogeneous::pose_of_rows;
+pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use metric::{COVERAGE_THRESHOLD, coverage, grasp_distance, nearest_distances, pairwise_distances};
 pub use sampler::{FirstApproach, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
 pub use subset::{covering_subset, farthest_subset, random_subset};
