@@ -41,13 +41,25 @@ pub fn builtin_object_names() -> Vec<&'static str> {
 /// # Errors
 /// [`ScenarioError::UnknownBuiltinObject`], which lists the names that there are.
 pub fn builtin_object(name: &str) -> Result<ObjectType, ScenarioError> {
-    let Some(recipe) = RECIPES.iter().find(|recipe| recipe.name == name) else {
-        let known = builtin_object_names().join(", ");
-        return Err(ScenarioError::UnknownBuiltinObject { name: name.to_owned(), known });
-    };
+    let recipe = recipe(name)?;
     let Shape { mesh, parts } = (recipe.shape)()?.centred();
     let parts = ConvexParts::measured(&mesh, parts)?;
     ObjectType::of_parts(mesh, parts, &ObjectSettings::new(recipe.name, recipe.mass_kg))
+}
+
+/// The mesh of the built-in object of that name.
+///
+/// # Errors
+/// As [`builtin_object`].
+pub(crate) fn mesh(name: &str) -> Result<TriangleSoup, ScenarioError> {
+    Ok((recipe(name)?.shape)()?.centred().mesh)
+}
+
+fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
+    RECIPES.iter().find(|recipe| recipe.name == name).ok_or_else(|| {
+        let known = builtin_object_names().join(", ");
+        ScenarioError::UnknownBuiltinObject { name: name.to_owned(), known }
+    })
 }
 
 impl Shape {

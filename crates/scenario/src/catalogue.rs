@@ -1,15 +1,8 @@
-use cranny_collision::{Body, World};
-use cranny_grasp::{Grasp, GraspSet};
-use cranny_robot::RobotOptions;
-use cranny_shape::Solid;
-use cranny_spatial::nalgebra::Translation3;
-use cranny_spatial::{Pose, Stream, Vector};
-
-use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{Obstacle, OpenOptions, Scenario, ScenarioError, builtin_robot, hand, robot_file};
+use crate::own_layout::{self, Texts};
+use crate::{Family, FamilyMaker, OpenOptions, Recipe, Scenario, ScenarioError};
 
 /// A scenario that needs no file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CatalogueEntry {
     /// What to open it by: `0`, environment, level.
     pub id: &'static str,
@@ -17,109 +10,119 @@ pub struct CatalogueEntry {
     pub environment: &'static str,
     /// What is special about this one, in a line.
     pub description: &'static str,
+    /// The family that it belongs to.
+    pub family: Family,
+    /// The value of the family's dial, in metres.
+    pub parameter_m: f64,
+    scenario: &'static str,
+    grasps: &'static str,
 }
 
-/// All built-in scenarios, by id.
+/// All built-in scenarios, by id: the twenty of the paper.
 pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
-const UNDER_TABLE: &str = "ball under a table";
+/// An entry with the files that `Recipe`s of the catalogue are written to, which a test holds equal.
+macro_rules! entry {
+    ($id:literal, $family:ident, $environment:literal, $parameter_m:literal, $description:literal) => {
+        CatalogueEntry {
+            id: $id,
+            environment: $environment,
+            description: $description,
+            family: Family::$family,
+            parameter_m: $parameter_m,
+            scenario: include_str!(concat!("../../../scenarios/", $id, "/scenario.yaml")),
+            grasps: include_str!(concat!("../../../scenarios/", $id, "/grasps.csv")),
+        }
+    };
+}
 
-const CATALOGUE: [CatalogueEntry; 5] = [
-    CatalogueEntry {
-        id: "021",
-        environment: UNDER_TABLE,
-        description: "the ball lies 0.2 m behind the front edge",
-    },
-    CatalogueEntry {
-        id: "022",
-        environment: UNDER_TABLE,
-        description: "the ball lies 0.3 m behind the front edge",
-    },
-    CatalogueEntry {
-        id: "023",
-        environment: UNDER_TABLE,
-        description: "the ball lies 0.4 m behind the front edge",
-    },
-    CatalogueEntry {
-        id: "024",
-        environment: UNDER_TABLE,
-        description: "the ball lies 0.5 m behind the front edge",
-    },
-    CatalogueEntry {
-        id: "025",
-        environment: UNDER_TABLE,
-        description: "the ball lies 0.6 m behind the front edge",
-    },
+const CATALOGUE: [CatalogueEntry; 20] = [
+    entry!(
+        "011",
+        Shelf,
+        "screwdriver in a shelf",
+        0.113,
+        "the screwdriver lies 0.11 m behind the front edge"
+    ),
+    entry!(
+        "012",
+        Shelf,
+        "screwdriver in a shelf",
+        0.213,
+        "the screwdriver lies 0.21 m behind the front edge"
+    ),
+    entry!(
+        "013",
+        Shelf,
+        "screwdriver in a shelf",
+        0.313,
+        "the screwdriver lies 0.31 m behind the front edge"
+    ),
+    entry!(
+        "014",
+        Shelf,
+        "screwdriver in a shelf",
+        0.413,
+        "the screwdriver lies 0.41 m behind the front edge"
+    ),
+    entry!(
+        "015",
+        Shelf,
+        "screwdriver in a shelf",
+        0.513,
+        "the screwdriver lies 0.51 m behind the front edge"
+    ),
+    entry!("021", Table, "ball under a table", 0.2, "the ball lies 0.2 m behind the front edge"),
+    entry!("022", Table, "ball under a table", 0.3, "the ball lies 0.3 m behind the front edge"),
+    entry!("023", Table, "ball under a table", 0.4, "the ball lies 0.4 m behind the front edge"),
+    entry!("024", Table, "ball under a table", 0.5, "the ball lies 0.5 m behind the front edge"),
+    entry!("025", Table, "ball under a table", 0.6, "the ball lies 0.6 m behind the front edge"),
+    entry!("031", Gap, "box behind a gap", 0.64, "the gap between the walls is 0.64 m wide"),
+    entry!("032", Gap, "box behind a gap", 0.56, "the gap between the walls is 0.56 m wide"),
+    entry!("033", Gap, "box behind a gap", 0.48, "the gap between the walls is 0.48 m wide"),
+    entry!("034", Gap, "box behind a gap", 0.40, "the gap between the walls is 0.40 m wide"),
+    entry!("035", Gap, "box behind a gap", 0.32, "the gap between the walls is 0.32 m wide"),
+    entry!("041", Gate, "banana behind a gate", 0.86, "the gate's opening is 0.86 m wide and high"),
+    entry!("042", Gate, "banana behind a gate", 0.78, "the gate's opening is 0.78 m wide and high"),
+    entry!("043", Gate, "banana behind a gate", 0.70, "the gate's opening is 0.70 m wide and high"),
+    entry!("044", Gate, "banana behind a gate", 0.62, "the gate's opening is 0.62 m wide and high"),
+    entry!("045", Gate, "banana behind a gate", 0.54, "the gate's opening is 0.54 m wide and high"),
 ];
 
 /// The built-in ids, for a message about an unknown one.
 pub(crate) fn known_ids() -> String {
-    CATALOGUE.map(|entry| entry.id).join(", ")
+    CATALOGUE.each_ref().map(|entry| entry.id).join(", ")
 }
 
 /// The built-in scenario of that id, if there is one.
 pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, ScenarioError>> {
-    let level = CATALOGUE.iter().position(|entry| entry.id == id)?;
-    Some(ball_under_table(id, level, options))
-}
-
-/// Environment 02. `level` counts from 0.
-fn ball_under_table(id: &str, level: usize, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
-    let robot = match &options.robot {
-        Some(urdf) => robot_file::load(urdf, &RobotOptions::default())?,
-        None => builtin_robot::panda_mobile()?,
+    let entry = CATALOGUE.iter().find(|entry| entry.id == id)?;
+    let texts = Texts {
+        folder: format!("scenarios/{id}").into(),
+        scenario: entry.scenario.to_owned(),
+        grasps: entry.grasps.to_owned(),
+        ik: None,
     };
-    let planning_from_scene = planning_from_scene();
-    let ball_in_scene = Vector::new(1.0, 0.8 + 0.1 * level as f64, 0.034);
-    let planning_from_ball = planning_from_scene * Translation3::from(ball_in_scene);
-    let planning_from_table = planning_from_scene * Pose::translation(0.0, 0.6, 0.0);
-    let bodies = vec![
-        Obstacle::TABLE.body("table", &planning_from_table)?,
-        Body::new("ball", planning_from_ball, Solid::sphere(BALL_RADIUS_M)?),
-        Body::floor(FLOOR_M),
-    ];
-    Scenario {
-        id: id.to_owned(),
-        criterion: options.criterion.unwrap_or_default(),
-        hand_links: hand::hand_links(&robot),
-        robot,
-        world: World::new(bodies)?,
-        target: Some(1),
-        start: START.to_vec(),
-        grasps: sphere_grasps(&planning_from_ball, BALL_RADIUS_M)?,
-        ik: Vec::new(),
-        export: None,
+    Some(own_layout::open_texts(id.to_owned(), &texts, options))
+}
+
+impl CatalogueEntry {
+    /// The seed of the grasps of all built-in scenarios; any other would do as well.
+    pub const GRASP_SEED: u64 = 0;
+
+    /// The recipe from which the files of this entry are made, by a maker of its family.
+    ///
+    /// # Errors
+    /// None on a sound build.
+    pub fn recipe(&self, maker: &FamilyMaker) -> Result<Recipe, ScenarioError> {
+        let title = format!("{}, {}: {}", self.id, self.environment, self.description);
+        Ok(Recipe { title, ..maker.at(self.parameter_m)? })
     }
-    .with_checked_start(id)
+
+    /// The text of its `scenario.yaml` and of its `grasps.csv`.
+    pub fn files(&self) -> (&'static str, &'static str) {
+        (self.scenario, self.grasps)
+    }
 }
-
-/// The radius of the tennis ball of the YCB object set, whose diameter is given as 64.7 mm.
-const BALL_RADIUS_M: f64 = 0.03235;
-
-/// The start of every scenario of the paper (base y, base x in m; the seven joints of the arm in rad).
-const START: [f64; 9] = [0.0, 0.0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534];
-
-/// Grasps of a sphere: closing axes through its centre, uniform over all directions, approach directions
-/// uniform about them, the gripper frame's origin at the centre. Together that is a rotation uniform over
-/// SO(3). Every level of an environment has the same ones, so that levels differ in nothing but the place.
-///
-/// A sphere looks the same from everywhere, so an open hand fits around it for all of them or for none. They
-/// have no score: for each, the contact normals lie on the closing axis, so any score by friction would be
-/// one constant.
-fn sphere_grasps(planning_from_ball: &Pose, radius_m: f64) -> Result<GraspSet, ScenarioError> {
-    let mut random = Stream::new(GRASP_SEED, 0);
-    let grasps = (0..GRASPS).map(|_| Grasp {
-        world_from_gripper: Pose::from_parts(planning_from_ball.translation, random.rotation()),
-        score: None,
-        width_m: Some(2.0 * radius_m),
-    });
-    Ok(GraspSet::new(grasps.collect())?)
-}
-
-/// As many as each scenario of the paper has.
-const GRASPS: usize = 200;
-
-/// The environment's number; any other would do as well.
-const GRASP_SEED: u64 = 2;

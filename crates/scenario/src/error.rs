@@ -364,6 +364,56 @@ pub enum ScenarioError {
         /// The names that there are.
         known: String,
     },
+    /// Only scenarios of the built-in robot can be written.
+    #[error("only scenarios of the built-in robot can be written, but this robot has the joints {joints}")]
+    OtherRobot {
+        /// The robot's joints.
+        joints: String,
+    },
+    /// A scenario would be written where something is.
+    #[error("{}: exists already (give another folder, or remove it)", path.display())]
+    Exists {
+        /// The folder or file.
+        path: PathBuf,
+    },
+    /// A file of `NumPy` holds something else than poses.
+    #[error("{}: {problem} (expected: floats of shape (n, 4, 4))", path.display())]
+    Npy {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// An archive cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Archive {
+        /// The archive.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A family is asked for that there is not.
+    #[error("no family '{name}' (there are {known})")]
+    UnknownFamily {
+        /// What was asked for.
+        name: String,
+        /// The families.
+        known: String,
+    },
+    /// The parameter of a family is out of its range.
+    #[error("{family}: the {parameter} must be from {low} to {high} m, but is {value}")]
+    Parameter {
+        /// The family.
+        family: &'static str,
+        /// What its parameter is.
+        parameter: &'static str,
+        /// The least value.
+        low: f64,
+        /// The greatest.
+        high: f64,
+        /// What was given.
+        value: f64,
+    },
     /// The robot cannot be built.
     #[error(transparent)]
     Robot(#[from] cranny_robot::RobotError),

@@ -1,4 +1,3 @@
-use std::fs;
 use std::path::Path;
 
 use cranny_robot::Location;
@@ -7,8 +6,11 @@ use crate::{ScenarioError, yaml};
 
 /// The lines of a file of comma-separated numbers, each with where it stands; blank lines are left out.
 pub(crate) fn read(path: &Path) -> Result<Vec<(Location, Vec<f64>)>, ScenarioError> {
-    let text = fs::read_to_string(path)
-        .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+    parse(path, &yaml::text(path)?)
+}
+
+/// The same of a text; errors name `path`.
+pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<(Location, Vec<f64>)>, ScenarioError> {
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let at = yaml::line(path, index + 1);
@@ -25,9 +27,18 @@ pub(crate) fn read(path: &Path) -> Result<Vec<(Location, Vec<f64>)>, ScenarioErr
 
 /// The configurations of a file, one a line; there may be none.
 pub(crate) fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    parse_configurations(path, &yaml::text(path)?, dof)
+}
+
+/// The same of a text; errors name `path`.
+pub(crate) fn parse_configurations(
+    path: &Path,
+    text: &str,
+    dof: usize,
+) -> Result<Vec<Vec<f64>>, ScenarioError> {
     let check = |(at, row): (Location, Vec<f64>)| match row.len() {
         actual if actual == dof => Ok(row),
         actual => Err(ScenarioError::NumberCount { at, expected: dof, actual }),
     };
-    read(path)?.into_iter().map(check).collect()
+    parse(path, text)?.into_iter().map(check).collect()
 }

@@ -1,8 +1,9 @@
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
-use cranny_grasp::read_csv;
+use cranny_grasp::parse_csv;
 use cranny_robot::{Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::nalgebra::Quaternion;
@@ -11,51 +12,80 @@ use serde_saphyr::Spanned;
 
 use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
 use crate::{
-    OpenOptions, Scenario, ScenarioError, builtin_robot, hand, number_table, robot_file, scenario, yaml,
+    OBJECT_FILE, ObjectType, OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, hand,
+    number_table, robot_file, scenario, yaml,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
 pub(crate) const FILE: &str = "scenario.yaml";
 
-/// Opens a folder of Cranny's own layout: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
+/// The texts of a scenario of Cranny's own layout, and the folder that its further files are in.
+pub(crate) struct Texts {
+    /// Also what errors name the files by.
+    pub folder: PathBuf,
+    pub scenario: String,
+    pub grasps: String,
+    pub ik: Option<String>,
+}
+
+impl Texts {
+    /// Of a folder: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
+    fn read(folder: &Path) -> Result<Self, ScenarioError> {
+        let scenario = yaml::text(&folder.join(FILE))?;
+        let grasps = folder.join(GRASPS_FILE);
+        let grasps = fs::read_to_string(&grasps)
+            .map_err(|reason| cranny_grasp::GraspError::Unreadable { path: grasps, reason })?;
+        let ik = folder.join(IK_FILE);
+        let ik = if ik.is_file() { Some(yaml::text(&ik)?) } else { None };
+        Ok(Self { folder: folder.to_owned(), scenario, grasps, ik })
+    }
+}
+
+pub(crate) const GRASPS_FILE: &str = "grasps.csv";
+
+pub(crate) const IK_FILE: &str = "ik.csv";
+
+/// Opens a folder of Cranny's own layout.
 pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+    open_texts(scenario::id_of(folder), &Texts::read(folder)?, options)
+}
+
+/// The same from texts.
+pub(crate) fn open_texts(
+    id: String,
+    texts: &Texts,
+    options: &OpenOptions,
+) -> Result<Scenario, ScenarioError> {
+    let folder = &texts.folder;
     let path = folder.join(FILE);
-    let file: ScenarioFile = yaml::read(&path)?;
+    let file: ScenarioFile = yaml::parse(&path, &texts.scenario)?;
     let layout = Layout { folder, path: &path };
     let robot = layout.robot(&file, options)?;
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
     let mut bodies: Vec<Body> = Vec::new();
     for entry in file.obstacles.iter().chain(&file.target) {
-        let name = &entry.name.value;
-        if name == FLOOR || bodies.iter().any(|body| body.name == *name) {
-            let at = layout.at(entry.name.referenced);
-            return Err(ScenarioError::NameTaken { at, name: name.clone() });
-        }
+        layout.check_name(entry, bodies.iter().map(|body| body.name.as_str()))?;
         bodies.push(layout.body(entry, &planning_from_scene)?);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
     if let Some(height) = &file.floor {
-        let height_m = layout.finite(height.value, height.referenced)?;
-        let planning_from_floor = planning_from_scene * Pose::translation(0.0, 0.0, height_m);
-        bodies.push(Body::new(FLOOR, planning_from_floor, Solid::half_space()));
+        bodies.push(layout.floor(height, &planning_from_scene)?);
     }
-
-    let ik_file = folder.join("ik.csv");
-    let ik = match options.robot {
-        None if ik_file.is_file() => number_table::read_configurations(&ik_file, robot.dof())?,
+    let ik = match (&options.robot, &texts.ik) {
+        (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
         _ => Vec::new(),
     };
     let criterion = options.criterion.or(file.criterion.as_ref().map(|entry| entry.0)).unwrap_or_default();
     Scenario {
-        id: scenario::id_of(folder),
+        id,
         criterion,
         hand_links: hand::hand_links(&robot),
         start: layout.start(&file.start, &robot)?,
         robot,
         world: World::new(bodies)?,
         target,
-        grasps: read_csv(&folder.join("grasps.csv"))?,
+        grasps: parse_csv(&folder.join(GRASPS_FILE), &texts.grasps)?,
         ik,
         export: None,
     }
@@ -65,13 +95,13 @@ pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, Sce
 const FLOOR: &str = "floor";
 
 /// The folder that is read, and the file that errors name.
-struct Layout<'a> {
-    folder: &'a Path,
-    path: &'a Path,
+pub(crate) struct Layout<'a> {
+    pub folder: &'a Path,
+    pub path: &'a Path,
 }
 
 impl Layout<'_> {
-    fn at(&self, location: serde_saphyr::Location) -> Location {
+    pub fn at(&self, location: serde_saphyr::Location) -> Location {
         yaml::at(self.path, location)
     }
 
@@ -80,7 +110,27 @@ impl Layout<'_> {
         value.is_finite().then_some(value).ok_or_else(fault)
     }
 
-    fn robot(&self, file: &ScenarioFile, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
+    /// That the name of a body is not the floor's, nor one of `taken`.
+    pub fn check_name<'b>(
+        &self,
+        entry: &BodyEntry,
+        mut taken: impl Iterator<Item = &'b str>,
+    ) -> Result<(), ScenarioError> {
+        let name = &entry.name.value;
+        if name == FLOOR || taken.any(|other| other == name) {
+            let at = self.at(entry.name.referenced);
+            return Err(ScenarioError::NameTaken { at, name: name.clone() });
+        }
+        Ok(())
+    }
+
+    pub fn floor(&self, height: &Spanned<f64>, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+        let height_m = self.finite(height.value, height.referenced)?;
+        let planning_from_floor = planning_from_scene * Pose::translation(0.0, 0.0, height_m);
+        Ok(Body::new(FLOOR, planning_from_floor, Solid::half_space()))
+    }
+
+    pub fn robot(&self, file: &ScenarioFile, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
         if let Some(urdf) = &options.robot {
             return Ok(robot_file::load(urdf, &RobotOptions::default())?);
         }
@@ -97,7 +147,7 @@ impl Layout<'_> {
         })
     }
 
-    fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
+    pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
         let number = |value: &Spanned<f64>| self.finite(value.value, value.referenced);
         let by_joint = match &start.value {
             StartEntry::List(list) => return list.iter().map(number).collect(),
@@ -118,7 +168,7 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
-    fn body(&self, entry: &BodyEntry, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+    pub fn body(&self, entry: &BodyEntry, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
         let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
         let name = &entry.name.value;
         let mut parts = Vec::new();
@@ -134,7 +184,20 @@ impl Layout<'_> {
         Ok(Body { name: name.clone(), parts })
     }
 
-    fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
+    /// Everything that is wrong with a body but its name.
+    pub fn body_faults(&self, entry: &BodyEntry) -> Vec<ScenarioError> {
+        let mut faults: Vec<ScenarioError> = self.pose(entry.pose.as_ref()).err().into_iter().collect();
+        for shape in &entry.shapes {
+            faults.extend(self.pose(shape.value.pose.as_ref()).err());
+            faults.extend(self.solid(shape, &entry.name.value).err());
+        }
+        if entry.shapes.is_empty() {
+            faults.push(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
+        }
+        faults
+    }
+
+    pub fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
         let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];
         for number in given.concat() {
@@ -159,7 +222,7 @@ impl Layout<'_> {
     }
 
     fn solid(&self, shape: &Spanned<ShapeEntry>, body: &str) -> Result<Solid, ScenarioError> {
-        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, .. } = &shape.value;
+        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
         let at = self.at(shape.referenced);
         let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
         solids.extend(cuboid.iter().map(|entry| Solid::cuboid(Vector::from(entry.size) * 0.5)));
@@ -168,6 +231,9 @@ impl Layout<'_> {
         solids.extend(capsule.iter().map(|entry| Solid::capsule(0.5 * entry.length, entry.radius)));
         solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
         solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
+        if let Some(name) = object {
+            solids.push(self.solid_of_object(name)?);
+        }
         match (solids.pop(), solids.len()) {
             (Some(solid), 0) => {
                 solid.map_err(|reason| ScenarioError::Shape { at, body: body.to_owned(), reason })
@@ -176,6 +242,15 @@ impl Layout<'_> {
                 Err(ScenarioError::ShapeCount { at, actual: others + usize::from(last.is_some()) })
             }
         }
+    }
+
+    /// Of an object with a folder of its own, or else a built-in one.
+    fn solid_of_object(&self, name: &str) -> Result<Result<Solid, ShapeError>, ScenarioError> {
+        let folder = self.folder.join(name);
+        if folder.join(OBJECT_FILE).is_file() {
+            return Ok(ObjectType::read_folder(&folder)?.solid());
+        }
+        Ok(Solid::mesh(&builtin_object::mesh(name)?))
     }
 
     fn solid_of_file(

@@ -11,7 +11,10 @@ use serde::Deserialize;
 use serde_saphyr::Spanned;
 
 use crate::object_library::{ObjectEntry, ObjectLibrary};
-use crate::{Geometry, OpenOptions, Scenario, ScenarioError, hand, number_table, robot_file, scenario, yaml};
+use crate::{
+    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, builtin_robot, grasp_array, hand, number_table,
+    robot_file, scenario, yaml,
+};
 
 /// The file that makes a folder a scenario of the paper's release.
 pub(crate) const FILE: &str = "scene.yaml";
@@ -28,10 +31,22 @@ pub(crate) fn planning_from_scene() -> Pose {
 
 /// Opens a folder of the paper's released layout.
 ///
-/// 1. The robot: two folders up; the detailed one under `exact`, the one of boxes under `paper`.
+/// 1. The robot: two folders up; the detailed one under `exact`, the one of boxes under `paper`. Where there
+///    is none, the built-in one.
 /// 2. Bodies: of the scene, or the exported mesh in their place.
 /// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
 pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+    let criterion = options.criterion.unwrap_or_default();
+    let robot = robot(folder, criterion, options)?;
+    open_with(folder, options, robot)
+}
+
+/// The same with a given robot in place of the released one.
+pub(crate) fn open_with(
+    folder: &Path,
+    options: &OpenOptions,
+    robot: Arc<Robot>,
+) -> Result<Scenario, ScenarioError> {
     let criterion = options.criterion.unwrap_or_default();
     let default_geometry = match criterion {
         Criterion::Exact => Geometry::Scene,
@@ -39,8 +54,6 @@ pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, Sce
     };
     let geometry = options.geometry.unwrap_or(default_geometry);
     let export = folder.join("export");
-    // 1.
-    let robot = robot(folder, criterion, options)?;
     // 2.
     let exported = match geometry {
         Geometry::Scene => None,
@@ -67,7 +80,7 @@ pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, Sce
         world: World::new(bodies)?,
         target,
         start,
-        grasps: grasps(&export)?,
+        grasps: grasps(folder)?,
         ik,
         export: exported.map(|exported| exported.surface),
     }
@@ -79,13 +92,21 @@ fn robot(folder: &Path, criterion: Criterion, options: &OpenOptions) -> Result<A
         Criterion::Exact => "mobile_panda.urdf",
         Criterion::Paper => "mobile_panda_fingersSmallMesh.urdf",
     };
-    let released = || folder.join("../../robots/franka_panda").join(name);
-    let urdf = options.robot.clone().unwrap_or_else(released);
+    let released = folder.join("../../robots/franka_panda").join(name);
+    if options.robot.is_none() && !released.is_file() {
+        return Ok(builtin_robot::panda_mobile()?);
+    }
+    let urdf = options.robot.clone().unwrap_or(released);
     Ok(robot_file::load(&urdf, &RobotOptions::default())?)
 }
 
-fn grasps(export: &Path) -> Result<GraspSet, ScenarioError> {
-    Ok(read_csv(&export.join("grasps.csv"))?)
+/// The exported grasps; where there are none, those of the scene.
+fn grasps(folder: &Path) -> Result<GraspSet, ScenarioError> {
+    let (exported, array) = (folder.join("export/grasps.csv"), folder.join(grasp_array::FILE));
+    if !exported.is_file() && array.is_file() {
+        return grasp_array::read(&array);
+    }
+    Ok(read_csv(&exported)?)
 }
 
 /// The exported mesh: obstacles and target in one, in the planning frame.
@@ -181,4 +202,19 @@ fn scene_bodies(path: &Path) -> Result<(Vec<Body>, Option<usize>), ScenarioError
     bodies.push(Body::new(name, target.planning_from_object(path)?, solid));
     let target = bodies.len() - 1;
     Ok((bodies, Some(target)))
+}
+
+impl Recipe {
+    /// What a folder of the paper's released layout describes, for the built-in robot, which has the joints of
+    /// the released one: obstacles, target, start, grasps and known IK solutions.
+    ///
+    /// # Errors
+    /// [`ScenarioError`], with file and line where there is one.
+    pub fn import_released(folder: &Path) -> Result<Self, ScenarioError> {
+        if !folder.join(FILE).is_file() {
+            return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
+        }
+        let options = OpenOptions { geometry: Some(Geometry::Scene), ..OpenOptions::default() };
+        Self::of_scenario(&open_with(folder, &options, builtin_robot::panda_mobile()?)?)
+    }
 }

@@ -8,6 +8,7 @@ use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
 
+use crate::archive::Unpacked;
 use crate::{ScenarioError, catalogue, hand, own_layout, released};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
@@ -69,7 +70,7 @@ pub struct Demands {
 
 impl Scenario {
     /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
-    /// folder in Cranny's layout (`scenario.yaml`) or the paper's (`scene.yaml`). An id goes before a folder
+    /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
     /// of the same name; `./021` is the folder.
     ///
     /// # Errors
@@ -78,6 +79,9 @@ impl Scenario {
         let folder = Path::new(what);
         if let Some(scenario) = catalogue::open(what, options) {
             scenario
+        } else if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
+            let unpacked = Unpacked::open(folder)?;
+            own_layout::open(&unpacked.folder(), options)
         } else if folder.join(own_layout::FILE).is_file() {
             own_layout::open(folder, options)
         } else if folder.join(released::FILE).is_file() {

@@ -1,30 +1,39 @@
 //! What a `scenario.yaml` may say. See `own_layout` for what becomes of it.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
 use cranny_plan::Criterion;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
 /// The whole file. Poses and heights are in the scene frame; metres, and degrees where the key says so.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScenarioFile {
     /// `panda_mobile`, or the path of a URDF.
     pub robot: String,
+    /// What it is about, who made it and how it may be used.
+    pub about: Option<AboutEntry>,
+    /// The robot's SRDF: pairs of links that may touch.
     pub srdf: Option<PathBuf>,
+    /// The link whose frame is the gripper frame.
     pub tip: Option<String>,
-    /// Joints outside the group, and where they stand.
+    /// Joints outside the group, and where they stand (m, rad).
     #[serde(default)]
     pub fixed: BTreeMap<String, f64>,
     /// Pose of the robot's root in the scene.
+    #[schemars(with = "Option<PoseEntry>")]
     pub frame: Option<Spanned<PoseEntry>>,
+    #[schemars(with = "StartEntry")]
     pub start: Spanned<StartEntry>,
     /// Height of the floor; `null`: there is none. Must be said.
     #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(with = "Height")]
     pub floor: Option<Spanned<f64>>,
     #[serde(default)]
     pub obstacles: Vec<BodyEntry>,
@@ -32,16 +41,49 @@ pub(crate) struct ScenarioFile {
     pub criterion: Option<CriterionEntry>,
 }
 
-#[derive(Deserialize)]
+/// A height that must be said, `null` for none.
+struct Height;
+
+impl JsonSchema for Height {
+    fn schema_name() -> Cow<'static, str> {
+        "Height".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["number", "null"] })
+    }
+}
+
+/// What others need to know before they use a scenario.
+#[derive(Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AboutEntry {
+    pub title: Option<String>,
+    pub author: Option<String>,
+    /// An SPDX expression, such as `CC-BY-4.0`.
+    pub licence: Option<String>,
+    /// How it wants to be cited.
+    pub citation: Option<String>,
+}
+
+/// An obstacle or the target.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BodyEntry {
+    #[schemars(with = "String")]
     pub name: Spanned<String>,
+    #[schemars(with = "Option<PoseEntry>")]
     pub pose: Option<Spanned<PoseEntry>>,
+    #[schemars(with = "Vec<ShapeEntry>")]
     pub shapes: Vec<Spanned<ShapeEntry>>,
 }
 
 /// A pose; what is left out is zero.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseEntry {
     #[serde(default)]
@@ -52,9 +94,10 @@ pub(crate) struct PoseEntry {
 }
 
 /// One shape, under its kind, with its pose in the body.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ShapeEntry {
+    #[schemars(with = "Option<PoseEntry>")]
     pub pose: Option<Spanned<PoseEntry>>,
     #[serde(rename = "box")]
     pub cuboid: Option<CuboidEntry>,
@@ -63,30 +106,32 @@ pub(crate) struct ShapeEntry {
     pub capsule: Option<RoundEntry>,
     pub mesh: Option<MeshEntry>,
     pub hull: Option<MeshEntry>,
+    /// A built-in object (see `cranny object list`), or the folder of one.
+    pub object: Option<String>,
 }
 
 /// Full lengths along x, y, z.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CuboidEntry {
     pub size: [f64; 3],
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SphereEntry {
     pub radius: f64,
 }
 
 /// Along z; the length of a capsule is that of its cylindrical part.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RoundEntry {
     pub radius: f64,
     pub length: f64,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MeshEntry {
     pub file: PathBuf,
@@ -94,7 +139,8 @@ pub(crate) struct MeshEntry {
 }
 
 /// How files spell a criterion.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Criterion")]
 #[serde(remote = "Criterion", rename_all = "kebab-case")]
 pub(crate) enum CriterionName {
     Exact,
@@ -102,9 +148,13 @@ pub(crate) enum CriterionName {
 }
 
 /// A criterion as the value of a key.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(transparent)]
-pub(crate) struct CriterionEntry(#[serde(with = "CriterionName")] pub Criterion);
+pub(crate) struct CriterionEntry(
+    #[serde(with = "CriterionName")]
+    #[schemars(with = "CriterionName")]
+    pub Criterion,
+);
 
 /// The start: a list in the order of the joints, or a value for each joint by name.
 pub(crate) enum StartEntry {
@@ -115,6 +165,22 @@ pub(crate) enum StartEntry {
 impl<'de> Deserialize<'de> for StartEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(StartVisitor)
+    }
+}
+
+impl JsonSchema for StartEntry {
+    fn schema_name() -> Cow<'static, str> {
+        "Start".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "A number (m, rad) for each joint: a list in the order of the joints, or by name.",
+            "anyOf": [
+                { "type": "array", "items": { "type": "number" } },
+                { "type": "object", "additionalProperties": { "type": "number" } },
+            ],
+        })
     }
 }
 

@@ -8,12 +8,20 @@ use crate::ScenarioError;
 
 /// What a YAML file says.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
-    let text = fs::read_to_string(path)
-        .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+    parse(path, &text(path)?)
+}
+
+/// The text of a file.
+pub(crate) fn text(path: &Path) -> Result<String, ScenarioError> {
+    fs::read_to_string(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
+}
+
+/// What a YAML text says; errors name `path`.
+pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
     if text.trim().is_empty() {
         return Err(ScenarioError::Empty { path: path.to_owned() });
     }
-    serde_saphyr::from_str(&text).map_err(|reason| ScenarioError::Yaml {
+    serde_saphyr::from_str(text).map_err(|reason| ScenarioError::Yaml {
         at: at(path, reason.location().unwrap_or(serde_saphyr::Location::UNKNOWN)),
         reason: Box::new(reason),
     })

@@ -1,13 +1,15 @@
 //! The built-in scenarios, which need no file.
 
-use cranny_collision::{Body, Cell, Margins, World};
+use std::collections::BTreeSet;
+
+use cranny_collision::Body;
 use cranny_plan::{Criterion, Validity};
-use cranny_scenario::{Demands, OpenOptions, Scenario, ScenarioError, catalogue};
-use cranny_shape::Solid;
-use cranny_spatial::{Pose, Vector};
+use cranny_scenario::{Demands, Family, OpenOptions, Scenario, ScenarioError, catalogue};
+use cranny_shape::Aabb;
+use cranny_spatial::Vector;
 
 #[test]
-fn every_built_in_scenario_opens_with_a_free_start_under_both_criteria() {
+fn every_built_in_scenario_opens_with_a_free_start() {
     for entry in catalogue() {
         for criterion in [Criterion::Exact, Criterion::Paper] {
             let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
@@ -15,84 +17,93 @@ fn every_built_in_scenario_opens_with_a_free_start_under_both_criteria() {
             assert_eq!(scenario.id, entry.id);
             let problem = scenario.problem(&Demands::default()).unwrap();
             let mut scratch = problem.validity.scratch();
-            assert!(problem.validity.is_free(&problem.start, &mut scratch), "{} {criterion:?}", entry.id);
+            let is_free = problem.validity.is_free(&problem.start, &mut scratch);
+            // The boxes around the built-in robot's links are larger than the released ones: under `paper` they
+            // meet the two lowest gates.
+            let is_low = criterion == Criterion::Paper && ["044", "045"].contains(&entry.id);
+            assert_eq!(is_free, !is_low, "{} {criterion:?}", entry.id);
         }
     }
 }
 
+/// Names of obstacles with how many cuboids each consists of, the middle of the target's bounds in the scene as
+/// in the paper's release, along x and y, and what it rests on.
+fn expected(family: Family, level: f64) -> (Vec<(&'static str, usize)>, [f64; 2], f64) {
+    match family {
+        Family::Shelf => (vec![("table", 3), ("shelf", 3)], [0.993, 0.713 + 0.1 * level], 0.5),
+        Family::Table => (vec![("table", 3)], [1.0, 0.8 + 0.1 * level], 0.0),
+        Family::Gap => (vec![("left wall", 1), ("right wall", 1)], [0.912, 0.744], 0.0),
+        Family::Gate => (vec![("gate", 3), ("pedestal", 1)], [1.002, 1.242], 0.5),
+    }
+}
+
+fn open(id: &str) -> Scenario {
+    Scenario::open(id, &OpenOptions::default()).unwrap()
+}
+
+/// Low and high corner of a body, in the scene.
+fn bounds_in_scene(body: &Body) -> (Vector, Vector) {
+    // The robot's root is at (1, 0, 0.05) m, turned by a quarter.
+    let to_scene = |v: Vector| Vector::new(1.0 - v.y, v.x, v.z + 0.05);
+    let boxes = body.parts.iter().map(|part| match part.solid.bounding_points() {
+        Some((points, radius_m)) => Aabb::around(
+            points.iter().map(|p| part.world_from_solid * p).collect::<Vec<_>>().iter(),
+            radius_m,
+        ),
+        None => panic!("{} is bounded", body.name),
+    });
+    let infinity = Vector::repeat(f64::INFINITY);
+    boxes.fold((infinity, -infinity), |(low, high), aabb| {
+        let (a, b) = (to_scene(aabb.low().coords), to_scene(aabb.high().coords));
+        (low.inf(&a.inf(&b)), high.sup(&a.sup(&b)))
+    })
+}
+
 #[test]
-fn the_ball_moves_back_under_a_table_of_three_boxes() {
-    let ids = ["021", "022", "023", "024", "025"];
-    assert!(catalogue().iter().map(|entry| entry.id).eq(ids));
-    for (level, id) in ids.into_iter().enumerate() {
-        let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
-        let [table, ball, floor] = scenario.world.bodies() else { panic!("three bodies") };
-        let sizes: Vec<Vector> =
-            table.parts.iter().map(|part| part.solid.as_cuboid().unwrap() * 2.0).collect();
-        let leg = Vector::new(0.1, 0.8, 0.4);
-        for (size, expected) in sizes.iter().zip([leg, leg, Vector::new(2.0, 0.8, 0.1)]) {
-            assert!((size - expected).norm() < 1e-12, "{size}");
-        }
-        let boxes = table.parts.iter().map(|part| part.solid.aabb().transformed(&part.world_from_solid));
-        let (low, high) = boxes.fold((Vector::repeat(9.0), Vector::repeat(-9.0)), |(low, high), aabb| {
-            (low.inf(&aabb.low().coords), high.sup(&aabb.high().coords))
-        });
-        assert!((low - Vector::new(0.6, -1.0, -0.05)).norm() < 1e-12, "{low}");
-        assert!((high - Vector::new(1.4, 1.0, 0.45)).norm() < 1e-12, "{high}");
-        let center = ball.parts[0].world_from_solid.translation.vector;
-        assert!((center - Vector::new(0.8 + 0.1 * level as f64, 0.0, -0.016)).norm() < 1e-12, "{center}");
-        assert!((floor.parts[0].world_from_solid.translation.z + 0.05).abs() < 1e-12);
-        assert_eq!(scenario.world.supports_of(1), [2]);
-        assert_eq!(scenario.target, Some(1));
+fn the_twenty_are_the_papers_in_size_and_place() {
+    assert_eq!(catalogue().len(), 20);
+    for (index, entry) in catalogue().iter().enumerate() {
+        assert_eq!(entry.id, format!("0{}{}", index / 5 + 1, index % 5 + 1));
+        let scenario = open(entry.id);
+        let (obstacles, middle, support_m) = expected(entry.family, (index % 5) as f64);
+        let target = scenario.target.unwrap();
+        let bodies = scenario.world.bodies();
+        let found: Vec<_> = bodies[..target].iter().map(|b| (b.name.as_str(), b.parts.len())).collect();
+        assert_eq!(found, obstacles, "{}", entry.id);
+        let (low, high) = bounds_in_scene(&bodies[target]);
+        let off = (low + high) * 0.5 - Vector::new(middle[0], middle[1], 0.0);
+        assert!(off.x.abs() < 1e-6 && off.y.abs() < 1e-6, "{}: {off}", entry.id);
+        assert!((low.z - support_m).abs() < 1e-6, "{}: rests at {}", entry.id, low.z);
+        assert_eq!(bodies[target + 1].name, "floor");
+        let (first, second) = (bounds_in_scene(&bodies[0]), bounds_in_scene(&bodies[1]));
+        let dial_m = match entry.family {
+            Family::Shelf | Family::Table => (low + high).y * 0.5 - first.0.y,
+            Family::Gap => second.0.x - first.1.x,
+            Family::Gate => 2.0 * bodies[0].parts[0].world_from_solid.translation.z + 0.1,
+        };
+        assert!((dial_m - entry.parameter_m).abs() < 1e-6, "{}: {dial_m}", entry.id);
     }
 }
 
 #[test]
-fn grasps_hold_the_ball_from_all_sides_and_are_the_same_at_every_level() {
-    let open = |id: &str| Scenario::open(id, &OpenOptions::default()).unwrap();
-    let (first, last) = (open("021"), open("025"));
-    assert_eq!(first.grasps.len(), 200);
-    let mut mean_axis = Vector::zeros();
-    for (near, far) in first.grasps.grasps().iter().zip(last.grasps.grasps()) {
-        let (near, far) = (near.world_from_gripper, far.world_from_gripper);
-        assert_eq!(near.rotation, far.rotation);
-        assert!(
-            (far.translation.vector - near.translation.vector - Vector::new(0.4, 0.0, 0.0)).norm() < 1e-12
-        );
-        mean_axis += near.rotation * Vector::y() / 200.0;
-    }
-    assert!(mean_axis.norm() < 0.15, "{mean_axis}");
-    assert!(first.grasps.grasps().iter().all(|g| g.score.is_none() && g.width_m == Some(0.0647)));
-}
-
-#[test]
-fn the_open_hand_holds_the_ball_without_touching_it() {
-    let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
-    let grasps = scenario.grasps.grasps();
-    let ball = Body::new(
-        "ball",
-        Pose::from(grasps[0].world_from_gripper.translation),
-        Solid::sphere(0.03235).unwrap(),
-    );
-    let world = World::new(vec![ball]).unwrap();
-    let margins = Margins { hand_links: scenario.hand_links.clone(), ..Margins::default() };
-    let cell = Cell::new(scenario.robot.clone(), world, margins).unwrap();
-    let mut scratch = cell.scratch();
-    for grasp in grasps {
-        assert!(cell.hand_is_free(&grasp.world_from_gripper, &mut scratch));
-    }
-}
-
-#[test]
-fn many_grasps_leave_room_for_the_hand_between_floor_and_table() {
+fn every_grasp_is_scored_and_free_for_the_hand() {
     for entry in catalogue() {
-        let scenario = Scenario::open(entry.id, &OpenOptions::default()).unwrap();
+        let scenario = open(entry.id);
         let problem = scenario.problem(&Demands::default()).unwrap();
         let Validity::Exact(cell) = &problem.validity else { panic!("exact is the default") };
         let mut scratch = cell.scratch();
-        let free = |g: &&cranny_grasp::Grasp| cell.hand_is_free(&g.world_from_gripper, &mut scratch);
-        let free = scenario.grasps.grasps().iter().filter(free).count();
-        assert!(free >= 40, "{}: {free} of 200", entry.id);
+        assert_eq!(scenario.grasps.len(), 200);
+        for grasp in scenario.grasps.grasps() {
+            assert!(grasp.score.is_some_and(|score| (0.0..=1.0).contains(&score)));
+            assert!(grasp.width_m.is_some_and(|width_m| width_m > 0.0 && width_m <= 0.08));
+            let is_free = [grasp.world_from_gripper, grasp.twin().world_from_gripper]
+                .iter()
+                .any(|pose| cell.hand_is_free(pose, &mut scratch));
+            assert!(is_free, "{}", entry.id);
+        }
+        let scores: BTreeSet<u64> =
+            scenario.grasps.grasps().iter().filter_map(|g| g.score).map(f64::to_bits).collect();
+        assert!(scores.len() > 10, "{}: {} different scores", entry.id, scores.len());
     }
 }
 
@@ -101,7 +112,7 @@ fn a_name_that_means_nothing_is_answered_with_what_there_is() {
     let fault = Scenario::open("0x1", &OpenOptions::default()).unwrap_err();
     assert!(matches!(fault, ScenarioError::Unknown { .. }));
     let text = fault.to_string();
-    assert!(text.contains("no built-in scenario '0x1' (there are 021, 022, 023, 024, 025)"), "{text}");
+    assert!(text.contains("no built-in scenario '0x1' (there are 011, 012,"), "{text}");
     let empty = tempfile::tempdir().unwrap();
     let fault = Scenario::open(empty.path().to_str().unwrap(), &OpenOptions::default()).unwrap_err();
     assert!(fault.to_string().contains("neither scenario.yaml"), "{fault}");

@@ -1,0 +1,254 @@
+//! Scenarios in one file: a zip archive of the folder with `manifest.json`, which names author, licence and
+//! citation and gives the SHA-256 of every other file.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{Cursor, Read as _, Write as _};
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use crate::scenario_file::{AboutEntry, ScenarioFile};
+use crate::{OpenOptions, Scenario, ScenarioError, own_layout, scenario, yaml};
+
+const MANIFEST: &str = "manifest.json";
+
+/// The version of the manifest that is written and read.
+const VERSION: u32 = 1;
+
+/// An archive that would unpack to more is refused: no scenario is so large, but an attack is.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Who made a scenario, and how it may be used; what is missing is taken from `about` of `scenario.yaml`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Credits {
+    /// Who made it.
+    pub author: Option<String>,
+    /// An SPDX expression, such as `CC-BY-4.0`.
+    pub licence: Option<String>,
+    /// How it wants to be cited.
+    pub citation: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    cranny_scenario: u32,
+    id: String,
+    author: Option<String>,
+    licence: Option<String>,
+    citation: Option<String>,
+    /// SHA-256 by path.
+    files: BTreeMap<String, String>,
+}
+
+/// Packs the folder of a scenario in Cranny's own layout: every file below it but hidden ones and plans. The
+/// same folder gives the same bytes. The archive is opened before it is written, so that one that needs files
+/// from elsewhere is never made.
+///
+/// # Errors
+/// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Archive`] for a link in it.
+pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<String>, ScenarioError> {
+    let path = folder.join(own_layout::FILE);
+    let file: ScenarioFile = yaml::read(&path)?;
+    let id = scenario::id_of(folder);
+    let mut contents = BTreeMap::new();
+    collect(folder, "", &mut contents)?;
+    let about = file.about.unwrap_or_default();
+    let AboutEntry { author, licence, citation, .. } = about;
+    let manifest = Manifest {
+        cranny_scenario: VERSION,
+        author: credits.author.clone().or(author),
+        licence: credits.licence.clone().or(licence),
+        citation: credits.citation.clone().or(citation),
+        files: contents.iter().map(|(name, bytes)| (name.clone(), checksum(bytes))).collect(),
+        id,
+    };
+    let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
+    // By itself, in a folder of its own.
+    let alone = Unpacked::of(archive, &bytes)?;
+    Scenario::open(&alone.folder().to_string_lossy(), &OpenOptions::default()).map_err(|reason| {
+        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
+    })?;
+    fs::write(archive, bytes)
+        .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
+    Ok(contents.into_keys().collect())
+}
+
+/// Unpacks an archive into `folder`, which must not be there, checksums verified.
+///
+/// # Errors
+/// [`ScenarioError::Archive`] for a broken archive, a path that leaves the folder, a wrong checksum;
+/// [`ScenarioError::Exists`].
+pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
+    if folder.exists() {
+        return Err(ScenarioError::Exists { path: folder.to_owned() });
+    }
+    let contents = read(archive, &bytes_of(archive)?)?;
+    write_all(folder, &contents)?;
+    Ok(contents.into_keys().collect())
+}
+
+/// An archive in a folder of its own, which goes with it.
+pub(crate) struct Unpacked {
+    root: tempfile::TempDir,
+    id: String,
+}
+
+impl Unpacked {
+    pub fn open(archive: &Path) -> Result<Self, ScenarioError> {
+        Self::of(archive, &bytes_of(archive)?)
+    }
+
+    fn of(archive: &Path, bytes: &[u8]) -> Result<Self, ScenarioError> {
+        let contents = read(archive, bytes)?;
+        let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
+        let root = tempfile::tempdir().map_err(unwritable)?;
+        let id = archive.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let unpacked = Self { root, id };
+        write_all(&unpacked.folder(), &contents)?;
+        Ok(unpacked)
+    }
+
+    pub fn folder(&self) -> PathBuf {
+        self.root.path().join(&self.id)
+    }
+}
+
+fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
+    fs::read(archive).map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
+}
+
+fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
+    ScenarioError::Archive { path: archive.to_owned(), problem: problem.into() }
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for byte in Sha256::digest(bytes) {
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+/// The files below `folder`, by their path with slashes.
+fn collect(
+    folder: &Path,
+    prefix: &str,
+    contents: &mut BTreeMap<String, Vec<u8>>,
+) -> Result<(), ScenarioError> {
+    let unreadable = |path: &Path, reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
+    for entry in fs::read_dir(folder).map_err(|reason| unreadable(folder, reason))? {
+        let entry = entry.map_err(|reason| unreadable(folder, reason))?;
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let kind = entry.file_type().map_err(|reason| unreadable(&path, reason))?;
+        if name.starts_with('.') || name.ends_with(".plan.json") || name == MANIFEST {
+            continue;
+        }
+        if kind.is_symlink() {
+            return Err(fault(&path, "is a link, and what it leads to may be outside the folder"));
+        }
+        if kind.is_dir() {
+            collect(&path, &format!("{prefix}{name}/"), contents)?;
+        } else {
+            let bytes = fs::read(&path).map_err(|reason| unreadable(&path, reason))?;
+            contents.insert(format!("{prefix}{name}"), bytes);
+        }
+    }
+    Ok(())
+}
+
+fn zipped(manifest: &Manifest, contents: &BTreeMap<String, Vec<u8>>) -> zip::result::ZipResult<Vec<u8>> {
+    // One time for all, or the same folder would not give the same bytes.
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    archive.start_file(MANIFEST, options)?;
+    let text = serde_json::to_string_pretty(manifest).map_err(std::io::Error::other)?;
+    archive.write_all(text.as_bytes())?;
+    for (name, bytes) in contents {
+        archive.start_file(name.as_str(), options)?;
+        archive.write_all(bytes)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+/// The files of an archive but its manifest, which they must agree with.
+fn read(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    let broken = |reason: &dyn std::fmt::Display| {
+        fault(path, format!("is no whole zip archive ({reason}); was it cut short on its way?"))
+    };
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|reason| broken(&reason))?;
+    let mut contents = BTreeMap::new();
+    let mut room = MOST_BYTES;
+    for index in 0..archive.len() {
+        let mut entry = archive.by_index(index).map_err(|reason| broken(&reason))?;
+        let name = entry.name().map_err(|reason| broken(&reason))?.into_owned();
+        if name.ends_with('/') {
+            continue;
+        }
+        if !is_inside(&name) || entry.is_symlink() {
+            return Err(fault(path, format!("'{name}' would leave the folder; nothing is unpacked")));
+        }
+        let mut content = Vec::new();
+        // What an archive says of its sizes need not be true.
+        let read = entry.by_ref().take(room + 1).read_to_end(&mut content);
+        read.map_err(|reason| fault(path, format!("'{name}' is broken: {reason}")))?;
+        let Some(left) = room.checked_sub(content.len() as u64) else {
+            return Err(fault(path, format!("unpacks to more than {MOST_BYTES} bytes")));
+        };
+        room = left;
+        if contents.insert(name.clone(), content).is_some() {
+            return Err(fault(path, format!("holds '{name}' twice")));
+        }
+    }
+    let Some(manifest) = contents.remove(MANIFEST) else {
+        return Err(fault(path, format!("has no {MANIFEST}, so it is no packed scenario")));
+    };
+    let manifest: Manifest = serde_json::from_slice(&manifest)
+        .map_err(|reason| fault(path, format!("{MANIFEST}, line {}: {reason}", reason.line())))?;
+    if manifest.cranny_scenario != VERSION {
+        return Err(fault(path, format!("is of version {}, not {VERSION}", manifest.cranny_scenario)));
+    }
+    for (name, sum) in &manifest.files {
+        match contents.get(name) {
+            None => return Err(fault(path, format!("'{name}' is missing"))),
+            Some(content) if checksum(content) != *sum => {
+                return Err(fault(path, format!("'{name}' is not what was packed: its checksum differs")));
+            }
+            Some(_) => {}
+        }
+    }
+    if let Some(name) = contents.keys().find(|name| !manifest.files.contains_key(*name)) {
+        return Err(fault(path, format!("'{name}' is not in {MANIFEST}")));
+    }
+    Ok(contents)
+}
+
+/// Whether a path of an archive stays in the folder that it is unpacked into, on any system.
+fn is_inside(name: &str) -> bool {
+    !name.contains(['\\', ':', '\0'])
+        && !name.is_empty()
+        && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
+}
+
+fn write_all(folder: &Path, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
+    for (name, content) in contents {
+        let path = folder.join(name);
+        let write = || -> std::io::Result<()> {
+            if let Some(parent) = path.parent() {
+                fs::create_dir_all(parent)?;
+            }
+            File::create(&path)?.write_all(content)
+        };
+        write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,146 @@
+use cranny_collision::{Body, World};
+use cranny_grasp::{
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
+};
+use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_shape::{Solid, Surface};
+use cranny_spatial::{Pose, Vector};
+
+use crate::family::Resting;
+use crate::recipe::PAPER_START;
+use crate::released::planning_from_scene;
+use crate::{
+    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, ScenarioError, builtin_object, panda_hand,
+};
+
+/// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
+#[derive(Clone, Debug)]
+pub struct FamilyMaker {
+    /// The family.
+    pub family: Family,
+    resting: Resting,
+    hand: Hand,
+    /// All sampled grasps, then the few that stand for them; poses in the object's frame.
+    candidates: Vec<Grasp>,
+    few: Vec<Grasp>,
+}
+
+/// Which of the sampled grasps a scenario gets, of those that the hand can take there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GraspChoice {
+    /// 200 that cover all of them, chosen anew.
+    Covering,
+    /// Of 200 that were chosen once, on level ground with nothing around; fewer, but sooner.
+    Few,
+}
+
+/// As many as each scenario of the paper has.
+const GRASPS: usize = 200;
+
+/// From so many they are chosen, as in the paper.
+const CANDIDATES: usize = 2000;
+
+impl FamilyMaker {
+    /// Samples the grasps of the family's object, resting on level ground, by the sampler's defaults: from the
+    /// side or from above, hand and fingers free of object and ground at the grasp and on the way there.
+    ///
+    /// # Errors
+    /// None on a sound build.
+    pub fn new(family: Family, seed: u64) -> Result<Self, ScenarioError> {
+        let resting = family.resting()?;
+        let hand = panda_hand()?;
+        let mesh = builtin_object::mesh(resting.object)?;
+        let object_from_ground =
+            Pose::from_parts(Vector::new(0.0, 0.0, resting.lift_m).into(), resting.ground_from_object)
+                .inverse();
+        let world = World::new(vec![
+            Body::new("object", Pose::identity(), Solid::mesh(&mesh)?),
+            Body::new("ground", object_from_ground, Solid::half_space()),
+        ])?;
+        let filter = HandFilter::new(&hand, world, APPROACH_M)?;
+        let settings = SamplerSettings {
+            count: CANDIDATES,
+            friction: DEFAULT_FRICTION,
+            up: resting.ground_from_object.inverse() * Vector::z(),
+            steepest_rise_rad: 0.0,
+            ground_m: Some(-resting.lift_m),
+            seed,
+            ..SamplerSettings::default()
+        };
+        let accept = |sampled: &SampledGrasp| filter.is_free(&sampled.grasp);
+        let found = sample_grasps(&Surface::new(&mesh)?, &settings, &accept, &mut |_| true)?;
+        let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
+        let few = covering_subset(&candidates, GRASPS, COVERAGE_THRESHOLD);
+        let few = few.into_iter().map(|index| candidates[index]).collect();
+        Ok(Self { family, resting, hand, candidates, few })
+    }
+
+    /// The scenario at a value of the dial (m), with the object where the paper has it.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Parameter`] for a value out of the dial's range.
+    pub fn at(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
+        let placement = self.family.paper_placement(parameter_m);
+        self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
+    }
+
+    /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
+    /// many grasps as the hand can take there: at most 200, perhaps none.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Parameter`] for a value out of the dial's range.
+    pub fn scenario(
+        &self,
+        parameter_m: f64,
+        placement: &Placement,
+        clutter: Vec<RecipeBody>,
+        choice: GraspChoice,
+    ) -> Result<Recipe, ScenarioError> {
+        let mut recipe = self.scenario_without_grasps(parameter_m, placement)?;
+        recipe.obstacles.extend(clutter);
+        let world_from_object =
+            planning_from_scene() * self.resting.scene_from_object(placement, self.family.support_m());
+        let filter = HandFilter::new(&self.hand, recipe.world()?, APPROACH_M)?;
+        let placed = |grasp: &Grasp| Grasp {
+            world_from_gripper: world_from_object * grasp.world_from_gripper,
+            ..*grasp
+        };
+        let free = |grasps: &[Grasp]| -> Vec<Grasp> {
+            grasps.iter().map(placed).filter(|grasp| filter.is_free(grasp)).collect()
+        };
+        let grasps = match choice {
+            GraspChoice::Few => free(&self.few),
+            GraspChoice::Covering => {
+                let free = free(&self.candidates);
+                let chosen = covering_subset(&free, GRASPS, COVERAGE_THRESHOLD);
+                chosen.into_iter().map(|index| free[index]).collect()
+            }
+        };
+        recipe.grasps = GraspSet::new(grasps)?;
+        Ok(recipe)
+    }
+
+    /// The same without clutter and grasps.
+    pub(crate) fn scenario_without_grasps(
+        &self,
+        parameter_m: f64,
+        placement: &Placement,
+    ) -> Result<Recipe, ScenarioError> {
+        let family = self.family;
+        let parameter_m = family.checked(parameter_m)?;
+        let title = format!(
+            "{} {} {:.0} mm",
+            family.name(),
+            if family.parameter() == family.name() { "of" } else { family.parameter() },
+            parameter_m * 1000.0
+        );
+        Ok(Recipe {
+            title,
+            obstacles: family.obstacles(parameter_m),
+            target: Some(self.resting.body(placement, family.support_m())),
+            start: PAPER_START.to_vec(),
+            grasps: GraspSet::default(),
+            ik: Vec::new(),
+        })
+    }
+}

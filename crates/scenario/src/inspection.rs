@@ -1,0 +1,221 @@
+//! What is wrong with a scenario in Cranny's own layout, all of it at once.
+
+use std::fs;
+use std::path::Path;
+
+use cranny_grasp::check_csv;
+use cranny_robot::Robot;
+use cranny_spatial::Pose;
+
+use crate::archive::Unpacked;
+use crate::own_layout::{FILE, GRASPS_FILE, IK_FILE, Layout};
+use crate::scenario_file::ScenarioFile;
+use crate::{OpenOptions, Scenario, ScenarioError, number_table, yaml};
+
+/// Everything that is wrong with the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open)
+/// takes it. Of folders in Cranny's own layout, packed or not, that is all of it at once (see
+/// [`check_folder`]), of others the first fault.
+pub fn check(what: &str) -> Vec<ScenarioError> {
+    let folder = Path::new(what);
+    let checked = if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
+        Unpacked::open(folder).and_then(|unpacked| check_folder(&unpacked.folder()))
+    } else if folder.join(FILE).is_file() {
+        check_folder(folder)
+    } else {
+        Scenario::open(what, &OpenOptions::default()).map(|_| Vec::new())
+    };
+    checked.unwrap_or_else(|fault| vec![fault])
+}
+
+/// Everything that keeps the folder from being a scenario, in the order of its files and their lines; nothing
+/// if it opens.
+///
+/// A part of `scenario.yaml` that cannot be read hides only itself: an entry of a list, or else a key of the
+/// file.
+///
+/// # Errors
+/// [`ScenarioError::NoScenarioFile`] or [`ScenarioError::Unreadable`] if there is nothing to look into.
+pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> {
+    let path = folder.join(FILE);
+    if !path.is_file() {
+        return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
+    }
+    let mut faults = Vec::new();
+    let legible = Legible::of(&path, &yaml::text(&path)?, &mut faults);
+    let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
+    check_grasps(&folder.join(GRASPS_FILE), &mut faults);
+    let dof = robot.flatten().map(|robot| robot.dof());
+    check_ik(&folder.join(IK_FILE), dof, &mut faults);
+    if faults.is_empty() {
+        // What the parts do not show, such as poses too far away.
+        faults.extend(Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).err());
+    }
+    Ok(faults)
+}
+
+/// The part of a `scenario.yaml` that can be read.
+struct Legible {
+    file: ScenarioFile,
+    /// The keys that were put there in place of missing or illegible ones.
+    replaced: Vec<&'static str>,
+}
+
+/// The keys that must be there, each with something that can be read.
+const NEEDED: [(&str, &str); 3] = [("robot", "panda_mobile"), ("start", "[]"), ("floor", "null")];
+
+impl Legible {
+    /// Reads the text; where that fails, leaves out the least part around the fault and tries again.
+    fn of(path: &Path, text: &str, faults: &mut Vec<ScenarioError>) -> Option<Self> {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut replaced = Vec::new();
+        // Each turn leaves out a line, or puts in a key.
+        for _ in 0..=lines.len() + NEEDED.len() {
+            let fault = match yaml::parse::<ScenarioFile>(path, &(lines.join("\n") + "\n")) {
+                Ok(file) => return Some(Self { file, replaced }),
+                Err(fault) => fault,
+            };
+            let said = fault.to_string();
+            let missing = NEEDED.iter().find(|(key, _)| said.contains(&format!("missing field `{key}`")));
+            if let Some((key, stand_in)) = missing {
+                if replaced.contains(key) {
+                    faults.push(fault);
+                    return None;
+                }
+                if !faults.iter().any(|earlier| hides(earlier, key, text)) {
+                    faults.push(fault);
+                }
+                replaced.push(key);
+                lines.push(format!("{key}: {stand_in}"));
+                continue;
+            }
+            let ScenarioError::Yaml { at, .. } = &fault else {
+                faults.push(fault);
+                return None;
+            };
+            let line = (at.line as usize).clamp(1, lines.len().max(1)) - 1;
+            faults.push(fault);
+            if !leave_out(&mut lines, line) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Checks everything that can be read; returns the robot if there is one.
+    fn check(&self, layout: &Layout, faults: &mut Vec<ScenarioError>) -> Option<std::sync::Arc<Robot>> {
+        let file = &self.file;
+        let was_there = |key: &str| !self.replaced.contains(&key);
+        let robot = layout.robot(file, &OpenOptions::default());
+        let robot = robot.map_err(|fault| faults.push(fault)).ok();
+        let frame = layout.pose(file.frame.as_ref());
+        faults.extend(frame.err());
+        if let Some(robot) = robot.as_ref().filter(|_| was_there("start") && was_there("robot")) {
+            match layout.start(&file.start, robot) {
+                Ok(start) if start.len() != robot.dof() => faults.push(ScenarioError::StartCount {
+                    file: layout.at(file.start.referenced).to_string(),
+                    expected: robot.dof(),
+                    actual: start.len(),
+                    joints: robot.joint_names().join(", "),
+                }),
+                Ok(_) => {}
+                Err(fault) => faults.push(fault),
+            }
+        }
+        if let Some(height) = &file.floor {
+            faults.extend(layout.floor(height, &Pose::identity()).err());
+        }
+        let mut names: Vec<&str> = Vec::new();
+        for entry in file.obstacles.iter().chain(&file.target) {
+            faults.extend(layout.check_name(entry, names.iter().copied()).err());
+            names.push(&entry.name.value);
+            faults.extend(layout.body_faults(entry));
+        }
+        robot.filter(|_| was_there("robot"))
+    }
+}
+
+/// Whether what was left out because of `earlier` gave `key`.
+fn hides(earlier: &ScenarioError, key: &str, text: &str) -> bool {
+    let ScenarioError::Yaml { at, .. } = earlier else { return false };
+    let lines: Vec<&str> = text.lines().collect();
+    let until = (at.line as usize).min(lines.len());
+    // The last key of the file before the fault, or at it.
+    let last = lines[..until].iter().rev().find(|line| is_key(line));
+    last.is_some_and(|line| line.starts_with(key) && line[key.len()..].trim_start().starts_with(':'))
+}
+
+fn is_key(line: &str) -> bool {
+    line.starts_with(|c: char| c.is_ascii_alphabetic()) && line.contains(':')
+}
+
+fn indent(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// Empties the entry of a list that `line` belongs to, or else the key of the file; lines keep their numbers.
+/// Returns whether anything was left to empty.
+fn leave_out(lines: &mut [String], line: usize) -> bool {
+    let is_blank = |text: &str| text.trim().is_empty() || text.trim_start().starts_with('#');
+    let Some(line) = (0..=line.min(lines.len().saturating_sub(1))).rev().find(|&l| !is_blank(&lines[l]))
+    else {
+        return false;
+    };
+    // The key of the file, and under it the outermost entry of a list.
+    let key = (0..=line).rev().find(|&l| indent(&lines[l]) == 0 && !is_blank(&lines[l])).unwrap_or(0);
+    let depth = (key + 1..=line)
+        .filter(|&l| lines[l].trim_start().starts_with("- "))
+        .map(|l| indent(&lines[l]))
+        .min();
+    let begin = depth
+        .and_then(|depth| {
+            let is_entry =
+                |l: &usize| indent(&lines[*l]) == depth && lines[*l].trim_start().starts_with("- ");
+            (key + 1..=line).rev().find(is_entry)
+        })
+        .unwrap_or(key);
+    let least = indent(&lines[begin]);
+    let mut end = begin + 1;
+    while end < lines.len() && (is_blank(&lines[end]) || indent(&lines[end]) > least) {
+        end += 1;
+    }
+    for text in &mut lines[begin..end.max(line + 1)] {
+        text.clear();
+    }
+    // A list without entries is none at all.
+    if begin != key
+        && lines[key + 1..].iter().take_while(|l| is_blank(l) || indent(l) > 0).all(|l| is_blank(l))
+    {
+        lines[key].clear();
+    }
+    true
+}
+
+fn check_grasps(path: &Path, faults: &mut Vec<ScenarioError>) {
+    match fs::read_to_string(path) {
+        Ok(text) => {
+            let (_, found) = check_csv(path, &text);
+            faults.extend(found.into_iter().map(ScenarioError::from));
+        }
+        Err(reason) => {
+            faults.push(cranny_grasp::GraspError::Unreadable { path: path.to_owned(), reason }.into());
+        }
+    }
+}
+
+fn check_ik(path: &Path, dof: Option<usize>, faults: &mut Vec<ScenarioError>) {
+    let Ok(text) = fs::read_to_string(path) else { return };
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        // Each line by itself, at its own place.
+        let alone = "\n".repeat(index) + line;
+        match number_table::parse(path, &alone) {
+            Ok(rows) => {
+                let count = rows.first().map_or(0, |(_, row)| row.len());
+                if let Some(expected) = dof.filter(|dof| *dof != count) {
+                    let at = yaml::line(path, index + 1);
+                    faults.push(ScenarioError::NumberCount { at, expected, actual: count });
+                }
+            }
+            Err(fault) => faults.push(fault),
+        }
+    }
+}

@@ -1,0 +1,201 @@
+use cranny_collision::{Body, Part, World};
+use cranny_grasp::GraspSet;
+use cranny_robot::RobotOptions;
+use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::released::{FLOOR_M, planning_from_scene};
+use crate::{OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, hand, robot_file};
+
+/// A scenario of the built-in robot in the making: what its files will say. Poses are in the scene, whose
+/// floor is z = 0 and in which the robot stands where the paper has it; grasps are in the planning frame.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// What the scenario is about, in a line.
+    pub title: String,
+    /// What stands in the way.
+    pub obstacles: Vec<RecipeBody>,
+    /// What is to be grasped.
+    pub target: Option<RecipeBody>,
+    /// Where the robot starts (m, rad).
+    pub start: Vec<f64>,
+    /// Poses of the gripper in the planning frame.
+    pub grasps: GraspSet,
+    /// Configurations that are known to reach a grasp.
+    pub ik: Vec<Vec<f64>>,
+}
+
+/// A body of a [`Recipe`].
+#[derive(Clone, Debug)]
+pub struct RecipeBody {
+    /// Its name, unique in the scenario.
+    pub name: String,
+    /// Where it stands.
+    pub scene_from_body: Pose,
+    /// What it is made of, each with its pose in the body.
+    pub shapes: Vec<(Pose, RecipeShape)>,
+}
+
+/// A shape of a [`RecipeBody`]; sizes in metres.
+#[derive(Clone, Debug)]
+pub enum RecipeShape {
+    /// Full lengths along x, y, z.
+    Cuboid(Vector),
+    /// Of this radius.
+    Sphere(f64),
+    /// Radius, and length along z.
+    Cylinder(f64, f64),
+    /// Radius, and length of the cylindrical part along z.
+    Capsule(f64, f64),
+    /// A built-in object by its name.
+    Object(&'static str),
+    /// The volume of a closed mesh.
+    Mesh(TriangleSoup),
+    /// The convex hull of a mesh.
+    Hull(TriangleSoup),
+}
+
+/// The start of every scenario of the paper (base y, base x in m; the seven joints of the arm in rad).
+pub(crate) const PAPER_START: [f64; 9] =
+    [0.0, 0.0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534];
+
+impl Recipe {
+    /// The files of a scenario in Cranny's own layout are made from this: the same bodies, start, grasps and
+    /// known configurations, with the built-in robot.
+    ///
+    /// # Errors
+    /// [`ScenarioError::OtherRobot`] if the scenario's robot has other joints than the built-in one.
+    pub fn of_scenario(scenario: &Scenario) -> Result<Self, ScenarioError> {
+        let (expected, actual) = (builtin_robot::panda_mobile()?, &scenario.robot);
+        if expected.joint_names() != actual.joint_names() {
+            return Err(ScenarioError::OtherRobot { joints: actual.joint_names().join(", ") });
+        }
+        let scene_from_planning = planning_from_scene().inverse();
+        let mut obstacles = Vec::new();
+        let mut target = None;
+        for (index, body) in scenario.world.bodies().iter().enumerate() {
+            if body.parts.iter().all(|part| part.solid.is_half_space()) {
+                continue;
+            }
+            let body = RecipeBody::of(body, &scene_from_planning)?;
+            if scenario.target == Some(index) {
+                target = Some(body);
+            } else {
+                obstacles.push(body);
+            }
+        }
+        Ok(Self {
+            title: format!("scenario {}", scenario.id),
+            obstacles,
+            target,
+            start: scenario.start.clone(),
+            grasps: scenario.grasps.clone(),
+            ik: scenario.ik.clone(),
+        })
+    }
+
+    /// The scenario that the files describe.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] for a shape that is none, or another robot with other joints.
+    pub fn scenario(&self, id: &str, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+        let robot = match &options.robot {
+            Some(urdf) => robot_file::load(urdf, &RobotOptions::default())?,
+            None => builtin_robot::panda_mobile()?,
+        };
+        Scenario {
+            id: id.to_owned(),
+            criterion: options.criterion.unwrap_or_default(),
+            hand_links: hand::hand_links(&robot),
+            robot,
+            world: self.world()?,
+            target: self.target.as_ref().map(|_| self.obstacles.len()),
+            start: self.start.clone(),
+            grasps: self.grasps.clone(),
+            ik: if options.robot.is_some() { Vec::new() } else { self.ik.clone() },
+            export: None,
+        }
+        .with_checked_start(id)
+    }
+
+    /// The world in the planning frame: obstacles, target, floor.
+    ///
+    /// # Errors
+    /// [`ScenarioError::ShapeFile`] for a shape that is none.
+    pub fn world(&self) -> Result<World, ScenarioError> {
+        let bodies = self.obstacles.iter().chain(&self.target).map(RecipeBody::body);
+        let mut bodies: Vec<Body> = bodies.collect::<Result<_, _>>()?;
+        bodies.push(Body::floor(FLOOR_M));
+        Ok(World::new(bodies)?)
+    }
+}
+
+impl RecipeBody {
+    /// A body of one shape.
+    pub(crate) fn new(name: &str, scene_from_body: Pose, shape: RecipeShape) -> Self {
+        Self { name: name.to_owned(), scene_from_body, shapes: vec![(Pose::identity(), shape)] }
+    }
+
+    /// The body, in the planning frame.
+    pub(crate) fn body(&self) -> Result<Body, ScenarioError> {
+        let planning_from_body = planning_from_scene() * self.scene_from_body;
+        let part = |(body_from_shape, shape): &(Pose, RecipeShape)| -> Result<Part, ScenarioError> {
+            Ok(Part { world_from_solid: planning_from_body * body_from_shape, solid: shape.solid()? })
+        };
+        Ok(Body { name: self.name.clone(), parts: self.shapes.iter().map(part).collect::<Result<_, _>>()? })
+    }
+
+    /// A body of the planning frame. It stands where its only shape does, or at the middle of its shapes.
+    fn of(body: &Body, scene_from_planning: &Pose) -> Result<Self, ScenarioError> {
+        let places: Vec<Pose> =
+            body.parts.iter().map(|part| scene_from_planning * part.world_from_solid).collect();
+        let scene_from_body = if let [only] = &places[..] {
+            *only
+        } else {
+            let sum = places.iter().fold(Vector::zeros(), |sum, pose| sum + pose.translation.vector);
+            Pose::from_parts((sum / places.len() as f64).into(), cranny_spatial::Rotation::identity())
+        };
+        let shape = |(part, place): (&Part, &Pose)| -> Result<(Pose, RecipeShape), ScenarioError> {
+            Ok((scene_from_body.inverse() * place, RecipeShape::of(&part.solid)?))
+        };
+        Ok(Self {
+            name: body.name.clone(),
+            scene_from_body,
+            shapes: body.parts.iter().zip(&places).map(shape).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl RecipeShape {
+    pub(crate) fn solid(&self) -> Result<Solid, ScenarioError> {
+        Ok(match self {
+            Self::Cuboid(size) => Solid::cuboid(size * 0.5)?,
+            Self::Sphere(radius_m) => Solid::sphere(*radius_m)?,
+            Self::Cylinder(radius_m, length_m) => Solid::cylinder(0.5 * length_m, *radius_m)?,
+            Self::Capsule(radius_m, length_m) => Solid::capsule(0.5 * length_m, *radius_m)?,
+            Self::Object(name) => Solid::mesh(&builtin_object::mesh(name)?)?,
+            Self::Mesh(soup) => Solid::mesh(soup)?,
+            Self::Hull(soup) => Solid::hull(&soup.vertices)?,
+        })
+    }
+
+    fn of(solid: &Solid) -> Result<Self, ShapeError> {
+        Ok(match solid.outline() {
+            Outline::Cuboid { half_extents } => Self::Cuboid(half_extents * 2.0),
+            Outline::Segment { half_length_m: 0.0, radius_m } => Self::Sphere(radius_m),
+            Outline::Segment { half_length_m, radius_m } => Self::Capsule(radius_m, 2.0 * half_length_m),
+            Outline::Cylinder { half_length_m, radius_m } => Self::Cylinder(radius_m, 2.0 * half_length_m),
+            Outline::HalfSpace => return Err(ShapeError::Empty),
+            Outline::Other => {
+                let is_convex = solid.support_point(&Vector::z()).is_some();
+                let (points, _) = solid.bounding_points().unwrap_or_default();
+                if is_convex {
+                    Self::Hull(TriangleSoup::convex_hull(&points)?)
+                } else {
+                    // Of a mesh these are the corners of its triangles.
+                    Self::Mesh(TriangleSoup::from_corners(points)?)
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,199 @@
+//! Recipes as folders of the paper's released layout.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use cranny_grasp::rows_of_pose;
+use cranny_shape::{ShapeError, Surface, TriangleSoup, VolumeMoments};
+use cranny_spatial::{Pose, Vector};
+
+use crate::recipe::{Recipe, RecipeBody, RecipeShape};
+use crate::recipe_file::configurations_text;
+use crate::released::planning_from_scene;
+use crate::{DEFAULT_FRICTION, ScenarioError, builtin_object, grasp_array, released};
+
+/// The object library of the folder, relative to it.
+const LIBRARY: &str = "object_library";
+
+/// What the released library gives every object to be grasped, in kilograms; no recipe says a mass.
+const OBJECT_MASS_KG: f64 = 0.2;
+
+impl Recipe {
+    /// Writes the scenario as a folder in the paper's released layout, with an object library of its own, so
+    /// that the released programs run on it: `scene.yaml`, `grasps.npy`, `object_library/` and `export/` with
+    /// grasps, start, IK solutions and `obstacles.obj`, which holds the true shapes, target first. Spheres,
+    /// cylinders and capsules become meshes with their vertices on the surface. `scene.yaml` comes last.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`], and [`ScenarioError::TargetCount`] for a
+    /// recipe without a target.
+    pub fn write_released(&self, folder: &Path) -> Result<(), ScenarioError> {
+        let Some(target) = &self.target else {
+            return Err(ScenarioError::TargetCount { path: folder.to_owned(), actual: 0 });
+        };
+        let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            fs::write(&path, text).map_err(|reason| unwritable(&path, reason))
+        };
+        for part in ["export", "object_library/meshes", "object_library/vhacd", "object_library/urdf"] {
+            let path = folder.join(part);
+            fs::create_dir_all(&path).map_err(|reason| unwritable(&path, reason))?;
+        }
+        let mut merged = TriangleSoup::default();
+        let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
+        for (body, mass_kg) in
+            std::iter::once((target, OBJECT_MASS_KG)).chain(self.obstacles.iter().map(|body| (body, 0.0)))
+        {
+            let soup = body.soup()?;
+            let name = file_name(&body.name);
+            let mesh_path = folder.join(format!("{LIBRARY}/meshes/{name}.obj"));
+            soup.write_obj(&mesh_path)?;
+            // A simulator takes each group as the hull of its own.
+            write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
+            write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg)?)?;
+            library.push_str(&library_entry(&name, mass_kg));
+            append(&mut merged, &soup, &(planning_from_scene() * body.scene_from_body));
+        }
+        library.push_str("yaml_file_type: ObjectLibrary\nyaml_file_version: '1.0'\n");
+        write("object_library/object_library.yaml", &library)?;
+        merged.write_obj(&folder.join("export/obstacles.obj"))?;
+        let start: Vec<Vec<f64>> = self.start.iter().map(|value| vec![*value]).collect();
+        write("export/robot_start_conf.csv", &configurations_text(&start))?;
+        write("export/grasp_IK_solutions.csv", &configurations_text(&self.ik))?;
+        let rows: Vec<Vec<f64>> = self
+            .grasps
+            .grasps()
+            .iter()
+            .map(|grasp| rows_of_pose(&grasp.world_from_gripper).to_vec())
+            .collect();
+        write("export/grasps.csv", &configurations_text(&rows))?;
+        grasp_array::write(&folder.join(grasp_array::FILE), &self.grasps)?;
+        write(released::FILE, &self.scene_yaml(target))
+    }
+
+    fn scene_yaml(&self, target: &RecipeBody) -> String {
+        let mut text =
+            String::from(if self.obstacles.is_empty() { "bg_objects: []\n" } else { "bg_objects:\n" });
+        for body in &self.obstacles {
+            text.push_str(&placed(body));
+        }
+        let _ = write!(text, "ground_area_x: 2\nground_area_y: 2\n");
+        let _ =
+            write!(text, "object_library_fn: {LIBRARY}/object_library.yaml\nobjects:\n{}", placed(target));
+        text.push_str("printout: null\nyaml_file_type: Scene\nyaml_file_version: '1.0'\n");
+        text
+    }
+}
+
+fn placed(body: &RecipeBody) -> String {
+    let mut text = format!("- object_type: {}\n  pose:\n", file_name(&body.name));
+    for row in rows_of_pose(&body.scene_from_body).chunks_exact(4) {
+        let _ = writeln!(text, "  - [{:?}, {:?}, {:?}, {:?}]", row[0], row[1], row[2], row[3]);
+    }
+    text
+}
+
+fn library_entry(name: &str, mass_kg: f64) -> String {
+    format!(
+        "- friction_coeff: {DEFAULT_FRICTION}\n  identifier: {name}\n  mass: {mass_kg:?}\n  \
+         mesh_fn: meshes/{name}.obj\n  name: {name}\n  scale: 1.0\n  stable_poses:\n    poses: []\n    \
+         probabilities: []\n  thumbnail_fn: null\n  urdf_fn: urdf/{name}.urdf\n  \
+         vhacd_fn: vhacd/{name}_vhacd.obj\n"
+    )
+}
+
+fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64) -> Result<String, ShapeError> {
+    let moments = VolumeMoments::of_mesh(soup)?;
+    let i = moments.inertia_per_mass_m2 * mass_kg;
+    let c = moments.center;
+    let mesh = format!("<geometry><mesh filename=\"../vhacd/{name}_vhacd.obj\" scale=\"1 1 1\"/></geometry>");
+    Ok(format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"{name}\">\n  <link name=\"base\">\n    \
+         <collision>{mesh}<contact_coefficients mu=\"{DEFAULT_FRICTION}\"/></collision>\n    \
+         <visual>{mesh}</visual>\n    <inertial>\n      <origin xyz=\"{} {} {}\"/>\n      \
+         <mass value=\"{mass_kg}\"/>\n      <inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" \
+         izz=\"{}\"/>\n    </inertial>\n  </link>\n</robot>\n",
+        c.x, c.y, c.z, i.m11, i.m12, i.m13, i.m22, i.m23, i.m33
+    ))
+}
+
+/// The name without what a file's name should not hold.
+fn file_name(name: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
+}
+
+impl RecipeBody {
+    /// All shapes in one mesh, in the body's frame; cuboids have twelve faces each, one after the other.
+    fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
+        let mut soup = TriangleSoup::default();
+        for (body_from_shape, shape) in &self.shapes {
+            append(&mut soup, &shape.soup()?, body_from_shape);
+        }
+        Ok(soup)
+    }
+
+    /// The same as an OBJ file with a group for each shape.
+    fn grouped_obj(&self) -> Result<String, ScenarioError> {
+        let mut text = String::new();
+        let mut first = 1;
+        for (index, (body_from_shape, shape)) in self.shapes.iter().enumerate() {
+            let soup = shape.soup()?;
+            let _ = writeln!(text, "o part_{index}");
+            for vertex in &soup.vertices {
+                let v = body_from_shape * vertex;
+                let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
+            }
+            for [a, b, c] in &soup.triangles {
+                let _ = writeln!(text, "f {} {} {}", a + first, b + first, c + first);
+            }
+            first += u32::try_from(soup.vertices.len()).unwrap_or(u32::MAX);
+        }
+        Ok(text)
+    }
+}
+
+fn append(whole: &mut TriangleSoup, soup: &TriangleSoup, whole_from_soup: &Pose) {
+    let first = u32::try_from(whole.vertices.len()).unwrap_or(u32::MAX);
+    whole.vertices.extend(soup.vertices.iter().map(|vertex| whole_from_soup * vertex));
+    whole.triangles.extend(soup.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
+}
+
+impl RecipeShape {
+    fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
+        /// 1280 triangles.
+        const DIVISIONS: u32 = 3;
+        Ok(match self {
+            Self::Cuboid(size) => Surface::cuboid_soup(&(size * 0.5)),
+            Self::Object(name) => builtin_object::mesh(name)?,
+            Self::Mesh(soup) => soup.clone(),
+            Self::Hull(soup) => TriangleSoup::convex_hull(&soup.vertices)?,
+            Self::Sphere(radius_m) => TriangleSoup::geodesic_sphere(*radius_m, DIVISIONS),
+            Self::Cylinder(radius_m, length_m) => {
+                let rim = |z: f64| {
+                    let angle = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(RIM_POINTS);
+                    (0..RIM_POINTS).map(move |k| {
+                        let (sine, cosine) = cranny_spatial::sin_cos(angle(k));
+                        cranny_spatial::Point::new(radius_m * cosine, radius_m * sine, z)
+                    })
+                };
+                let points: Vec<_> = rim(-0.5 * length_m).chain(rim(0.5 * length_m)).collect();
+                TriangleSoup::convex_hull(&points)?
+            }
+            Self::Capsule(radius_m, length_m) => {
+                let ball = TriangleSoup::geodesic_sphere(*radius_m, DIVISIONS);
+                let end = |sign: f64| {
+                    let shift = Vector::new(0.0, 0.0, 0.5 * sign * length_m);
+                    ball.vertices.iter().map(move |vertex| vertex + shift)
+                };
+                let points: Vec<_> = end(-1.0).chain(end(1.0)).collect();
+                TriangleSoup::convex_hull(&points)?
+            }
+        })
+    }
+}
+
+/// Around a cylinder: the mesh lies at most a thousandth of the radius inside it.
+const RIM_POINTS: u32 = 64;

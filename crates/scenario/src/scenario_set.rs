@@ -1,0 +1,232 @@
+//! Large sets of random scenarios, each checked to be sound.
+
+use std::sync::Arc;
+
+use cranny_collision::World;
+use cranny_robot::Robot;
+use cranny_shape::{Solid, quick_lower_bound, separation};
+use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
+
+use crate::family::Region;
+use crate::recipe::PAPER_START;
+use crate::{
+    Family, FamilyMaker, GraspChoice, Placement, Recipe, RecipeBody, RecipeShape, ScenarioError, panda_mobile,
+};
+
+/// What the scenarios of a set may be like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetSettings {
+    /// Between which values of the dial, in metres. Default: the family's usual range.
+    pub parameter_m: [f64; 2],
+    /// At most so many things stand about; how many is drawn. Default 3.
+    pub most_clutter: usize,
+    /// Seed of all randomness.
+    pub seed: u64,
+}
+
+impl SetSettings {
+    /// The defaults of a family.
+    pub fn new(family: Family, seed: u64) -> Self {
+        Self { parameter_m: family.usual_range_m(), most_clutter: 3, seed }
+    }
+}
+
+/// One scenario of a set.
+#[derive(Clone, Debug)]
+pub struct SetMember {
+    /// The scenario.
+    pub recipe: Recipe,
+    /// The value of its dial, in metres.
+    pub parameter_m: f64,
+    /// Where its object lies.
+    pub placement: Placement,
+    /// How many things stand about.
+    pub clutter: usize,
+}
+
+/// Why draws were not sound, and how many each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rejections {
+    /// A thing that stands about touches another, the object, or an obstacle.
+    pub clutter_collides: usize,
+    /// The robot touches something where it starts.
+    pub start_collides: usize,
+    /// The hand can take no grasp.
+    pub no_free_grasp: usize,
+}
+
+impl Rejections {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.clutter_collides + self.start_collides + self.no_free_grasp
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            clutter_collides: self.clutter_collides + other.clutter_collides,
+            start_collides: self.start_collides + other.start_collides,
+            no_free_grasp: self.no_free_grasp + other.no_free_grasp,
+        }
+    }
+}
+
+/// Draws scenarios of one family.
+#[derive(Clone, Debug)]
+pub struct SetMaker {
+    maker: FamilyMaker,
+    settings: SetSettings,
+    start: StartPose,
+}
+
+/// After so many draws without a sound one a member is given up: then hardly any is sound.
+const MOST_DRAWS: usize = 200;
+
+impl SetMaker {
+    /// # Errors
+    /// [`ScenarioError::Parameter`] for a range beyond the dial's.
+    pub fn new(family: Family, settings: SetSettings) -> Result<Self, ScenarioError> {
+        for value in settings.parameter_m {
+            family.checked(value)?;
+        }
+        let maker = FamilyMaker::new(family, settings.seed)?;
+        Ok(Self { maker, settings, start: StartPose::new(&panda_mobile()?) })
+    }
+
+    /// Who makes its scenarios.
+    pub fn family(&self) -> &FamilyMaker {
+        &self.maker
+    }
+
+    /// What is unsound about a recipe, if anything: the start touches something, or no grasp is free. That
+    /// the robot does not touch itself at the start is the same for all.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] for a shape that is none.
+    pub fn rejection(&self, recipe: &Recipe) -> Result<Option<Rejections>, ScenarioError> {
+        let one = Rejections::default();
+        Ok(if self.start.touches(&recipe.world()?) {
+            Some(Rejections { start_collides: 1, ..one })
+        } else if recipe.grasps.is_empty() {
+            Some(Rejections { no_free_grasp: 1, ..one })
+        } else {
+            None
+        })
+    }
+
+    /// The member `index` of the set, the first sound draw of its own random stream, and the draws that were
+    /// not. Members do not depend on each other, so they may be made in any order, by any number of threads.
+    ///
+    /// # Errors
+    /// None on a sound build.
+    pub fn member(&self, index: u64) -> Result<(Option<SetMember>, Rejections), ScenarioError> {
+        let mut random = Stream::new(self.settings.seed, index);
+        let mut rejected = Rejections::default();
+        for _ in 0..MOST_DRAWS {
+            match self.draw(&mut random)? {
+                Ok(member) => return Ok((Some(member), rejected)),
+                Err(rejection) => rejected = rejected.plus(rejection),
+            }
+        }
+        Ok((None, rejected))
+    }
+
+    fn draw(&self, random: &mut Stream) -> Result<Result<SetMember, Rejections>, ScenarioError> {
+        let family = self.maker.family;
+        let between = |[low, high]: [f64; 2], random: &mut Stream| random.uniform_between(low, high);
+        let parameter_m = between(self.settings.parameter_m, random);
+        let (x_m, y_m) = family.object_region();
+        let paper = family.paper_placement(parameter_m);
+        let placement = Placement {
+            x_m: between(x_m, random),
+            y_m: y_m.map_or(paper.y_m, |y_m| between(y_m, random)),
+            yaw_rad: random.uniform_between(0.0, std::f64::consts::TAU),
+        };
+        let count = random.index(self.settings.most_clutter + 1);
+        let region = family.clutter_region();
+        let clutter: Vec<RecipeBody> = (0..count).map(|index| thing(index, &region, random)).collect();
+        // Cheap checks first.
+        let bare = self.maker.scenario_without_grasps(parameter_m, &placement)?;
+        let mut bodies =
+            bare.obstacles.iter().chain(&bare.target).map(RecipeBody::body).collect::<Result<Vec<_>, _>>()?;
+        for body in &clutter {
+            let body = body.body()?;
+            let is_free = bodies.iter().flat_map(|other| &other.parts).all(|part| {
+                // What it stands on it may touch.
+                let lifted = Pose::translation(0.0, 0.0, CLUTTER_LIFT_M) * body.parts[0].world_from_solid;
+                is_apart(&body.parts[0].solid, &lifted, &part.solid, &part.world_from_solid, 0.0)
+            });
+            if !is_free {
+                return Ok(Err(Rejections { clutter_collides: 1, ..Rejections::default() }));
+            }
+            bodies.push(body);
+        }
+        if self.start.touches(&World::new(bodies)?) {
+            return Ok(Err(Rejections { start_collides: 1, ..Rejections::default() }));
+        }
+        let recipe = self.maker.scenario(parameter_m, &placement, clutter, GraspChoice::Few)?;
+        Ok(match self.rejection(&recipe)? {
+            Some(rejection) => Err(rejection),
+            None => Ok(SetMember { recipe, parameter_m, placement, clutter: count }),
+        })
+    }
+}
+
+/// How far above its ground a thing is asked whether it touches others, in metres.
+const CLUTTER_LIFT_M: f64 = 1e-3;
+
+/// A box or a cylinder, upright, turned at random, somewhere in the region.
+fn thing(index: usize, region: &Region, random: &mut Stream) -> RecipeBody {
+    let x_m = random.uniform_between(region.across_m[0], region.across_m[1]);
+    let y_m = random.uniform_between(region.away_m[0], region.away_m[1]);
+    let yaw_rad = random.uniform_between(0.0, std::f64::consts::TAU);
+    /// Smaller things hide nothing.
+    const SHORTEST_M: f64 = 0.05;
+    let height_m = random.uniform_between(SHORTEST_M, region.tallest_m);
+    // From a mug to a large carton of milk, in metres.
+    let shape = if random.uniform() < 0.5 {
+        let side = |random: &mut Stream| random.uniform_between(0.04, 0.12);
+        RecipeShape::Cuboid(Vector::new(side(random), side(random), height_m))
+    } else {
+        RecipeShape::Cylinder(random.uniform_between(0.02, 0.05), height_m)
+    };
+    let turn = Rotation::from_axis_angle(&Vector::z_axis(), yaw_rad);
+    let middle = Vector::new(x_m, y_m, region.floor_m + 0.5 * height_m);
+    RecipeBody::new(&format!("clutter {}", index + 1), Pose::from_parts(middle.into(), turn), shape)
+}
+
+/// The solids of the robot where it starts, in the planning frame; those of the fixed base aside.
+#[derive(Clone, Debug)]
+struct StartPose {
+    placed: Vec<(Pose, Solid)>,
+}
+
+impl StartPose {
+    fn new(robot: &Arc<Robot>) -> Self {
+        let mut frames = robot.frames();
+        robot.forward_kinematics(&PAPER_START, &mut frames);
+        let mut placed = Vec::new();
+        for (index, link) in robot.links().iter().enumerate() {
+            if robot.ancestors(index).is_empty() {
+                continue;
+            }
+            for shape in &link.collisions {
+                placed.push((frames.link(index) * shape.link_from_shape, shape.solid.clone()));
+            }
+        }
+        Self { placed }
+    }
+
+    fn touches(&self, world: &World) -> bool {
+        let parts = || world.bodies().iter().flat_map(|body| &body.parts);
+        !self.placed.iter().all(|(pose, solid)| {
+            parts().all(|part| is_apart(solid, pose, &part.solid, &part.world_from_solid, CONTACT_M))
+        })
+    }
+}
+
+fn is_apart(first: &Solid, first_pose: &Pose, second: &Solid, second_pose: &Pose, gap_m: f64) -> bool {
+    quick_lower_bound(first, first_pose, second, second_pose, gap_m) > gap_m
+        || separation(first, first_pose, second, second_pose, gap_m.max(CONTACT_M)).lower_m > gap_m
+}

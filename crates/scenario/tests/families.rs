@@ -1,0 +1,112 @@
+//! Difficulty as a dial, and large sets.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use cranny_scenario::{
+    Demands, Family, OpenOptions, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check, write_set,
+    write_sweep,
+};
+
+fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
+    write(&SetProgress { done: &|| (), stop: &AtomicBool::new(false) })
+}
+
+fn set(family: Family, seed: u64, count: u64, folder: &Path) -> SetReport {
+    let maker = SetMaker::new(family, SetSettings::new(family, seed)).unwrap();
+    watched(|progress| write_set(&maker, folder, count, progress).unwrap())
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(files(&path));
+        } else {
+            all.insert(path.display().to_string(), fs::read(&path).unwrap());
+        }
+    }
+    all
+}
+
+#[test]
+fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
+    let root = tempfile::tempdir().unwrap();
+    for family in Family::ALL {
+        let folder = root.path().join(family.name());
+        let report = set(family, 7, 12, &folder);
+        assert_eq!((report.written.len(), report.missing), (12, 0), "{family:?}");
+        for id in &report.written {
+            let path = folder.join(id).display().to_string();
+            assert!(check(&path).is_empty());
+            let scenario = Scenario::open(&path, &OpenOptions::default()).unwrap();
+            let problem = scenario.problem(&Demands::default()).unwrap();
+            let mut scratch = problem.validity.scratch();
+            assert!(problem.validity.is_free(&problem.start, &mut scratch), "{path}");
+            let cranny_plan::Validity::Exact(cell) = &problem.validity else {
+                panic!("exact is the default")
+            };
+            let mut scratch = cell.scratch();
+            assert!(scenario.grasps.grasps().iter().all(|grasp| {
+                let twin = grasp.twin().world_from_gripper;
+                cell.hand_is_free(&grasp.world_from_gripper, &mut scratch)
+                    || cell.hand_is_free(&twin, &mut scratch)
+            }));
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("set");
+    let mut seen = Vec::new();
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| set(Family::Gap, 3, 10, &folder));
+        seen.push(files(&folder));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+    assert!(seen[0].len() > 20 && seen[0] == seen[1] && seen[0] == seen[2]);
+    set(Family::Gap, 4, 10, &folder);
+    assert_ne!(files(&folder), seen[0]);
+}
+
+#[test]
+fn a_sweep_goes_from_one_value_to_the_other() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("sweep");
+    let maker = SetMaker::new(Family::Gap, SetSettings::new(Family::Gap, 0)).unwrap();
+    let report = watched(|p| write_sweep(&maker, &folder, [0.64, 0.30], 18, p).unwrap());
+    assert_eq!((report.written.len(), report.rejected.total()), (18, 0));
+    assert_eq!((report.written[0].as_str(), report.written[17].as_str()), ("gap-0.6400", "gap-0.3000"));
+    let index = fs::read_to_string(folder.join("index.csv")).unwrap();
+    assert_eq!(index.lines().count(), 19);
+    let again = watched(|p| write_sweep(&maker, &root.path().join("one"), [0.4, 0.4], 1, p).unwrap());
+    assert_eq!(again.written, ["gap-0.4000"]);
+    let stop = AtomicBool::new(false);
+    let progress = SetProgress { done: &|| (), stop: &stop };
+    let fault = write_sweep(&maker, &folder, [0.64, 0.3], 2, &progress).unwrap_err().to_string();
+    assert!(fault.contains("exists already"), "{fault}");
+    let elsewhere = root.path().join("never");
+    let fault = write_sweep(&maker, &elsewhere, [2.5, 0.3], 2, &progress).unwrap_err().to_string();
+    assert!(fault.contains("the gap must be from 0.02 to 1.9 m, but is 2.5"), "{fault}");
+    assert!(!elsewhere.exists());
+}
+
+#[test]
+fn draws_that_are_not_sound_are_counted_by_reason() {
+    let settings = SetSettings { most_clutter: 12, ..SetSettings::new(Family::Shelf, 1) };
+    let maker = SetMaker::new(Family::Shelf, settings).unwrap();
+    let mut rejected = cranny_scenario::Rejections::default();
+    for index in 0..20 {
+        let (_, more) = maker.member(index).unwrap();
+        rejected = rejected.plus(more);
+    }
+    assert!(rejected.clutter_collides > 0, "{rejected:?}");
+    assert!(Family::of_name("cupboard").unwrap_err().to_string().contains("shelf, table, gap, gate"));
+}

@@ -1,0 +1,27 @@
+//! The twenty built-in scenarios: their files are what their recipes make.
+
+use std::fs;
+use std::path::Path;
+
+use cranny_grasp::csv_text;
+use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, catalogue};
+
+/// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
+#[test]
+fn the_files_of_the_twenty_are_what_their_recipes_make() {
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    for family in Family::ALL {
+        let maker = FamilyMaker::new(family, CatalogueEntry::GRASP_SEED).unwrap();
+        for entry in catalogue().iter().filter(|entry| entry.family == family) {
+            let recipe = entry.recipe(&maker).unwrap();
+            if std::env::var_os("CRANNY_WRITE").is_some() {
+                recipe.write_folder(&scenarios.join(entry.id)).unwrap();
+                continue;
+            }
+            let read = |name: &str| fs::read_to_string(scenarios.join(entry.id).join(name)).unwrap();
+            let (yaml, grasps) = (recipe.yaml(), csv_text(&recipe.grasps));
+            assert!(yaml == read("scenario.yaml") && grasps == read("grasps.csv"), "{}", entry.id);
+            assert_eq!(entry.files(), (yaml.as_str(), grasps.as_str()), "{}", entry.id);
+        }
+    }
+}
