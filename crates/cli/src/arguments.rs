@@ -9,10 +9,11 @@ use cranny_scenario::Geometry;
 
 use crate::grasps::GraspsArguments;
 use crate::object::ObjectArguments;
+use crate::scenario::ScenarioArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///
-/// ID is a built-in scenario (see `cranny list`), the folder of a scenario, or the folder of a scenario in
+/// ID is a built-in scenario (see `cranny list`), the folder or .zip of a scenario, or the folder of one in
 /// the layout that the paper released.
 ///
 /// Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
@@ -55,6 +56,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Look for free configurations at every grasp of a scenario
     Ik(IkArguments),
+    /// Make, check, share and convert scenarios
+    Scenario(Box<ScenarioArguments>),
     /// Sample, filter and compare grasps
     Grasps(GraspsArguments),
     /// Make objects to grasp from meshes, and show those that there are

@@ -13,6 +13,7 @@ mod object;
 mod plan;
 mod plan_task;
 mod progress;
+mod scenario;
 mod start;
 mod task;
 mod text;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => plan::run(arguments, cli.output),
         Command::Verify(arguments) => verify::run(arguments, cli.output),
         Command::Ik(arguments) => ik::run(arguments, cli.output),
+        Command::Scenario(arguments) => scenario::run(arguments, cli.output),
         Command::Grasps(arguments) => grasps::run(arguments, cli.output),
         Command::Object(arguments) => object::run(arguments, cli.output),
     };

@@ -1,0 +1,384 @@
+//! `cranny scenario`: scenarios of one's own, and those of others.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use cranny_plan::Validity;
+use cranny_scenario::{
+    Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
+    SetSettings, check, pack, scenario_schema, unpack, write_set, write_sweep, write_template,
+};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::progress::{bar, stop_on_interrupt};
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+pub struct ScenarioArguments {
+    #[command(subcommand)]
+    pub command: ScenarioCommand,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+pub enum ScenarioCommand {
+    /// Begin a scenario of your own from a commented template
+    New(NewArguments),
+    /// Say everything that is wrong with a scenario, with lines
+    Check(CheckArguments),
+    /// Print the JSON Schema of scenario.yaml, with which editors complete and check it
+    Schema,
+    /// Pack a scenario into one .zip, with checksums, author, licence and citation
+    Pack(PackArguments),
+    /// Unpack what `pack` made, checksums verified
+    Unpack(UnpackArguments),
+    /// Make a scenario of the paper's released layout one of Cranny's own
+    Import(ImportArguments),
+    /// Write a scenario in the paper's released layout, for its programs
+    Export(ExportArguments),
+    /// Write scenarios of one family from easy to hard
+    Sweep(SweepArguments),
+    /// Write many random scenarios of one family, each checked to be sound
+    Generate(GenerateArguments),
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario new my_shelf
+  cranny scenario check my_shelf
+  cranny plan my_shelf")]
+pub struct NewArguments {
+    /// Folder to make
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario check my_shelf
+  cranny scenario check my_shelf.zip --json")]
+pub struct CheckArguments {
+    /// Built-in scenario, the folder of one, or a packed one
+    #[arg(value_name = "ID")]
+    pub id: String,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario pack my_shelf
+  cranny scenario pack my_shelf -o shelf.zip --author 'Jane Doe' --licence CC-BY-4.0
+
+What flags do not say is taken from `about` in scenario.yaml. Hidden files and plans are left out.")]
+pub struct PackArguments {
+    /// Folder of the scenario
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Archive to write [default: the folder's name with .zip, in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Who made it
+    #[arg(long)]
+    pub author: Option<String>,
+    /// How it may be used: an SPDX expression
+    #[arg(long)]
+    pub licence: Option<String>,
+    /// How it wants to be cited
+    #[arg(long)]
+    pub citation: Option<String>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario unpack my_shelf.zip
+  cranny plan my_shelf.zip             a packed scenario needs no unpacking")]
+pub struct UnpackArguments {
+    /// Archive to read
+    #[arg(value_name = "FILE")]
+    pub archive: PathBuf,
+    /// Folder to make [default: the archive's name without .zip, in this folder]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario import path/to/scenarios/011 -o shelf_11
+
+Obstacles, target, start, grasps and IK solutions are kept; the robot is the built-in one.")]
+pub struct ImportArguments {
+    /// Folder with scene.yaml
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Folder to make
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario export 034 -o jogramop-framework/scenarios/134
+  cranny scenario export my_shelf.zip -o released/201
+
+The folder has an object library of its own. Scores and widths of grasps have no place in that layout.")]
+pub struct ExportArguments {
+    /// Built-in scenario, the folder of one, or a packed one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// Folder to make
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario sweep gap --from 0.64 --to 0.30 --steps 18
+  cranny scenario sweep gate --from 0.86 --to 0.5 --steps 10 -o gates
+
+Families and their dials, in metres:
+  shelf  how far behind the front edge of the shelf the screwdriver lies
+  table  how far behind the front edge of the table the ball lies
+  gap    how wide the gap between the walls is
+  gate   how wide and high the gate's opening is")]
+pub struct SweepArguments {
+    /// shelf, table, gap or gate
+    #[arg(value_name = "FAMILY")]
+    pub family: String,
+    /// The first value, in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub from: f64,
+    /// The last value, in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub to: f64,
+    /// How many scenarios, ends included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub steps: u32,
+    /// Seed of the grasps
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Folder to make [default: <FAMILY>-sweep, in this folder]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny scenario generate --family shelf --count 1000 --seed 7
+  cranny scenario generate --family gap --count 50 --from 0.3 --to 0.4 --clutter 0 -o narrow
+
+The object lies anywhere it may, turned at random, and boxes and cylinders stand about. A draw where the robot
+touches something at the start, things overlap or the hand can take no grasp is drawn again. The same seed
+gives the same files on any number of threads.")]
+pub struct GenerateArguments {
+    /// shelf, table, gap or gate
+    #[arg(long)]
+    pub family: String,
+    /// How many scenarios
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub count: u32,
+    /// Seed of all randomness
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// The least value of the family's dial, in metres [default: a little beyond the paper's]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// The greatest value, in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub to: Option<f64>,
+    /// At most so many things stand about
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=50))]
+    pub clutter: u8,
+    /// Folder to make [default: <FAMILY>-<SEED>, in this folder]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+}
+
+pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Failure> {
+    match &arguments.command {
+        ScenarioCommand::New(arguments) => {
+            write_template(&arguments.folder)?;
+            written("folder", &arguments.folder, output)
+        }
+        ScenarioCommand::Check(arguments) => checked(&arguments.id, output),
+        ScenarioCommand::Schema => {
+            text::print(&scenario_schema())?;
+            Ok(Answer::Done)
+        }
+        ScenarioCommand::Pack(arguments) => packed(arguments, output),
+        ScenarioCommand::Unpack(arguments) => {
+            let stem = || arguments.archive.file_stem().unwrap_or_default().into();
+            let folder: PathBuf = arguments.output.clone().unwrap_or_else(stem);
+            unpack(&arguments.archive, &folder)?;
+            written("folder", &folder, output)
+        }
+        ScenarioCommand::Import(arguments) => {
+            absent(&arguments.output)?;
+            Recipe::import_released(&arguments.folder)?.write_folder(&arguments.output)?;
+            written("folder", &arguments.output, output)
+        }
+        ScenarioCommand::Export(arguments) => {
+            absent(&arguments.output)?;
+            let scenario = Scenario::open(&arguments.id, &OpenOptions::default())?;
+            Recipe::of_scenario(&scenario)?.write_released(&arguments.output)?;
+            written("folder", &arguments.output, output)
+        }
+        ScenarioCommand::Sweep(arguments) => sweep(arguments, output),
+        ScenarioCommand::Generate(arguments) => generate(arguments, output),
+    }
+}
+
+fn absent(path: &Path) -> Result<(), ScenarioError> {
+    if path.exists() { Err(ScenarioError::Exists { path: path.to_owned() }) } else { Ok(()) }
+}
+
+fn written(what: &str, path: &Path, output: Output) -> Result<Answer, Failure> {
+    if output.json {
+        text::print_json(&serde_json::json!({ what: path }))?;
+    } else if !output.quiet {
+        text::print(&format!("written to {}\n", path.display()))?;
+    }
+    Ok(Answer::Done)
+}
+
+/// What `scenario check --json` prints.
+#[derive(Serialize)]
+struct Checked {
+    scenario: String,
+    sound: bool,
+    problems: Vec<String>,
+}
+
+fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
+    let mut problems: Vec<String> = check(id).iter().map(ToString::to_string).collect();
+    if problems.is_empty() {
+        let scenario = Scenario::open(id, &OpenOptions::default())?;
+        let problem = scenario.problem(&Demands::default())?;
+        let faults = crate::start::faults(&problem);
+        problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
+        if let Validity::Exact(cell) = &problem.validity {
+            let mut scratch = cell.scratch();
+            let is_free = |grasp: &cranny_grasp::Grasp| {
+                [grasp.world_from_gripper, grasp.twin().world_from_gripper]
+                    .iter()
+                    .any(|pose| cell.hand_is_free(pose, &mut scratch))
+            };
+            if !scenario.grasps.grasps().iter().any(is_free) {
+                let count = scenario.grasps.len();
+                problems.push(format!("the hand collides at every one of the {count} grasps"));
+            }
+        }
+    }
+    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems };
+    if output.json {
+        text::print_json(&checked)?;
+    } else if !output.quiet || !checked.sound {
+        let mut page = String::new();
+        for problem in &checked.problems {
+            let _ = writeln!(page, "{problem}");
+        }
+        let _ = match checked.problems.len() {
+            0 => writeln!(page, "{id}: sound"),
+            1 => writeln!(page, "{id}: 1 problem"),
+            count => writeln!(page, "{id}: {count} problems"),
+        };
+        text::print(&page)?;
+    }
+    Ok(if checked.sound { Answer::Done } else { Answer::No })
+}
+
+fn packed(arguments: &PackArguments, output: Output) -> Result<Answer, Failure> {
+    let default_name = || {
+        let whole = arguments.folder.canonicalize().unwrap_or_else(|_| arguments.folder.clone());
+        format!("{}.zip", whole.file_name().unwrap_or_default().to_string_lossy()).into()
+    };
+    let archive: PathBuf = arguments.output.clone().unwrap_or_else(default_name);
+    let credits = Credits {
+        author: arguments.author.clone(),
+        licence: arguments.licence.clone(),
+        citation: arguments.citation.clone(),
+    };
+    pack(&arguments.folder, &archive, &credits)?;
+    written("archive", &archive, output)
+}
+
+fn sweep(arguments: &SweepArguments, output: Output) -> Result<Answer, Failure> {
+    let family = Family::of_name(&arguments.family)?;
+    let default_name = || format!("{}-sweep", family.name()).into();
+    let folder = arguments.output.clone().unwrap_or_else(default_name);
+    absent(&folder)?;
+    let maker = SetMaker::new(family, SetSettings::new(family, arguments.seed))?;
+    let values = [arguments.from, arguments.to];
+    let steps = arguments.steps;
+    watched(&folder, steps, output, |progress| write_sweep(&maker, &folder, values, steps as usize, progress))
+}
+
+fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Failure> {
+    let family = Family::of_name(&arguments.family)?;
+    let default_name = || format!("{}-{}", family.name(), arguments.seed).into();
+    let folder = arguments.output.clone().unwrap_or_else(default_name);
+    absent(&folder)?;
+    let mut settings = SetSettings::new(family, arguments.seed);
+    settings.parameter_m[0] = arguments.from.unwrap_or(settings.parameter_m[0]);
+    settings.parameter_m[1] = arguments.to.unwrap_or(settings.parameter_m[1]);
+    settings.most_clutter = arguments.clutter.into();
+    let maker = SetMaker::new(family, settings)?;
+    let count = arguments.count;
+    watched(&folder, count, output, |progress| write_set(&maker, &folder, count.into(), progress))
+}
+
+/// What `scenario sweep` and `scenario generate` print with `--json`.
+#[derive(Serialize)]
+struct Set<'a> {
+    folder: &'a Path,
+    written: usize,
+    rejected: Rejected,
+    missing: usize,
+}
+
+#[derive(Serialize)]
+struct Rejected {
+    clutter_collides: usize,
+    start_collides: usize,
+    no_free_grasp: usize,
+}
+
+fn watched(
+    folder: &Path,
+    count: u32,
+    output: Output,
+    write: impl FnOnce(&SetProgress) -> Result<SetReport, ScenarioError>,
+) -> Result<Answer, Failure> {
+    let stop = stop_on_interrupt()?;
+    let progress = bar(count.into(), output.quiet);
+    let report = write(&SetProgress { done: &|| progress.inc(1), stop: &stop });
+    progress.finish_and_clear();
+    let report = report?;
+    let rejected = report.rejected;
+    let set = Set {
+        folder,
+        written: report.written.len(),
+        missing: report.missing,
+        rejected: Rejected {
+            clutter_collides: rejected.clutter_collides,
+            start_collides: rejected.start_collides,
+            no_free_grasp: rejected.no_free_grasp,
+        },
+    };
+    if output.json {
+        text::print_json(&set)?;
+    } else if !output.quiet {
+        text::print(&format!(
+            "{} scenarios in {}, listed in index.csv\nrejected draws: {} where things overlap, {} where the robot \
+             touches something at the start, {} without a free grasp\n{}",
+            set.written,
+            folder.display(),
+            rejected.clutter_collides,
+            rejected.start_collides,
+            rejected.no_free_grasp,
+            if set.missing > 0 { format!("{} were not made\n", set.missing) } else { String::new() },
+        ))?;
+    }
+    Ok(if set.missing == 0 { Answer::Done } else { Answer::No })
+}
