@@ -339,7 +339,7 @@ struct Set<'a> {
 
 #[derive(Serialize)]
 struct Rejected {
-    clutter_collides: usize,
+    things_overlap: usize,
     start_collides: usize,
     no_free_grasp: usize,
 }
@@ -361,7 +361,7 @@ fn watched(
         written: report.written.len(),
         missing: report.missing,
         rejected: Rejected {
-            clutter_collides: rejected.clutter_collides,
+            things_overlap: rejected.things_overlap,
             start_collides: rejected.start_collides,
             no_free_grasp: rejected.no_free_grasp,
         },
@@ -374,7 +374,7 @@ fn watched(
              touches something at the start, {} without a free grasp\n{}",
             set.written,
             folder.display(),
-            rejected.clutter_collides,
+            rejected.things_overlap,
             rejected.start_collides,
             rejected.no_free_grasp,
             if set.missing > 0 { format!("{} were not made\n", set.missing) } else { String::new() },

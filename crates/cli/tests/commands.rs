@@ -98,7 +98,7 @@ fn every_instruction_set_gives_the_same_bytes() {
 #[test]
 fn ik_says_for_every_grasp_what_became_of_it() {
     let folder = folder();
-    let found = cranny(folder.path(), &["ik", "021", "--attempts", "200", "--json"]);
+    let found = cranny(folder.path(), &["ik", "021", "--attempts", "200", "--grasp-margin", "4", "--json"]);
     assert_eq!(found.status.code(), Some(0));
     let grasps = json(&found)["grasps"].as_array().expect("a list").clone();
     assert_eq!(grasps.len(), 200);
@@ -107,7 +107,15 @@ fn ik_says_for_every_grasp_what_became_of_it() {
     assert!(grasps.iter().any(|g| g["status"] == "hand-collides" && g["blocked_by"].is_string()));
     let threads = |n: &str| {
         let mut command = Command::cargo_bin("cranny").expect("the program");
-        command.env("RAYON_NUM_THREADS", n).args(["ik", "021", "--attempts", "200", "--json"]);
+        command.env("RAYON_NUM_THREADS", n).args([
+            "ik",
+            "021",
+            "--attempts",
+            "200",
+            "--grasp-margin",
+            "4",
+            "--json",
+        ]);
         command.output().expect("it runs").stdout
     };
     assert_eq!(threads("1"), threads("2"));

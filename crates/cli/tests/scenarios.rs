@@ -110,7 +110,7 @@ fn families_are_swept_and_drawn() {
     let draw = ["scenario", "generate", "--family", "table", "--count", "4", "--seed", "7", "--json"];
     let answer: Value = serde_json::from_str(&done(path, &draw)).expect("one JSON document");
     assert_eq!(answer["written"], 4);
-    assert!(answer["rejected"]["clutter_collides"].is_u64());
+    assert!(answer["rejected"]["things_overlap"].is_u64());
     assert!(done(path, &["scenario", "check", "table-7/table-00003"]).contains("sound"));
     refused(
         path,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cranny_collision::World;
+use cranny_collision::{Body, World};
 use cranny_robot::Robot;
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
@@ -47,8 +47,8 @@ pub struct SetMember {
 /// Why draws were not sound, and how many each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rejections {
-    /// A thing that stands about touches another, the object, or an obstacle.
-    pub clutter_collides: usize,
+    /// The object, or a thing that stands about, touches something else than what it stands on.
+    pub things_overlap: usize,
     /// The robot touches something where it starts.
     pub start_collides: usize,
     /// The hand can take no grasp.
@@ -58,14 +58,14 @@ pub struct Rejections {
 impl Rejections {
     /// All of them.
     pub fn total(&self) -> usize {
-        self.clutter_collides + self.start_collides + self.no_free_grasp
+        self.things_overlap + self.start_collides + self.no_free_grasp
     }
 
     /// Both together.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
-            clutter_collides: self.clutter_collides + other.clutter_collides,
+            things_overlap: self.things_overlap + other.things_overlap,
             start_collides: self.start_collides + other.start_collides,
             no_free_grasp: self.no_free_grasp + other.no_free_grasp,
         }
@@ -148,17 +148,11 @@ impl SetMaker {
         let clutter: Vec<RecipeBody> = (0..count).map(|index| thing(index, &region, random)).collect();
         // Cheap checks first.
         let bare = self.maker.scenario_without_grasps(parameter_m, &placement)?;
-        let mut bodies =
-            bare.obstacles.iter().chain(&bare.target).map(RecipeBody::body).collect::<Result<Vec<_>, _>>()?;
-        for body in &clutter {
+        let mut bodies: Vec<Body> = bare.obstacles.iter().map(RecipeBody::body).collect::<Result<_, _>>()?;
+        for body in bare.target.iter().chain(&clutter) {
             let body = body.body()?;
-            let is_free = bodies.iter().flat_map(|other| &other.parts).all(|part| {
-                // What it stands on it may touch.
-                let lifted = Pose::translation(0.0, 0.0, CLUTTER_LIFT_M) * body.parts[0].world_from_solid;
-                is_apart(&body.parts[0].solid, &lifted, &part.solid, &part.world_from_solid, 0.0)
-            });
-            if !is_free {
-                return Ok(Err(Rejections { clutter_collides: 1, ..Rejections::default() }));
+            if !stands_free(&body, &bodies) {
+                return Ok(Err(Rejections { things_overlap: 1, ..Rejections::default() }));
             }
             bodies.push(body);
         }
@@ -173,8 +167,19 @@ impl SetMaker {
     }
 }
 
-/// How far above its ground a thing is asked whether it touches others, in metres.
-const CLUTTER_LIFT_M: f64 = 1e-3;
+/// Whether a thing touches none of the others but what it stands on, which it may.
+fn stands_free(thing: &Body, others: &[Body]) -> bool {
+    /// So far above its ground it is asked, in metres.
+    const LIFT_M: f64 = 1e-3;
+    let lift = Pose::translation(0.0, 0.0, LIFT_M);
+    thing.parts.iter().all(|own| {
+        let lifted = lift * own.world_from_solid;
+        others
+            .iter()
+            .flat_map(|other| &other.parts)
+            .all(|part| is_apart(&own.solid, &lifted, &part.solid, &part.world_from_solid, 0.0))
+    })
+}
 
 /// A box or a cylinder, upright, turned at random, somewhere in the region.
 fn thing(index: usize, region: &Region, random: &mut Stream) -> RecipeBody {

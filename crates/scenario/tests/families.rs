@@ -5,10 +5,13 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use cranny_grasp::GraspSet;
 use cranny_scenario::{
     Demands, Family, OpenOptions, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check, write_set,
     write_sweep,
 };
+use cranny_shape::overlap;
+use cranny_spatial::Pose;
 
 fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
     write(&SetProgress { done: &|| (), stop: &AtomicBool::new(false) })
@@ -33,6 +36,19 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
+/// Whether the target sinks into nothing by more than the millimetre that its ground may give.
+fn rests_beside_everything(scenario: &Scenario) -> bool {
+    let target = scenario.target.unwrap();
+    let bodies = scenario.world.bodies();
+    let others = bodies.iter().enumerate().filter(|(index, _)| *index != target);
+    others.flat_map(|(_, body)| &body.parts).all(|part| {
+        bodies[target].parts.iter().all(|own| {
+            overlap(&own.solid, &own.world_from_solid, &part.solid, &part.world_from_solid)
+                .is_none_or(|overlap| overlap.depth_m < 1e-3)
+        })
+    })
+}
+
 #[test]
 fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
     let root = tempfile::tempdir().unwrap();
@@ -44,6 +60,7 @@ fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
             let path = folder.join(id).display().to_string();
             assert!(check(&path).is_empty());
             let scenario = Scenario::open(&path, &OpenOptions::default()).unwrap();
+            assert!(rests_beside_everything(&scenario), "{path}");
             let problem = scenario.problem(&Demands::default()).unwrap();
             let mut scratch = problem.validity.scratch();
             assert!(problem.validity.is_free(&problem.start, &mut scratch), "{path}");
@@ -107,6 +124,12 @@ fn draws_that_are_not_sound_are_counted_by_reason() {
         let (_, more) = maker.member(index).unwrap();
         rejected = rejected.plus(more);
     }
-    assert!(rejected.clutter_collides > 0, "{rejected:?}");
+    assert!(rejected.things_overlap > 0, "{rejected:?}");
+    let mut recipe = maker.family().at(0.2).unwrap();
+    assert_eq!(maker.rejection(&recipe).unwrap(), None);
+    recipe.grasps = GraspSet::default();
+    assert_eq!(maker.rejection(&recipe).unwrap().map(|rejection| rejection.no_free_grasp), Some(1));
+    recipe.obstacles[0].scene_from_body = Pose::identity();
+    assert_eq!(maker.rejection(&recipe).unwrap().map(|rejection| rejection.start_collides), Some(1));
     assert!(Family::of_name("cupboard").unwrap_err().to_string().contains("shelf, table, gap, gate"));
 }
