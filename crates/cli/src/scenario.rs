@@ -158,7 +158,7 @@ pub struct SweepArguments {
     /// Seed of the grasps
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Folder to make [default: <FAMILY>-sweep, in this folder]
+    /// Folder to make [default: FAMILY-sweep, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
@@ -190,7 +190,7 @@ pub struct GenerateArguments {
     /// At most so many things stand about
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=50))]
     pub clutter: u8,
-    /// Folder to make [default: <FAMILY>-<SEED>, in this folder]
+    /// Folder to make [default: FAMILY-SEED, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
