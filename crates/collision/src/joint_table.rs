@@ -38,7 +38,7 @@ enum Verdict {
 
 /// Cells along each joint. Half a cell is about 2° of a joint that turns by 5.8 rad: less than 4 mm at the
 /// size of a hand.
-pub(crate) const SIDE: usize = 128;
+const SIDE: usize = 128;
 
 /// How far a cell's certificate reaches beyond the cell, relative to its size: more than the rounding of a
 /// joint value to `f32` can leave it by.

@@ -5,8 +5,8 @@ use cranny_spatial::Pose;
 use crate::lane_part::lanes;
 use crate::link_body::LinkBody;
 
-/// How far the outer balls of a link may stand out of it, in metres. Smaller balls leave fewer configurations
-/// to the exact check and take longer themselves; this is about the best on the released scenarios.
+/// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
+/// Smaller balls would leave fewer configurations to the exact check and take longer themselves.
 const BULGE_M: f64 = 0.008;
 
 /// How many balls inside a link, shared among its solids, say "contact" without the exact check.
