@@ -1,0 +1,106 @@
+use cranny_plan::{Criterion, Statistics};
+
+/// One question to one planner: what is run again when it is replayed, and what is never counted twice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Id of the scenario.
+    pub scenario: String,
+    /// SHA-256 over the files of the scenario, in hexadecimal: two scenarios of one name stay apart.
+    pub scenario_hash: String,
+    /// Name of the planner, as the report shows it.
+    pub planner: String,
+    /// All its settings, as canonical JSON (sorted keys): two settings of one planner stay apart.
+    pub settings: String,
+    /// What counts as solved.
+    pub criterion: Criterion,
+    /// What the random numbers are drawn from.
+    pub seed: u64,
+    /// At most so many seconds.
+    pub time_limit_s: f64,
+    /// At most so many iterations; `None` where only time counts.
+    pub iteration_limit: Option<u64>,
+    /// The one goal of the scenario's IK set that was aimed at; `None` where the planner had all grasps.
+    pub goal: Option<usize>,
+}
+
+/// How a trial ended. "Solved" is what the judge says, whatever the planner says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TrialOutcome {
+    /// There is a path, and the judge finds that it meets the criterion.
+    Solved,
+    /// The planner's time or iterations were spent.
+    BudgetExhausted,
+    /// The start is in collision or outside the joint limits.
+    StartInvalid,
+    /// The planner is certain that no grasp can be reached.
+    NoReachableGrasp,
+    /// The planner gave a path, and the judge finds that it does not meet the criterion.
+    Rejected,
+    /// The planner gave something that is no path.
+    Garbled,
+    /// The planner's process ended by itself.
+    Crashed,
+    /// The planner went on past its limit and was stopped.
+    Hung,
+    /// The planner took more memory than it was given.
+    OutOfMemory,
+}
+
+impl TrialOutcome {
+    /// Every outcome, in the order of its declaration.
+    pub const ALL: [Self; 9] = [
+        Self::Solved,
+        Self::BudgetExhausted,
+        Self::StartInvalid,
+        Self::NoReachableGrasp,
+        Self::Rejected,
+        Self::Garbled,
+        Self::Crashed,
+        Self::Hung,
+        Self::OutOfMemory,
+    ];
+
+    /// What files and reports call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::BudgetExhausted => "budget-exhausted",
+            Self::StartInvalid => "start-invalid",
+            Self::NoReachableGrasp => "no-reachable-grasp",
+            Self::Rejected => "rejected",
+            Self::Garbled => "garbled",
+            Self::Crashed => "crashed",
+            Self::Hung => "hung",
+            Self::OutOfMemory => "out-of-memory",
+        }
+    }
+}
+
+/// A trial and how it went: one row of the results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrialRecord {
+    /// The question.
+    pub trial: Trial,
+    /// How it ended.
+    pub outcome: TrialOutcome,
+    /// What a person should know of it: the judge's first objection, the signal, the first bad line.
+    pub detail: Option<String>,
+    /// What the search cost. A foreign planner's `planning_time_s` is measured outside; what it does not tell
+    /// is zero.
+    pub statistics: Statistics,
+    /// Length of the path in the plain norm of `q` (m and rad alike); `None` unless solved.
+    pub path_length: Option<f64>,
+    /// The least clearance along the path, proven, in metres; `None` where it was not measured.
+    pub clearance_m: Option<f64>,
+    /// The grasp that the path ends at.
+    pub grasp: Option<usize>,
+    /// The score of that grasp, in [0, 1].
+    pub grasp_score: Option<f64>,
+}
+
+impl TrialRecord {
+    /// Whether the judge found a path that meets the criterion.
+    pub fn is_solved(&self) -> bool {
+        self.outcome == TrialOutcome::Solved
+    }
+}
