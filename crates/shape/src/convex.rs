@@ -129,7 +129,7 @@ impl HullPoints {
         faces.iter().filter_map(plane).collect()
     }
 
-    fn iter(&self) -> impl Iterator<Item = Point> {
+    pub fn iter(&self) -> impl Iterator<Item = Point> {
         let point = |index: usize| self.corner(index / LANES, index % LANES);
         (0..self.len).map(point).map(|p| Point::new(p.x, p.y, p.z))
     }

@@ -14,6 +14,7 @@
 mod area;
 mod ball_tree;
 mod bound;
+mod coarse_hull;
 mod convex;
 mod convex_hull;
 mod convex_parts;
@@ -37,6 +38,7 @@ mod surface;
 pub use area::{AreaDistribution, SurfacePoint};
 pub use ball_tree::{BallNode, BallTree};
 pub use bound::{Aabb, Ball, Bounds};
+pub use coarse_hull::CoarseHull;
 pub use convex_parts::{ConvexParts, DecompositionSettings, VolumeError};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
