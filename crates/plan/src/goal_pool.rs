@@ -38,6 +38,8 @@ pub(crate) struct GoalPool<'a> {
     /// Iterations since the last batch.
     waited: u64,
     records: Vec<Record>,
+    /// Whether the solutions of the last batch are free.
+    verdicts: Vec<bool>,
 }
 
 /// What was met at one grasp and its twin.
@@ -63,6 +65,7 @@ impl<'a> GoalPool<'a> {
             goals: 0,
             waited: 0,
             records: vec![Record::default(); grasps.len()],
+            verdicts: Vec::new(),
         }
     }
 
@@ -97,17 +100,25 @@ impl<'a> GoalPool<'a> {
         });
         self.batch.run(IK_BATCH);
         // 3.
+        let solutions: Vec<(usize, Vec<f64>)> = grasps
+            .into_iter()
+            .enumerate()
+            .filter_map(|(attempt, grasp)| Some((grasp, self.batch.solution(attempt)?.q)))
+            .collect();
+        for grasp in grasps {
+            self.records[grasp].attempts += 1;
+        }
+        let rows: Vec<f64> = solutions.iter().flat_map(|(_, q)| q).copied().collect();
+        self.cell.are_free(&rows, scratch, &mut self.verdicts);
+        statistics.collision_checks += solutions.len() as u64;
         let mut goals = Vec::new();
-        for (attempt, grasp) in grasps.into_iter().enumerate() {
+        for ((grasp, q), is_free) in solutions.into_iter().zip(&self.verdicts) {
             let record = &mut self.records[grasp];
-            record.attempts += 1;
-            let Some(found) = self.batch.solution(attempt) else { continue };
-            statistics.collision_checks += 1;
-            if self.cell.is_free(&found.q, scratch) {
+            if *is_free {
                 record.goals += 1;
-                goals.push(found.q);
+                goals.push(q);
             } else {
-                record.blocked = found.q;
+                record.blocked = q;
             }
         }
         self.attempts += IK_BATCH as u64;

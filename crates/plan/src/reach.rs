@@ -117,7 +117,14 @@ struct Growth {
 impl Search<'_> {
     fn run(&mut self) -> Result<Result<Path, Outcome>, PlanError> {
         let problem = self.problem;
-        if !self.cell.is_free(&problem.start, &mut self.scratch) {
+        let goals: &[Vec<f64>] = match &problem.goal {
+            Goal::Configurations(goals) => goals,
+            Goal::Grasps(_) => &[],
+        };
+        let mut free = Vec::new();
+        let ends: Vec<f64> = std::iter::once(&problem.start).chain(goals).flatten().copied().collect();
+        self.cell.are_free(&ends, &mut self.scratch, &mut free);
+        if !free[0] {
             return Ok(Err(Outcome::StartInvalid));
         }
         self.add(0, &problem.start, None);
@@ -125,10 +132,8 @@ impl Search<'_> {
             Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
             Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
             Goal::Configurations(goals) => {
-                for goal in goals {
-                    if self.cell.is_free(goal, &mut self.scratch)
-                        && let Some(path) = self.add_goal(goal)
-                    {
+                for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
+                    if let Some(path) = self.add_goal(goal) {
                         return Ok(Ok(path));
                     }
                 }

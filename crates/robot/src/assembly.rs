@@ -6,6 +6,7 @@ use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
 use crate::joint_group::{Resolved, range, unknown_joint};
+use crate::joint_reach::joint_reaches;
 use crate::kinematics::{LinkFrames, Motion, Step, Value};
 use crate::limits::{RateLimits, parse_rate_limits};
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
@@ -87,6 +88,7 @@ impl Robot {
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
                 .collect();
         let srdf = srdf.unwrap_or_default();
+        let joints = group_joints(&urdf, &tree, &resolved.group);
         Ok(Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
@@ -94,7 +96,8 @@ impl Robot {
             disabled_pairs: disabled_pairs(&urdf, &tree, &srdf)?,
             group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
             joint_names: resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect(),
-            joints: group_joints(&urdf, &tree, &resolved.group),
+            joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
+            joints,
             limits,
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),

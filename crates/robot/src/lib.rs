@@ -39,6 +39,7 @@ mod ik_search;
 mod inverse_kinematics;
 mod jacobian;
 mod joint_group;
+mod joint_reach;
 mod kinematics;
 mod lane_chain;
 mod lane_kinematics;

@@ -19,6 +19,7 @@ pub struct Robot {
     pub(crate) joints: Vec<GroupJoint>,
     pub(crate) joint_names: Vec<String>,
     pub(crate) limits: Vec<JointLimits>,
+    pub(crate) joint_reaches: Vec<f64>,
     pub(crate) tip: usize,
     /// Per link.
     pub(crate) movers: Vec<Vec<Mover>>,

@@ -30,7 +30,9 @@ fn main() {
         let single_rate = COUNT as f64 / begin.elapsed().as_secs_f64();
         let mut batch = Vec::new();
         let mut batch_rate = 0.0_f64;
-        for _ in 0..3 {
+        /// The fastest of so many rounds is told: others share the machine.
+        const ROUNDS: usize = 20;
+        for _ in 0..ROUNDS {
             let begin = Instant::now();
             cell.are_free(&configurations, &mut scratch, &mut batch);
             batch_rate = batch_rate.max(COUNT as f64 / begin.elapsed().as_secs_f64());
