@@ -4,6 +4,7 @@ use cranny_spatial::ROUNDING_M;
 
 use crate::cell::{Other, Pair};
 use crate::link_body::{LinkBody, group_separation};
+use crate::single_lane::Verdict;
 use crate::travel::Travel;
 
 /// Pairs of links whose pose against each other depends on the same one or two joints: links on either side
@@ -27,14 +28,6 @@ pub(crate) const CONTACT: u8 = 1 << MOST_PAIRS;
 
 /// As many pairs as there are bits left.
 const MOST_PAIRS: usize = 7;
-
-/// What is certain for a pair everywhere in a square of cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    Free,
-    Contact,
-    Doubt,
-}
 
 /// Cells along each joint. Half a cell is about 2° of a joint that turns by 5.8 rad: less than 4 mm at the
 /// size of a hand.

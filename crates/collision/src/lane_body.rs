@@ -2,7 +2,8 @@ use cranny_robot::LaneKinematics;
 use cranny_shape::{Ball, BallTree, Outline, Solid, inner_balls};
 use cranny_spatial::Pose;
 
-use crate::lane_part::lanes;
+use crate::lane_hull::LaneHull;
+use crate::lane_part::{LaneSolid, lanes};
 use crate::link_body::LinkBody;
 
 /// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
@@ -22,6 +23,10 @@ pub(crate) struct LaneBody {
     pub half_extents: [f32; 3],
     /// A tree of balls whose leaves contain the link; the root is the first.
     pub outer: Vec<LaneNode>,
+    /// The link itself in the frame, if it is one box.
+    pub cuboid: Option<LaneSolid>,
+    /// The hulls of its solids; none at all if one of them is not convex, or if balls are exact.
+    pub hulls: Vec<LaneHull>,
     /// Balls that the link contains, the largest first.
     pub inner: Vec<LaneBall>,
     /// How far the balls around it may stand out of it, in metres; 0 if it consists of balls.
@@ -77,12 +82,30 @@ impl LaneBody {
         inner.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         let is_ball = |solid: &Solid| matches!(solid.outline(), Outline::Segment { half_length_m: 0.0, .. });
         let blur_m = if body.shapes.iter().all(|(_, solid)| is_ball(solid)) { 0.0 } else { BULGE_M };
+        let cuboid = match &body.shapes[..] {
+            [(link_from_shape, solid)] if solid.as_cuboid().is_some() => {
+                Some(LaneSolid::of(&place(link_from_shape), solid))
+            }
+            _ => None,
+        };
+        let hull = |(link_from_shape, solid): &(Pose, Solid)| LaneHull::of(&place(link_from_shape), solid);
+        let hulls = if blur_m > 0.0 { body.shapes.iter().map(hull).collect() } else { None };
         let aabb = body.bounds.aabb.transformed(&placement.frame_from_link);
         let root = &tree.nodes()[0].ball;
         let from_frame_m = root.center.coords.norm() + root.radius_m;
         let slack_m = kinematics.position_error_m(from_frame_m);
         let [middle, half_extents] = [aabb.center.coords, aabb.half_extents].map(|v| lanes(&v));
-        Self { frame: placement.frame, middle, half_extents, outer, inner, blur_m, slack_m }
+        Self {
+            frame: placement.frame,
+            middle,
+            half_extents,
+            outer,
+            cuboid,
+            hulls: hulls.unwrap_or_default(),
+            inner,
+            blur_m,
+            slack_m,
+        }
     }
 }
 

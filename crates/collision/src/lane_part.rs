@@ -1,25 +1,37 @@
+use std::cmp::Ordering;
+
 use cranny_shape::{Outline, Solid};
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{LaneVector, Pose, Vector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
+use crate::lane_hull::LaneHull;
 use crate::world::Part;
 
 /// A solid of the world as the lanes see it.
 #[derive(Clone, Debug)]
 pub(crate) struct LanePart {
-    /// Rows of the rotation from the planning frame to the part's.
-    rows: [[f32; 3]; 3],
-    /// Its origin in the planning frame, in metres.
-    origin: [f32; 3],
-    kind: LaneKind,
+    /// The solid, or a box around it.
+    pub solid: LaneSolid,
+    /// Its hull; none for what is not convex or has no end.
+    pub hull: Option<LaneHull>,
     /// A box around it; of a half-space, its origin alone.
     around: LaneAabb,
     /// Whether the distance is that to the solid; else it is that to a box around it.
     pub is_exact: bool,
     /// A bound on the rounding of distances to it, in metres.
     pub slack_m: f64,
+}
+
+/// A solid whose distance to a point is a short formula, in the planning frame or a link's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneSolid {
+    /// Rows of the rotation from that frame to the solid's own.
+    rows: [[f32; 3]; 3],
+    /// Its origin in that frame, in metres.
+    origin: [f32; 3],
+    kind: LaneKind,
 }
 
 /// A box along the axes of the planning frame, in metres.
@@ -71,39 +83,122 @@ enum LaneKind {
 }
 
 impl LanePart {
+    pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
+        // What the planning frame sees of a half-space has no box.
+        let (center, half_extents) = if solid.is_half_space() {
+            (world_from_solid.translation.vector, Vector::zeros())
+        } else {
+            let rotation = world_from_solid.rotation.to_rotation_matrix().into_inner();
+            ((world_from_solid * solid.aabb().center).coords, rotation.abs() * solid.aabb().half_extents)
+        };
+        Self {
+            solid: LaneSolid::of(world_from_solid, solid),
+            hull: LaneHull::of(world_from_solid, solid),
+            around: LaneAabb::new(&center, &half_extents),
+            is_exact: solid.outline() != Outline::Other,
+            slack_m: rounding_m(world_from_solid, solid),
+        }
+    }
+
+    /// The upward normal of the plane and its height along it, if the part is a half-space.
+    pub fn plane(&self) -> Option<([f32; 3], f32)> {
+        let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
+        let height = origin[0] * normal[0] + origin[1] * normal[1] + origin[2] * normal[2];
+        matches!(kind, LaneKind::HalfSpace).then_some((*normal, height))
+    }
+
+    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
+    /// farther from the box around the part along one of these axes.
+    #[inline(always)]
+    pub fn box_within_reach<S: Simd>(
+        &self,
+        simd: S,
+        center: LaneVector<S>,
+        half_extents: LaneVector<S>,
+        reach: f32x16<S>,
+    ) -> u32 {
+        let LaneSolid { rows, origin, kind } = &self.solid;
+        if let LaneKind::HalfSpace = kind {
+            let offset = center.minus(LaneVector::splat(simd, *origin));
+            let [x, y, z] = rows[2].map(f32::abs);
+            return bits(!(offset.dot(rows[2]) - half_extents.dot([x, y, z])).simd_ge(reach));
+        }
+        self.around.within_reach(simd, center, half_extents, reach)
+    }
+}
+
+impl LaneSolid {
+    /// A solid at this pose; a box around it if its own distance is no short formula.
     // Lanes are `f32` by design; the slack of every comparison covers it.
     #[allow(clippy::cast_possible_truncation)]
-    pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
-        let rotation = world_from_solid.rotation.to_rotation_matrix().into_inner();
+    pub fn of(frame_from_solid: &Pose, solid: &Solid) -> Self {
+        let rotation = frame_from_solid.rotation.to_rotation_matrix().into_inner();
         let cuboid = |half_extents: &Vector| match aligned(&rotation, half_extents) {
             Some(half_extents) => LaneKind::AlignedCuboid { half_extents: lanes(&half_extents) },
             None => LaneKind::Cuboid { half_extents: lanes(half_extents) },
         };
-        let (kind, is_exact) = match solid.outline() {
-            Outline::Cuboid { half_extents } => (cuboid(&half_extents), true),
+        let kind = match solid.outline() {
+            Outline::Cuboid { half_extents } => cuboid(&half_extents),
             Outline::Segment { half_length_m, radius_m } => {
-                (LaneKind::Segment { half_length: half_length_m as f32, radius: radius_m as f32 }, true)
+                LaneKind::Segment { half_length: half_length_m as f32, radius: radius_m as f32 }
             }
             Outline::Cylinder { half_length_m, radius_m } => {
-                (LaneKind::Cylinder { half_length: half_length_m as f32, radius: radius_m as f32 }, true)
+                LaneKind::Cylinder { half_length: half_length_m as f32, radius: radius_m as f32 }
             }
-            Outline::HalfSpace => (LaneKind::HalfSpace, true),
-            Outline::Other => (cuboid(&solid.aabb().half_extents), false),
+            Outline::HalfSpace => LaneKind::HalfSpace,
+            Outline::Other => cuboid(&solid.aabb().half_extents),
         };
-        // What the planning frame sees of a half-space has no box.
-        let (origin, around) = if solid.is_half_space() {
-            (world_from_solid.translation.vector, Vector::zeros())
+        let origin = if solid.is_half_space() {
+            frame_from_solid.translation.vector
         } else {
-            ((world_from_solid * solid.aabb().center).coords, rotation.abs() * solid.aabb().half_extents)
+            (frame_from_solid * solid.aabb().center).coords
         };
-        let rows = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
-        let slack_m = rounding_m(world_from_solid, solid);
-        let around = LaneAabb::new(&origin, &around);
-        Self { rows, origin: lanes(&origin), kind, around, is_exact, slack_m }
+        let turned = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
+        let is_aligned = matches!(kind, LaneKind::AlignedCuboid { .. });
+        let rows = if is_aligned { STRAIGHT_ROWS } else { turned };
+        Self { rows, origin: lanes(&origin), kind }
     }
 
-    /// Bits of the lanes in which a point of the planning frame is not certainly `reach` (m) or farther from
-    /// the part. Below the plane of a half-space the distance counts as negative, elsewhere as 0 within.
+    /// The same solid in the planning frame, from that of a link.
+    pub fn placed(
+        &self,
+        direction: impl Fn([f32; 3]) -> [f32; 3],
+        point: impl Fn([f32; 3]) -> [f32; 3],
+    ) -> Self {
+        let kind = match self.kind {
+            LaneKind::AlignedCuboid { half_extents } => LaneKind::Cuboid { half_extents },
+            kind => kind,
+        };
+        Self { rows: self.rows.map(direction), origin: point(self.origin), kind }
+    }
+
+    /// The distance of this box to another one along the axes of the frame, in metres, negative for how deep
+    /// it is in it; `None` if this is no box along these axes, or the other is not.
+    pub fn aligned_gap_m(&self, other: &Self) -> Option<f32> {
+        /// Less than one rounding of a rotation.
+        const STRAIGHT: f32 = 1e-7;
+        let (LaneKind::Cuboid { half_extents }, LaneKind::AlignedCuboid { half_extents: others }) =
+            (self.kind, other.kind)
+        else {
+            return None;
+        };
+        let is_straight = |entry: &f32| entry.abs() < STRAIGHT || entry.abs() > 1.0 - STRAIGHT;
+        if !self.rows.iter().flatten().all(is_straight) {
+            return None;
+        }
+        let gap = |axis: usize| {
+            let [x, y, z] = self.rows.map(|row| row[axis].abs());
+            let own = x * half_extents[0] + y * half_extents[1] + z * half_extents[2];
+            (self.origin[axis] - other.origin[axis]).abs() - own - others[axis]
+        };
+        let gaps = [gap(0), gap(1), gap(2)];
+        let deepest = gaps[0].max(gaps[1]).max(gaps[2]);
+        let [x, y, z] = gaps.map(|gap| gap.max(0.0));
+        Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
+    }
+
+    /// Bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the
+    /// plane of a half-space the distance counts as negative, elsewhere as 0 within.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
@@ -136,23 +231,55 @@ impl LanePart {
         }
     }
 
-    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
-    /// farther from the box around the part along one of these axes.
-    #[inline(always)]
-    pub fn box_within_reach<S: Simd>(
-        &self,
-        simd: S,
-        center: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        reach: f32x16<S>,
-    ) -> u32 {
-        if let LaneKind::HalfSpace = self.kind {
-            let offset = center.minus(LaneVector::splat(simd, self.origin));
-            let [x, y, z] = self.rows[2].map(f32::abs);
-            return bits(!(offset.dot(self.rows[2]) - half_extents.dot([x, y, z])).simd_ge(reach));
+    /// The way to a point from the solid, or from its middle if the point lies in it; exact for boxes.
+    pub fn apart(&self, point: [f32; 3]) -> [f32; 3] {
+        let offset: [f32; 3] = std::array::from_fn(|axis| point[axis] - self.origin[axis]);
+        let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
+            return offset;
+        };
+        let own = self.rows.map(|row| offset[0] * row[0] + offset[1] * row[1] + offset[2] * row[2]);
+        let beyond: [f32; 3] =
+            std::array::from_fn(|axis| own[axis] - own[axis].clamp(-half_extents[axis], half_extents[axis]));
+        if beyond.iter().all(|part| part.abs() <= 0.0) {
+            return offset;
         }
-        self.around.within_reach(simd, center, half_extents, reach)
+        std::array::from_fn(|axis| (0..3).map(|row| self.rows[row][axis] * beyond[row]).sum())
     }
+
+    /// [`Self::within_reach`] for a point by itself.
+    pub fn is_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
+        let offset: [f32; 3] = std::array::from_fn(|axis| point[axis] - self.origin[axis]);
+        let [x, y, z] = self.rows.map(|row| offset[0] * row[0] + offset[1] * row[1] + offset[2] * row[2]);
+        match self.kind {
+            LaneKind::AlignedCuboid { half_extents } | LaneKind::Cuboid { half_extents } => {
+                let beyond = |value: f32, axis: usize| (value.abs() - half_extents[axis]).max(0.0);
+                let [x, y, z] = [beyond(x, 0), beyond(y, 1), beyond(z, 2)];
+                is_shorter(x * x + y * y + z * z, reach_m)
+            }
+            LaneKind::Segment { half_length, radius } => {
+                let z = (z.abs() - half_length).max(0.0);
+                is_shorter(x * x + y * y + z * z, reach_m + radius)
+            }
+            LaneKind::Cylinder { half_length, radius } => {
+                let across = ((x * x + y * y).sqrt() - radius).max(0.0);
+                let along = (z.abs() - half_length).max(0.0);
+                is_shorter(across * across + along * along, reach_m)
+            }
+            // What is not a number is not farther.
+            LaneKind::HalfSpace => {
+                !matches!(z.partial_cmp(&reach_m), Some(Ordering::Greater | Ordering::Equal))
+            }
+        }
+    }
+}
+
+/// A box along the axes of its frame.
+const STRAIGHT_ROWS: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Whether a length, given by its square, is less than a bound, or not a number.
+pub(crate) fn is_shorter(squared: f32, bound: f32) -> bool {
+    let bound = bound.max(0.0);
+    !matches!(squared.partial_cmp(&(bound * bound)), Some(Ordering::Greater | Ordering::Equal))
 }
 
 /// Bits of the lanes in which a length, given by its square, is less than a bound, or not a number.
@@ -188,7 +315,12 @@ fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
 }
 
 /// A vector as the lanes hold it.
-#[allow(clippy::cast_possible_truncation)]
 pub(crate) fn lanes(vector: &Vector) -> [f32; 3] {
-    std::array::from_fn(|axis| vector[axis] as f32)
+    std::array::from_fn(|axis| narrow(vector[axis]))
+}
+
+/// A number as the lanes hold it.
+#[allow(clippy::cast_possible_truncation)]
+pub(crate) fn narrow(x: f64) -> f32 {
+    x as f32
 }

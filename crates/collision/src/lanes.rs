@@ -7,23 +7,25 @@ use crate::batch::lanes_of;
 use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::{LaneBody, LaneNode};
-use crate::lane_part::{LanePart, shorter};
+use crate::lane_part::LanePart;
 use crate::lane_scratch::{Descent, LaneScratch, Near, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
 use crate::part_tree::PartTree;
+use crate::single_lane::{Bars, LARGE_INNER, SingleFrame, Verdict};
 use crate::world::Part;
 
 /// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
 /// certainly far enough apart, certainly too close, or in doubt.
 ///
 /// A link lies within the balls of its tree and contains its inner balls. What keeps off an outer ball keeps
-/// off that piece of the link; what meets an inner ball meets the link. What neither decides is in doubt, and
-/// the exact check decides.
+/// off that piece of the link; what meets an inner ball meets the link. What neither decides in some lanes,
+/// and what is near in few lanes from the start, the hulls decide one by one. What is in doubt then, the exact
+/// check decides.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     kinematics: LaneKinematics,
-    bodies: Vec<LaneBody>,
+    pub(crate) bodies: Vec<LaneBody>,
     parts: Vec<LanePart>,
     /// What leads to the parts that are near.
     branches: Vec<LaneBranch>,
@@ -35,14 +37,16 @@ pub(crate) struct Lanes {
     tables: Vec<JointTable>,
     /// Per pair how much closer it can seem than it is, in metres.
     blurs_m: Vec<f64>,
-    /// The other pairs of link bodies.
-    link_pairs: Vec<LanePair>,
+    /// All pairs of link bodies, those of the tables last.
+    pub(crate) link_pairs: Vec<LanePair>,
     /// Body of the first link of each of `link_pairs`.
-    link_firsts: Vec<u32>,
+    pub(crate) link_firsts: Vec<u32>,
+    /// Where those of the tables begin.
+    first_tabled: usize,
 }
 
-/// How many inner balls of a link are tried before its tree: deep contact shows at once.
-const LARGE_INNER: usize = 3;
+/// Up to so many lanes are looked at one by one: a step of all lanes takes as long as a few of one lane.
+pub(crate) const FEW_LANES: u32 = 4;
 
 /// A cell of a table is about this large, in metres that the links move.
 const TABLE_BLUR_M: f64 = 0.01;
@@ -50,21 +54,17 @@ const TABLE_BLUR_M: f64 = 0.01;
 /// A hull or mesh of the world fills its box to about this, in metres.
 const BOX_BLUR_M: f64 = 0.02;
 
-/// How many inner balls of each of two links are compared: in a pair of links, deep contact is rarer than
-/// doubt, and the balls multiply.
-const INNER_IN_PAIRS: usize = 6;
-
 /// Two things that are checked against each other.
 #[derive(Clone, Copy, Debug)]
-struct LanePair {
+pub(crate) struct LanePair {
     /// The index in [`crate::Cell`]'s list.
-    pair: u32,
+    pub pair: u32,
     /// The other thing: a part or a link body.
-    other: u32,
+    pub other: u32,
     /// At this distance, or farther, the pair is certainly far enough apart.
-    free_m: f32,
+    pub free_m: f32,
     /// Below this distance it is certainly too close.
-    contact_m: f32,
+    pub contact_m: f32,
 }
 
 /// Which lanes still matter once some are in contact.
@@ -102,16 +102,12 @@ impl Lanes {
         let lane_bodies: Vec<LaneBody> = bodies.iter().map(|body| LaneBody::new(&kinematics, body)).collect();
         let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         let mut part_pairs = vec![Vec::new(); bodies.len()];
-        let (mut link_pairs, mut link_firsts) = (Vec::new(), Vec::new());
+        let mut link_pairs = Vec::new();
         let tables = JointTable::all(robot, bodies, pairs);
         let mut blurs_m = Vec::with_capacity(pairs.len());
+        let mut tabled = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
-            if tables.iter().any(|table| table.pairs.contains(&as_index(index))) {
-                blurs_m.push(TABLE_BLUR_M);
-                continue;
-            }
-            let blur_m = lane_bodies[pair.first].blur_m;
-            let slack_m = lane_bodies[pair.first].slack_m;
+            let LaneBody { blur_m, slack_m, .. } = lane_bodies[pair.first];
             match pair.second {
                 Other::Part(part) => {
                     let slack_m = slack_m + lane_parts[part].slack_m;
@@ -120,12 +116,17 @@ impl Lanes {
                 }
                 Other::Link { body, .. } => {
                     let slack_m = slack_m + lane_bodies[body].slack_m;
-                    blurs_m.push(blur_m + lane_bodies[body].blur_m);
-                    link_pairs.push(LanePair::new(index, body, pair.required_m, slack_m));
-                    link_firsts.push(as_index(pair.first));
+                    let is_tabled = tables.iter().any(|table| table.pairs.contains(&as_index(index)));
+                    blurs_m.push(if is_tabled { TABLE_BLUR_M } else { blur_m + lane_bodies[body].blur_m });
+                    let link_pair = LanePair::new(index, body, pair.required_m, slack_m);
+                    let pairs = if is_tabled { &mut tabled } else { &mut link_pairs };
+                    pairs.push((link_pair, as_index(pair.first)));
                 }
             }
         }
+        let first_tabled = link_pairs.len();
+        link_pairs.append(&mut tabled);
+        let (link_pairs, link_firsts) = link_pairs.into_iter().unzip();
         let farthest = |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(0.0, f32::max);
         Self {
             kinematics,
@@ -138,6 +139,7 @@ impl Lanes {
             blurs_m,
             link_pairs,
             link_firsts,
+            first_tabled,
         }
     }
 
@@ -150,7 +152,7 @@ impl Lanes {
         }
     }
 
-    /// The pairs of links that are not in a table: their index in the list of all pairs.
+    /// The pairs of links: their index in the list of all pairs.
     pub fn link_pairs(&self) -> impl Iterator<Item = usize> {
         self.link_pairs.iter().map(|pair| pair.pair as usize)
     }
@@ -171,10 +173,10 @@ impl Lanes {
     /// everything that is no farther away than `scratch.travel` says.
     ///
     /// 1. Pairs of links that are in a table are looked up.
-    /// 2. Every link against the world: the root of its tree of balls against every part; its inner balls
-    ///    against the parts that are near; down its tree against those that are still near, until a leaf
-    ///    leaves the pair in doubt.
-    /// 3. The other pairs of links in the same way.
+    /// 2. Every link against the world: the box around it against every part. What is near in few lanes is
+    ///    looked at one by one; else inner balls against the parts that are near, and down its tree of balls
+    ///    against those that are still near, until a leaf leaves the pair in doubt; what is left one by one.
+    /// 3. The other pairs of links in the same way, and those that their table leaves in doubt one by one.
     pub fn look(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         dispatch!(level, simd => self.look_with(simd, scratch, asked, interest))
     }
@@ -189,6 +191,7 @@ impl Lanes {
                 open = interest.narrowed(asked, open);
             }
         }
+        let tabled = scratch.doubts.len();
         let mut frames = std::mem::take(&mut scratch.frames);
         if open != 0 {
             self.kinematics.forward(simd, &scratch.q, &mut frames);
@@ -203,11 +206,22 @@ impl Lanes {
                 open = interest.narrowed(asked, open);
             }
         }
-        for index in 0..self.link_pairs.len() {
-            if open != 0 {
-                self.link_against_link(simd, index, &frames, scratch, &mut open);
+        for index in 0..self.first_tabled {
+            let lanes = if open == 0 { 0 } else { self.link_boxes_near(simd, index, scratch) & open };
+            if lanes != 0 {
+                self.link_against_link(simd, index, lanes, &frames, scratch, &mut open);
                 open = interest.narrowed(asked, open);
             }
+        }
+        for index in self.first_tabled..self.link_pairs.len() {
+            let pair = self.link_pairs[index].pair;
+            let Some(doubt) = scratch.doubts[..tabled].iter().position(|(doubtful, _)| *doubtful == pair)
+            else {
+                continue;
+            };
+            let lanes = scratch.doubts[doubt].1 & open;
+            scratch.doubts[doubt].1 = self.links_one_by_one(simd, index, lanes, &frames, scratch, &mut open);
+            open = interest.narrowed(asked, open);
         }
         scratch.frames = frames;
         asked & !open
@@ -243,7 +257,7 @@ impl Lanes {
         if pairs.is_empty() {
             return;
         }
-        let LaneBody { frame, outer, inner, .. } = &self.bodies[body];
+        let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
         let frame = &frames[*frame];
         // 1.
         let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
@@ -264,8 +278,13 @@ impl Lanes {
                 let reach = f32x16::splat(simd, pair.free_m + travel_m);
                 let part = &self.parts[pair.other as usize];
                 let lanes = part.box_within_reach(simd, middle, half_extents, reach) & *open;
-                if lanes != 0 {
+                if lanes.count_ones() > FEW_LANES {
                     scratch.near.push(Near { index, lanes });
+                    continue;
+                }
+                let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travel_m, open);
+                if doubt != 0 {
+                    scratch.doubts.push((pair.pair, doubt));
                 }
             }
         }
@@ -282,7 +301,7 @@ impl Lanes {
             }
         }
         // 3.
-        let first_doubt = scratch.doubts.len();
+        let rough_doubt = scratch.doubts.len();
         scratch.stack.clear();
         scratch.stack.push(Descent { node: 0, begin: 0, end: as_index(scratch.near.len()) });
         while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
@@ -293,17 +312,17 @@ impl Lanes {
             for index in begin as usize..end as usize {
                 let Near { index, lanes } = scratch.near[index];
                 let pair = &pairs[index as usize];
-                let lanes = lanes & *open & !scratch.doubt(first_doubt, pair.pair);
+                let lanes = lanes & *open & !scratch.doubt(rough_doubt, pair.pair);
                 if lanes == 0 {
                     continue;
                 }
                 let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
-                let lanes = self.parts[pair.other as usize].within_reach(simd, center, reach) & lanes;
+                let lanes = self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
                 if lanes == 0 {
                     continue;
                 }
                 if children == [0; 2] {
-                    scratch.add_doubt(first_doubt, pair.pair, lanes);
+                    scratch.add_doubt(rough_doubt, pair.pair, lanes);
                 } else {
                     scratch.near.push(Near { index, lanes });
                 }
@@ -315,9 +334,9 @@ impl Lanes {
         // 4.
         for ball in small {
             let mut center = None;
-            for (pair, lanes) in &mut scratch.doubts[first_doubt..] {
+            for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
                 *lanes &= *open;
-                if *lanes != 0 {
+                if lanes.count_ones() > if hulls.is_empty() { 0 } else { FEW_LANES } {
                     let center = *center.get_or_insert(frame.point(simd, ball.center));
                     // The pairs of a link with parts follow each other.
                     let place = (*pair - pairs[0].pair) as usize;
@@ -325,6 +344,43 @@ impl Lanes {
                 }
             }
         }
+        // 5.
+        if hulls.is_empty() {
+            return;
+        }
+        for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
+            let pair = &pairs[(*pair - pairs[0].pair) as usize];
+            *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
+        }
+    }
+
+    /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are
+    /// in contact is taken out of `open`.
+    // One step of the function above, with what it has at hand.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    fn part_one_by_one<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        pair: &LanePair,
+        lanes: u32,
+        frame: &LaneFrame,
+        travel_m: f32,
+        open: &mut u32,
+    ) -> u32 {
+        let part = &self.parts[pair.other as usize];
+        let bars = Bars { free_m: pair.free_m + travel_m, contact_m: pair.contact_m };
+        let mut doubt = 0;
+        for lane in lanes_of(lanes) {
+            let frame = SingleFrame::of(frame, lane);
+            match self.bodies[body].against_part(simd, &frame, part, bars) {
+                Verdict::Free => {}
+                Verdict::Contact => *open &= !(1 << lane),
+                Verdict::Doubt => doubt |= 1 << lane,
+            }
+        }
+        doubt
     }
 
     /// The lanes in which an inner ball is certainly too close to a part.
@@ -341,112 +397,7 @@ impl Lanes {
         if !part.is_exact || lanes == 0 {
             return 0;
         }
-        part.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
-    }
-
-    /// Step 3 for one pair.
-    #[inline(never)]
-    fn link_against_link<S: Simd>(
-        &self,
-        simd: S,
-        index: usize,
-        frames: &[LaneFrame],
-        scratch: &mut LaneScratch,
-        open: &mut u32,
-    ) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.balls_against_balls(simd, index, frames, scratch, open),
-        );
-    }
-
-    #[inline(always)]
-    fn balls_against_balls<S: Simd>(
-        &self,
-        simd: S,
-        index: usize,
-        frames: &[LaneFrame],
-        scratch: &mut LaneScratch,
-        open: &mut u32,
-    ) {
-        let pair = &self.link_pairs[index];
-        let (first, second) = (self.link_firsts[index] as usize, pair.other as usize);
-        let (a, b) = (&self.bodies[first], &self.bodies[second]);
-        let (frame_a, frame_b) = (&frames[a.frame], &frames[b.frame]);
-        // 1.
-        let reach = pair.free_m + scratch.travel.link_pairs[index];
-        let lanes = scratch.boxes[first].within_reach(simd, &scratch.boxes[second], reach) & *open;
-        if lanes == 0 {
-            return;
-        }
-        let lanes = self.balls_near(simd, index, [0, 0], frames, scratch) & lanes;
-        if lanes == 0 {
-            return;
-        }
-        // 2.
-        let mut doubt = 0;
-        scratch.stack.clear();
-        scratch.stack.push(Descent { node: 0, begin: 0, end: lanes });
-        while let Some(Descent { node: node_a, begin: node_b, end: lanes }) = scratch.stack.pop() {
-            let lanes = lanes & !doubt;
-            if lanes == 0 {
-                continue;
-            }
-            let (outer_a, outer_b) = (&a.outer[node_a as usize], &b.outer[node_b as usize]);
-            let (is_leaf_a, is_leaf_b) = (outer_a.children == [0; 2], outer_b.children == [0; 2]);
-            if is_leaf_a && is_leaf_b {
-                doubt |= lanes;
-                continue;
-            }
-            // The larger ball is the one to be halved.
-            let halves_a = !is_leaf_a && (is_leaf_b || outer_a.ball.radius >= outer_b.ball.radius);
-            let children = if halves_a { outer_a.children } else { outer_b.children };
-            for child in children {
-                let (next_a, next_b) = if halves_a { (child, node_b) } else { (node_a, child) };
-                let lanes = self.balls_near(simd, index, [next_a, next_b], frames, scratch) & lanes;
-                if lanes != 0 {
-                    scratch.stack.push(Descent { node: next_a, begin: next_b, end: lanes });
-                }
-            }
-        }
-        // 3.
-        for ball_a in a.inner.iter().take(INNER_IN_PAIRS) {
-            if doubt == 0 {
-                return;
-            }
-            let center_a = frame_a.point(simd, ball_a.center);
-            for ball_b in b.inner.iter().take(INNER_IN_PAIRS) {
-                let center_b = frame_b.point(simd, ball_b.center);
-                let reach = pair.contact_m + ball_a.radius + ball_b.radius;
-                let hit = touching(center_a, center_b, reach) & doubt;
-                *open &= !hit;
-                doubt &= !hit;
-            }
-        }
-        if doubt != 0 {
-            scratch.doubts.push((pair.pair, doubt));
-        }
-    }
-
-    /// The lanes in which two outer balls of a pair of links are not certainly far enough apart.
-    #[inline(always)]
-    fn balls_near<S: Simd>(
-        &self,
-        simd: S,
-        index: usize,
-        nodes: [u32; 2],
-        frames: &[LaneFrame],
-        scratch: &mut LaneScratch,
-    ) -> u32 {
-        let pair = &self.link_pairs[index];
-        let (first, second) = (self.link_firsts[index] as usize, pair.other as usize);
-        let (a, b) = (&self.bodies[first], &self.bodies[second]);
-        let (node_a, node_b) = (nodes[0] as usize, nodes[1] as usize);
-        let (ball_a, ball_b) = (&a.outer[node_a].ball, &b.outer[node_b].ball);
-        let center_a = scratch.center(simd, first, node_a, ball_a, &frames[a.frame]);
-        let center_b = scratch.center(simd, second, node_b, ball_b, &frames[b.frame]);
-        let reach = pair.free_m + scratch.travel.link_pairs[index];
-        touching(center_a, center_b, reach + ball_a.radius + ball_b.radius)
+        part.solid.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
     }
 }
 
@@ -491,10 +442,4 @@ fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, open
             }
         }
     }
-}
-
-/// Bits of the lanes in which two points are closer than `reach`.
-#[inline(always)]
-fn touching<S: Simd>(a: LaneVector<S>, b: LaneVector<S>, reach: f32) -> u32 {
-    shorter(a.minus(b).norm_squared(), f32x16::splat(a.x.token(), reach))
 }

@@ -21,6 +21,8 @@ mod contact;
 mod error;
 mod joint_table;
 mod lane_body;
+mod lane_hull;
+mod lane_links;
 mod lane_part;
 mod lane_scratch;
 mod lane_tree;
@@ -30,6 +32,7 @@ mod motion;
 mod part_tree;
 mod released;
 mod self_pairs;
+mod single_lane;
 mod travel;
 mod world;
 

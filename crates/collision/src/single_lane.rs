@@ -1,0 +1,271 @@
+use cranny_robot::LaneFrame;
+use fearless_simd::Simd;
+
+use crate::lane_body::{LaneBall, LaneBody, LaneNode};
+use crate::lane_hull::LaneHull;
+use crate::lane_part::{LanePart, LaneSolid, is_shorter};
+
+/// A frame at one configuration by itself. Where two things are near each other in few lanes only, one by one
+/// in plain numbers is faster than all lanes at once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SingleFrame {
+    axes: [[f32; 3]; 3],
+    origin: [f32; 3],
+}
+
+/// What is certain of two things, everywhere in question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Free,
+    Contact,
+    Doubt,
+}
+
+/// How many inner balls of a link are tried before anything else: deep contact shows at once.
+pub(crate) const LARGE_INNER: usize = 3;
+
+/// At `free_m` or farther two things are certainly far enough apart, below `contact_m` certainly too close.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bars {
+    pub free_m: f32,
+    pub contact_m: f32,
+}
+
+impl SingleFrame {
+    /// The root's own frame.
+    pub const ROOT: Self =
+        Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
+
+    pub fn of(frame: &LaneFrame, lane: usize) -> Self {
+        Self {
+            axes: frame.axes.each_ref().map(|axis| axis.each_ref().map(|row| row[lane])),
+            origin: frame.origin.each_ref().map(|row| row[lane]),
+        }
+    }
+
+    fn direction(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let [along_x, along_y, along_z] = &self.axes;
+        std::array::from_fn(|row| along_x[row] * x + along_y[row] * y + along_z[row] * z)
+    }
+
+    /// A direction of the root frame in this one.
+    #[inline(always)]
+    pub fn turned_back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        self.axes.map(|axis| axis[0] * x + axis[1] * y + axis[2] * z)
+    }
+
+    /// A point of this frame in the root frame.
+    #[inline(always)]
+    pub fn point(&self, point: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = self.direction(point);
+        [x + self.origin[0], y + self.origin[1], z + self.origin[2]]
+    }
+
+    /// A solid of this frame in root coordinates.
+    fn solid(&self, solid: &LaneSolid) -> LaneSolid {
+        solid.placed(|direction| self.direction(direction), |point| self.point(point))
+    }
+}
+
+impl LaneBody {
+    /// The body against a part of the world.
+    ///
+    /// 1. Two boxes along the same axes are compared as they are.
+    /// 2. The ball around all of it: most of what is not near ends here.
+    /// 3. Its hulls, against the part's own, or its lowest corner above a half-space.
+    /// 4. Where there are no hulls, the outer balls: if no leaf is near, it is free; and the inner balls.
+    #[inline(never)]
+    pub fn against_part<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SingleFrame,
+        part: &LanePart,
+        bars: Bars,
+    ) -> Verdict {
+        // 1.
+        if let Some(cuboid) = &self.cuboid
+            && part.is_exact
+            && let Some(gap_m) = frame.solid(cuboid).aligned_gap_m(&part.solid)
+        {
+            return bars.verdict([gap_m; 2]);
+        }
+        // 2.
+        let root = &self.outer[0].ball;
+        let middle = frame.point(root.center);
+        if !part.solid.is_closer(middle, bars.free_m + root.radius) {
+            return Verdict::Free;
+        }
+        let meets =
+            |ball: &LaneBall| part.solid.is_closer(frame.point(ball.center), bars.contact_m + ball.radius);
+        let (large, small) = self.inner.split_at(self.inner.len().min(LARGE_INNER));
+        if part.is_exact && large.iter().any(meets) {
+            return Verdict::Contact;
+        }
+        // 3.
+        if !self.hulls.is_empty()
+            && let Some((normal, height)) = part.plane()
+        {
+            let verdict = |hull: &LaneHull| {
+                let [low, high] = simd.vectorize(
+                    #[inline(always)]
+                    || hull.least_along(simd, frame, normal),
+                );
+                bars.verdict([low - height, high - height])
+            };
+            return Verdict::of_all(self.hulls.iter().map(verdict));
+        }
+        if !self.hulls.is_empty()
+            && let Some(other) = &part.hull
+        {
+            let apart = part.solid.apart(middle);
+            return Verdict::of_all(
+                self.hulls
+                    .iter()
+                    .map(|hull| hull.against(simd, frame, other, &SingleFrame::ROOT, apart, bars)),
+            );
+        }
+        // 4.
+        if !self.any_leaf_closer(0, frame, &part.solid, bars.free_m) {
+            return Verdict::Free;
+        }
+        if part.is_exact && small.iter().any(meets) { Verdict::Contact } else { Verdict::Doubt }
+    }
+
+    /// The body against another link's, in the same way.
+    #[inline(never)]
+    pub fn against_body<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SingleFrame,
+        other: &Self,
+        other_frame: &SingleFrame,
+        bars: Bars,
+    ) -> Verdict {
+        let trees = BallTrees {
+            nodes: [&self.outer, &other.outer],
+            frames: [frame, other_frame],
+            free_m: bars.free_m,
+        };
+        let roots = [trees.node(0, 0), trees.node(1, 0)];
+        if !trees.are_closer(roots[0], roots[1]) {
+            return Verdict::Free;
+        }
+        if !self.hulls.is_empty() && !other.hulls.is_empty() {
+            let apart = roots[0].apart(&roots[1]);
+            let pairs = self.hulls.iter().flat_map(|a| other.hulls.iter().map(move |b| (a, b)));
+            return Verdict::of_all(pairs.map(|(a, b)| a.against(simd, frame, b, other_frame, apart, bars)));
+        }
+        if !trees.any_leaves_closer(roots[0], roots[1]) {
+            return Verdict::Free;
+        }
+        let is_hit = self.inner.iter().any(|ball_a| {
+            let center_a = frame.point(ball_a.center);
+            let reach_m = bars.contact_m + ball_a.radius;
+            other
+                .inner
+                .iter()
+                .any(|ball_b| is_closer(center_a, other_frame.point(ball_b.center), reach_m + ball_b.radius))
+        });
+        if is_hit { Verdict::Contact } else { Verdict::Doubt }
+    }
+
+    fn is_node_closer(&self, node: u32, frame: &SingleFrame, solid: &LaneSolid, free_m: f32) -> bool {
+        let LaneNode { ball, .. } = &self.outer[node as usize];
+        solid.is_closer(frame.point(ball.center), free_m + ball.radius)
+    }
+
+    fn any_leaf_closer(&self, node: u32, frame: &SingleFrame, solid: &LaneSolid, free_m: f32) -> bool {
+        let children = self.outer[node as usize].children;
+        self.is_node_closer(node, frame, solid, free_m)
+            && (children == [0; 2]
+                || children.into_iter().any(|child| self.any_leaf_closer(child, frame, solid, free_m)))
+    }
+}
+
+impl Verdict {
+    /// The verdict on a pair of groups from those on all pairs of their members: free if all are, in contact
+    /// if any is.
+    fn of_all(verdicts: impl Iterator<Item = Self>) -> Self {
+        let mut all = Self::Free;
+        for verdict in verdicts {
+            match verdict {
+                Self::Free => {}
+                Self::Contact => return Self::Contact,
+                Self::Doubt => all = Self::Doubt,
+            }
+        }
+        all
+    }
+}
+
+impl Bars {
+    /// The verdict on a distance that is known from below and above.
+    fn verdict(self, [low_m, high_m]: [f32; 2]) -> Verdict {
+        if low_m >= self.free_m {
+            Verdict::Free
+        } else if high_m < self.contact_m {
+            Verdict::Contact
+        } else {
+            Verdict::Doubt
+        }
+    }
+}
+
+/// The trees of two links.
+struct BallTrees<'a> {
+    nodes: [&'a [LaneNode]; 2],
+    frames: [&'a SingleFrame; 2],
+    free_m: f32,
+}
+
+/// A node of a tree, and where the middle of its ball is in root coordinates.
+#[derive(Clone, Copy)]
+struct Placed<'a> {
+    node: &'a LaneNode,
+    center: [f32; 3],
+}
+
+impl Placed<'_> {
+    /// The way here from another ball's middle.
+    fn apart(&self, other: &Self) -> [f32; 3] {
+        std::array::from_fn(|axis| self.center[axis] - other.center[axis])
+    }
+
+    fn is_leaf(&self) -> bool {
+        self.node.children == [0; 2]
+    }
+}
+
+impl<'a> BallTrees<'a> {
+    /// A node of the first or the second tree.
+    fn node(&self, tree: usize, node: u32) -> Placed<'a> {
+        let node = &self.nodes[tree][node as usize];
+        Placed { node, center: self.frames[tree].point(node.ball.center) }
+    }
+
+    fn are_closer(&self, a: Placed, b: Placed) -> bool {
+        is_closer(a.center, b.center, self.free_m + a.node.ball.radius + b.node.ball.radius)
+    }
+
+    /// Whether two leaves below these nodes are closer than `free_m`.
+    fn any_leaves_closer(&self, a: Placed, b: Placed) -> bool {
+        if !self.are_closer(a, b) {
+            return false;
+        }
+        if a.is_leaf() && b.is_leaf() {
+            return true;
+        }
+        // The larger ball is the one to be halved.
+        if !a.is_leaf() && (b.is_leaf() || a.node.ball.radius >= b.node.ball.radius) {
+            a.node.children.into_iter().any(|child| self.any_leaves_closer(self.node(0, child), b))
+        } else {
+            b.node.children.into_iter().any(|child| self.any_leaves_closer(a, self.node(1, child)))
+        }
+    }
+}
+
+/// Whether two points are closer than `reach_m`, or not comparable.
+fn is_closer(a: [f32; 3], b: [f32; 3], reach_m: f32) -> bool {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    is_shorter(x * x + y * y + z * z, reach_m)
+}
