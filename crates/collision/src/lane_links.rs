@@ -112,7 +112,8 @@ impl Lanes {
         let bars = Bars { free_m: pair.free_m + scratch.travel.link_pairs[index], contact_m: pair.contact_m };
         let mut doubt = 0;
         for lane in lanes_of(lanes) {
-            let [frame_a, frame_b] = [a, b].map(|body| SingleFrame::of(&frames[body.frame], lane));
+            let frame_a = SingleFrame::of(&frames[a.frame], lane);
+            let frame_b = SingleFrame::of(&frames[b.frame], lane);
             match a.against_body(simd, &frame_a, b, &frame_b, bars) {
                 Verdict::Free => {}
                 Verdict::Contact => *open &= !(1 << lane),

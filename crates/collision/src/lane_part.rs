@@ -100,6 +100,13 @@ impl LanePart {
         }
     }
 
+    /// Centre and half extents of the box around the part along the axes of the planning frame; none around a
+    /// half-space.
+    pub fn box_around(&self) -> Option<[[f32; 3]; 2]> {
+        let LaneAabb { center, half_extents } = self.around;
+        (!matches!(self.solid.kind, LaneKind::HalfSpace)).then_some([center, half_extents])
+    }
+
     /// The upward normal of the plane and its height along it, if the part is a half-space.
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
         let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
@@ -195,6 +202,22 @@ impl LaneSolid {
         let deepest = gaps[0].max(gaps[1]).max(gaps[2]);
         let [x, y, z] = gaps.map(|gap| gap.max(0.0));
         Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
+    }
+
+    /// The corner of a box farthest along a direction; `None` for other solids.
+    pub fn farthest_corner(&self, direction: [f32; 3]) -> Option<[f32; 3]> {
+        let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
+            return None;
+        };
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|side| {
+            let row = self.rows[side];
+            let along = row[0] * direction[0] + row[1] * direction[1] + row[2] * direction[2];
+            half_extents[side].copysign(along)
+        });
+        let [row_x, row_y, row_z] = &self.rows;
+        Some(std::array::from_fn(|axis| {
+            self.origin[axis] + row_x[axis] * x + row_y[axis] * y + row_z[axis] * z
+        }))
     }
 
     /// Bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the

@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use cranny_robot::LaneFrame;
 use fearless_simd::Simd;
 
@@ -22,7 +24,7 @@ pub(crate) enum Verdict {
 }
 
 /// How many inner balls of a link are tried before anything else: deep contact shows at once.
-pub(crate) const LARGE_INNER: usize = 3;
+pub(crate) const LARGE_INNER: usize = 8;
 
 /// At `free_m` or farther two things are certainly far enough apart, below `contact_m` certainly too close.
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +103,9 @@ impl LaneBody {
         if part.is_exact && large.iter().any(meets) {
             return Verdict::Contact;
         }
+        if part.box_around().is_some_and(|around| !self.is_box_closer(frame, around, bars.free_m)) {
+            return Verdict::Free;
+        }
         // 3.
         if !self.hulls.is_empty()
             && let Some((normal, height)) = part.plane()
@@ -167,6 +172,19 @@ impl LaneBody {
                 .any(|ball_b| is_closer(center_a, other_frame.point(ball_b.center), reach_m + ball_b.radius))
         });
         if is_hit { Verdict::Contact } else { Verdict::Doubt }
+    }
+
+    /// Whether the boxes around the body and a part, given by its centre and half extents, are closer than
+    /// `free_m` along all axes of the body's frame.
+    fn is_box_closer(&self, frame: &SingleFrame, [center, half_extents]: [[f32; 3]; 2], free_m: f32) -> bool {
+        let center = frame.turned_back(std::array::from_fn(|axis| center[axis] - frame.origin[axis]));
+        (0..3).all(|axis| {
+            let [x, y, z] = frame.axes[axis].map(f32::abs);
+            let others = x * half_extents[0] + y * half_extents[1] + z * half_extents[2];
+            let gap = (center[axis] - self.middle[axis]).abs() - self.half_extents[axis] - others;
+            // What is not a number is not farther.
+            !matches!(gap.partial_cmp(&free_m), Some(Ordering::Greater | Ordering::Equal))
+        })
     }
 
     fn is_node_closer(&self, node: u32, frame: &SingleFrame, solid: &LaneSolid, free_m: f32) -> bool {

@@ -170,7 +170,9 @@ impl Robot {
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
     pub fn within_limits(&self, q: &[f64]) -> bool {
-        self.first_limit_violation(q).is_none()
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        // Without a branch for each joint.
+        q.iter().zip(&self.limits).fold(true, |all, (&value, limits)| all & limits.contain(value))
     }
 
     /// The first joint whose value lies outside its limits.
