@@ -14,6 +14,7 @@
 mod area;
 mod ball_tree;
 mod bound;
+mod collada;
 mod convex;
 mod convex_hull;
 mod convex_parts;
