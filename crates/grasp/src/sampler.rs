@@ -292,10 +292,9 @@ fn pairs_along(
 fn palm_has_room(surface: &Surface, pose: &Pose, finger_depth_m: Option<f64>) -> bool {
     finger_depth_m.is_none_or(|depth_m| {
         let back = pose.rotation * -Vector::z();
-        // From anywhere near the object, beyond its far side.
-        let reach_m = depth_m + 4.0 * surface.aabb().half_extents.norm();
-        let hits = surface.ray_hits(&pose.translation.vector.into(), &back, reach_m);
-        hits.iter().all(|hit| hit.distance_m <= depth_m)
+        let palm = Point::from(pose.translation.vector + back * depth_m);
+        // From anywhere near the object to beyond its far side.
+        surface.ray_hits(&palm, &back, 4.0 * surface.aabb().half_extents.norm()).is_empty()
     })
 }
 
@@ -336,14 +335,23 @@ fn gripper_poses(
             continue;
         }
         let pose = Pose::from_parts(origin.coords.into(), Rotation::from_rotation_matrix(&rotation));
+        poses.push(pose);
+    }
+    if settings.finger_depth_m.is_none() {
+        while poses.len() > settings.kept_approaches {
+            poses.swap_remove(random.index(poses.len()));
+        }
+        return poses;
+    }
+    // In random order, so that few are asked.
+    let mut kept = Vec::new();
+    while kept.len() < settings.kept_approaches && !poses.is_empty() {
+        let pose = poses.swap_remove(random.index(poses.len()));
         if has_room(&pose) {
-            poses.push(pose);
+            kept.push(pose);
         }
     }
-    while poses.len() > settings.kept_approaches {
-        poses.swap_remove(random.index(poses.len()));
-    }
-    poses
+    kept
 }
 
 /// Sine of the angle below which a closing axis counts as upright.

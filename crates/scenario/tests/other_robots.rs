@@ -52,7 +52,10 @@ fn a_new_scenario_has_the_files_of_its_robot() {
     assert_same_robot(&scenario, &open(&sound("own")));
     // The robot of the template is spelt out, and nothing of it is left over.
     let text = fs::read_to_string(folder.join("scenario.yaml")).unwrap();
-    assert!(text.contains("robot: \"robot/arm.urdf\"\nsrdf: \"robot/arm.srdf\"\n"), "{text}");
+    assert!(
+        text.contains("\nrobot: \"robot/arm.urdf\"\n") && text.contains("\nsrdf: \"robot/arm.srdf\"\n"),
+        "{text}"
+    );
     assert!(!text.contains("panda_joint1"), "{text}");
 
     let wrong = TemplateRobot { tip: Some("hook".to_owned()), ..robot };
