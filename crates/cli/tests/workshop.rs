@@ -111,7 +111,6 @@ fn grasps_are_sampled_for_the_target_of_a_scenario() {
     // A scenario of another robot: where its gripper opens to, no file says.
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenario/tests/file_readers/sound/robot/arm.urdf");
     done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
-    done(folder, &["scenario", "check", "cell"]);
     done(folder, &["scenario", "pack", "cell"]);
     assert_eq!(json(folder, &["info", "cell.zip"])["robot"], json(folder, &["info", "cell"])["robot"]);
     refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm"]);
