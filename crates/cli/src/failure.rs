@@ -33,6 +33,12 @@ pub enum Failure {
         /// The file that was asked for.
         path: PathBuf,
     },
+    /// Grasps of nothing.
+    #[error("{id}: the scenario has no target, so there is nothing to sample grasps on")]
+    NoTarget {
+        /// The scenario.
+        id: String,
+    },
     /// Standard output is gone.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),

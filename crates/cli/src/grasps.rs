@@ -3,23 +3,22 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
-use cranny_collision::{Body, World};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, FirstApproach, Grasp, GraspSet, Gripper, SampledGrasp, SamplerSettings,
-    nearest_distances, pairwise_distances, read_csv, sample_grasps, write_csv,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, nearest_distances,
+    pairwise_distances, read_csv, sample_grasps, write_csv,
 };
 use cranny_plan::{APPROACH_M, Hand, HandFilter};
-use cranny_scenario::{ObjectType, OpenOptions, Scenario, ScenarioError, panda_hand, read_gripper};
-use cranny_shape::{Solid, Surface, TriangleSoup};
-use cranny_spatial::{Pose, Vector};
+use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
+use cranny_shape::Surface;
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::grasp_choice::GraspChoice;
+use crate::grasp_subject::Subject;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::{object, text};
+use crate::text;
 
 #[derive(Clone, Debug, Args)]
 pub struct GraspsArguments {
@@ -29,7 +28,7 @@ pub struct GraspsArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 pub enum GraspsCommand {
-    /// Sample antipodal grasps on an object or a mesh
+    /// Sample antipodal grasps on an object, on a mesh, or on what a scenario wants grasped
     Sample(Box<SampleArguments>),
     /// Keep the grasps that the hand alone can take in a scenario
     Filter(FilterArguments),
@@ -45,12 +44,17 @@ pub enum GraspsCommand {
   cranny grasps sample sugar_box --pose 0 --count 500 --choose farthest -o box.csv
   cranny grasps sample scan.obj --friction 0.4 --bare --json
   cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
+  cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario
+  cranny grasps sample my_shelf -o my_shelf/grasps.csv
 
-Poses are written in the frame of the object: the 16 numbers of each row by row, score, width. The score is
-1 for contacts that need no friction and 0 for those that need all there is.")]
+Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
+them: the 16 numbers of each row by row, score, width. The score is 1 for contacts that need no friction and 0
+for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
+the grasp and on the way.")]
 pub struct SampleArguments {
-    /// Built-in object, the folder of an object, or a mesh file (normals outwards; holes are allowed)
-    #[arg(value_name = "OBJECT")]
+    /// Built-in object, the folder of an object, a mesh file (normals outwards; holes are allowed), or a
+    /// scenario: built-in, a folder or packed
+    #[arg(value_name = "OBJECT|ID")]
     pub object: String,
     /// Where to write the grasps
     #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
@@ -172,21 +176,10 @@ struct Sampled {
 
 fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure> {
     let subject = Subject::open(arguments)?;
-    let (gripper, hand) = match &arguments.gripper {
-        Some(path) => {
-            let gripper = read_gripper(path)?;
-            let hand = Hand::of_gripper(&gripper).map_err(ScenarioError::from)?;
-            (gripper, hand)
-        }
-        None => (Gripper::panda_hand(), panda_hand().map_err(ScenarioError::from)?),
-    };
     let surface = Surface::new(&subject.mesh).map_err(ScenarioError::from)?;
-    let settings = settings(arguments, &subject, &gripper);
-    let filter = if arguments.bare {
-        None
-    } else {
-        Some(subject.filter(&hand, &surface, arguments.approach / 1000.0)?)
-    };
+    let settings = subject.settings(arguments);
+    let filter =
+        if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
     let stop = stop_on_interrupt()?;
     let progress = bar(settings.count as u64, output.quiet);
     let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
@@ -241,76 +234,6 @@ impl Sampled {
         line("written to", file.unwrap_or_else(|| "nowhere: no grasp was found".to_owned()));
         page
     }
-}
-
-/// What is grasped.
-struct Subject {
-    name: String,
-    mesh: TriangleSoup,
-    friction: f64,
-    /// How it rests, if it does.
-    ground_from_object: Option<Pose>,
-}
-
-impl Subject {
-    fn open(arguments: &SampleArguments) -> Result<Self, Failure> {
-        let path = std::path::Path::new(&arguments.object);
-        if path.is_file() {
-            if arguments.pose.is_some() {
-                let problem = "a bare mesh has no stable poses (make it an object: cranny object add)".into();
-                return Err(Failure::Flag { flag: "pose", problem });
-            }
-            let mesh =
-                TriangleSoup::load(path, Vector::repeat(arguments.scale)).map_err(ScenarioError::from)?;
-            let friction = cranny_scenario::DEFAULT_FRICTION;
-            return Ok(Self { name: arguments.object.clone(), mesh, friction, ground_from_object: None });
-        }
-        let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
-        let ground_from_object = match arguments.pose {
-            None => None,
-            Some(index) => Some(stable_poses.get(index).ok_or_else(|| Failure::Flag {
-                flag: "pose",
-                problem: format!("{name} has {} stable poses, counted from 0", stable_poses.len()),
-            })?),
-        };
-        let ground_from_object = ground_from_object.map(|stable| stable.ground_from_body);
-        Ok(Self { name, mesh, friction, ground_from_object })
-    }
-
-    /// The filter of the hand against the object and the ground; an object with holes is only a surface.
-    fn filter(&self, hand: &Hand, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
-        let mut bodies = Vec::new();
-        let solid = Solid::mesh(&self.mesh).ok();
-        let is_open = solid.is_none();
-        bodies.extend(solid.map(|solid| Body::new(self.name.clone(), Pose::identity(), solid)));
-        if let Some(ground_from_object) = &self.ground_from_object {
-            bodies.push(Body::new("floor", ground_from_object.inverse(), Solid::half_space()));
-        }
-        let world = World::new(bodies).map_err(ScenarioError::from)?;
-        let filter = HandFilter::new(hand, world, approach_m).map_err(ScenarioError::from)?;
-        Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
-    }
-}
-
-fn settings(arguments: &SampleArguments, subject: &Subject, gripper: &Gripper) -> SamplerSettings {
-    let mut settings = SamplerSettings {
-        count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
-        friction: arguments.friction.unwrap_or(subject.friction),
-        opening_m: gripper.opening_m,
-        approaches: arguments.approaches,
-        depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
-        seed: arguments.seed,
-        ..SamplerSettings::default()
-    };
-    if arguments.random_approaches {
-        settings.first_approach = FirstApproach::Random;
-    }
-    if let Some(ground_from_object) = &subject.ground_from_object {
-        settings.up = ground_from_object.rotation.inverse() * Vector::z();
-        settings.steepest_rise_rad = 0.0;
-        settings.ground_m = Some(-ground_from_object.translation.z);
-    }
-    settings
 }
 
 /// What `grasps filter --json` prints.

@@ -120,6 +120,7 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
             IkStatus::HandCollides { .. } => {
                 format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
             }
+            IkStatus::OutOfReach { .. } => "beyond reach from anywhere the base can stand".to_owned(),
             IkStatus::NoSolution { blocked: 0, .. } => {
                 format!("the arm did not reach the pose in {}", attempts(annotation))
             }

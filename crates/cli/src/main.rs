@@ -5,6 +5,7 @@
 mod arguments;
 mod failure;
 mod grasp_choice;
+mod grasp_subject;
 mod grasps;
 mod ik;
 mod info;

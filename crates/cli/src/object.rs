@@ -146,6 +146,7 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
         ObjectCommand::Export(arguments) => {
             let object = builtin_object(&arguments.object)?;
             let folder = arguments.output.clone().unwrap_or_else(|| arguments.object.clone().into());
+            check_free(&folder)?;
             written(Shown::of(&object), &object, folder, output)
         }
     }
@@ -162,6 +163,9 @@ fn list(output: Output) -> Result<Answer, Failure> {
 }
 
 fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
+    if !(arguments.scale > 0.0 && arguments.scale.is_finite()) {
+        return Err(Failure::Flag { flag: "scale", problem: "a factor is a positive number".into() });
+    }
     let stem = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let settings = ObjectSettings {
         friction: arguments.friction,
@@ -172,13 +176,22 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         },
         ..ObjectSettings::new(arguments.name.clone().unwrap_or(stem), arguments.mass)
     };
+    let folder = arguments.output.clone().unwrap_or_else(|| settings.name.clone().into());
+    check_free(&folder)?;
     let spinner = progress::spinner("repairing, cutting into convex parts", output.quiet);
     let soup = TriangleSoup::load(&arguments.mesh, Vector::repeat(arguments.scale));
     let made = soup.map_err(ScenarioError::from).and_then(|soup| ObjectType::from_mesh(&soup, &settings));
     spinner.finish_and_clear();
     let (object, repaired) = made.map_err(|fault| fault.in_mesh(&arguments.mesh))?;
-    let folder = arguments.output.clone().unwrap_or_else(|| object.name.clone().into());
     written(Shown::of(&object).with(&repaired), &object, folder, output)
+}
+
+/// An object that is there already is not written over.
+fn check_free(folder: &Path) -> Result<(), Failure> {
+    if folder.join(OBJECT_FILE).is_file() {
+        return Err(ScenarioError::Exists { path: folder.to_owned() }.into());
+    }
+    Ok(())
 }
 
 fn written(

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use cranny_plan::Validity;
 use cranny_scenario::{
     Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, check, pack, scenario_schema, unpack, write_set, write_sweep, write_template,
+    SetSettings, TemplateRobot, check, pack, scenario_schema, unpack, write_set, write_sweep, write_template,
 };
 use serde::Serialize;
 
@@ -49,11 +49,30 @@ pub enum ScenarioCommand {
 #[command(after_help = "Examples:
   cranny scenario new my_shelf
   cranny scenario check my_shelf
-  cranny plan my_shelf")]
+  cranny plan my_shelf
+  cranny scenario new my_cell --robot ur5.urdf --group manipulator --tip tool0 --package ~/ros/share
+
+The files of another robot (URDF, SRDF, limits.yaml, meshes) are copied to FOLDER/robot. What stands around it
+and the grasps are then to be adapted to it.")]
 pub struct NewArguments {
     /// Folder to make
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
+    /// URDF of another robot than the built-in one
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Its SRDF [default: the file beside the URDF with its name, if there is one]
+    #[arg(long, value_name = "FILE", requires = "robot")]
+    pub srdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints move [default: all from the root to the tip]
+    #[arg(long, value_name = "NAME", requires = "robot")]
+    pub group: Option<String>,
+    /// The link that grasps are reached with [default: what the SRDF says, else the farthest one]
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub tip: Option<String>,
+    /// Folder in which package:// names of the URDF are looked for; may be given more than once
+    #[arg(long = "package", value_name = "FOLDER", requires = "robot")]
+    pub packages: Vec<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -198,7 +217,9 @@ pub struct GenerateArguments {
 pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         ScenarioCommand::New(arguments) => {
-            write_template(&arguments.folder)?;
+            let NewArguments { folder, robot, srdf, group, tip, packages } = arguments.clone();
+            let robot = robot.map(|urdf| TemplateRobot { urdf, srdf, group, tip, packages });
+            write_template(&folder, robot.as_ref())?;
             written("folder", &arguments.folder, output)
         }
         ScenarioCommand::Check(arguments) => checked(&arguments.id, output),

@@ -99,6 +99,59 @@ fn grasps_of_a_scenario_are_filtered_by_the_hand() {
 }
 
 #[test]
+fn grasps_are_sampled_for_the_target_of_a_scenario() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let sampled = json(folder, &["grasps", "sample", "021", "-o", "ball.csv", "--count", "40"]);
+    assert_eq!(sampled["grasps"].as_u64(), Some(40), "{sampled}");
+    // They are where the scenario has the ball, and the hand can take all of them there.
+    let filtered = json(folder, &["grasps", "filter", "021", "--grasps", "ball.csv"]);
+    assert_eq!(filtered["free"].as_u64(), Some(40), "{filtered}");
+    refused(folder, &["grasps", "sample", "021", "--pose", "0"], &["--pose", "scenario"]);
+    // A scenario of another robot: where its gripper opens to, no file says.
+    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenario/tests/file_readers/sound/robot/arm.urdf");
+    done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
+    done(folder, &["scenario", "pack", "cell"]);
+    assert_eq!(json(folder, &["info", "cell.zip"])["robot"], json(folder, &["info", "cell"])["robot"]);
+    refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm"]);
+}
+
+#[test]
+fn an_object_is_never_written_over_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["object", "export", "banana", "-o", "fruit"]);
+    write_box(folder, "box.obj", 0);
+    let again = ["object", "add", "box.obj", "--mass", "1", "--scale", "0.001", "-o", "fruit"];
+    refused(folder, &again, &["fruit", "exists already"]);
+    refused(folder, &["object", "export", "sugar_box", "-o", "fruit"], &["fruit", "exists already"]);
+    assert_eq!(json(folder, &["object", "show", "fruit"])["object"], "banana");
+}
+
+#[test]
+fn what_is_wrong_with_a_scenario_is_said_with_its_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["scenario", "new", "mine"]);
+    let path = folder.join("mine/scenario.yaml");
+    let sound = std::fs::read_to_string(&path).expect("a text");
+    let checked = |from: &str, to: &str| {
+        assert!(sound.contains(from), "{from}");
+        std::fs::write(&path, sound.replace(from, to)).expect("written");
+        let output = run(folder, &["scenario", "check", "mine"]);
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let said = checked("robot: panda_mobile", "robot: panda");
+    assert!(said.contains("scenario.yaml:") && said.contains("neither 'panda_mobile' nor a file"), "{said}");
+    let said = checked("cylinder: {radius: 0.03, length: 0.12}", "object: sugar_bix");
+    assert!(said.contains("scenario.yaml:") && said.contains("'sugar_bix' (there are:"), "{said}");
+    // What is wrong anyway is not put down to the files around it.
+    refused(folder, &["scenario", "pack", "mine"], &["mine/scenario.yaml:", "sugar_bix"]);
+    refused(folder, &["scenario", "pack", "nowhere"], &["nowhere", "holds neither"]);
+}
+
+#[test]
 fn a_gripper_is_data() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
@@ -133,12 +186,13 @@ fn bad_meshes_and_flags_are_refused_with_a_hint() {
     let add = |mesh: &str, more: &[&str], words: &[&str]| {
         refused(folder, &[&["object", "add", mesh, "--mass", "0.4"], more].concat(), words);
     };
-    add("box.obj", &[], &["millimetres", "0.001"]);
+    add("box.obj", &[], &["box.obj", "100.000 m long", "millimetres", "--scale 0.001"]);
     add("open.obj", &["--scale", "0.001"], &["open.obj", "hole", "4"]);
     add("nowhere.obj", &[], &["nowhere.obj"]);
     add("broken.stl", &[], &["broken.stl"]);
     add("box.obj", &["--scale", "0.001", "--friction", "-1"], &["friction", "-1"]);
-    add("box.obj", &["--scale", "nan"], &["box.obj"]);
+    add("box.obj", &["--scale", "nan"], &["--scale", "positive"]);
+    add("box.obj", &["--scale", "0"], &["--scale", "positive"]);
     refused(folder, &["object", "add", "box.obj", "--mass", "0", "--scale", "0.001"], &["mass"]);
     refused(folder, &["object", "show", "anvil"], &["anvil", "banana"]);
     refused(folder, &["grasps", "sample", "anvil"], &["anvil", "banana"]);

@@ -39,6 +39,12 @@ impl Gripper {
         }
     }
 
+    /// How far behind the origin of the gripper frame the palm begins, in metres: an object that reaches farther
+    /// back than that does not fit between the fingers.
+    pub fn finger_depth_m(&self) -> f64 {
+        self.finger_length_m - self.tip_ahead_m
+    }
+
     /// The boxes of palm and open fingers, each with its pose `gripper_from_box`.
     ///
     /// # Errors

@@ -77,14 +77,18 @@ impl Place {
         limit.min(translation_mm + (2.0 * libm::atan2(sine, cosine)).to_degrees())
     }
 
-    /// Whether the distance is at most `threshold`; most that are not are told apart without an arc tangent.
+    /// Whether the distance is at most `threshold`: the same answer as [`Self::distance`] gives, mostly without
+    /// its arc tangent.
     pub fn is_within(&self, other: &Self, threshold: f64) -> bool {
-        // |cos| of half of `threshold` degrees, beyond which the rotation alone is too far.
-        let least = (threshold.min(180.0) * 0.5).to_radians();
-        let least_cosine = 1.0 - 0.5 * least * least;
-        (self.origin_mm - other.origin_mm).norm_squared() <= threshold * threshold
-            && self.cosine(other) >= least_cosine
-            && self.distance(other) <= threshold
+        let apart_squared_mm2 = (self.origin_mm - other.origin_mm).norm_squared();
+        if apart_squared_mm2 > threshold * threshold {
+            return false;
+        }
+        // Half the angle that is left, h: 1 − h²/2 ≤ cos h ≤ 1 − h²/2 + h⁴/24.
+        let half_squared = (0.5 * (threshold - apart_squared_mm2.sqrt())).to_radians().powi(2);
+        let over = self.cosine(other) - (1.0 - 0.5 * half_squared);
+        over >= -DOUBT
+            && (over > half_squared * half_squared / 24.0 + DOUBT || self.distance(other) <= threshold)
     }
 
     /// |cos| of half the angle to the nearer of the other and its twin.
@@ -92,3 +96,6 @@ impl Place {
         self.rotation.dot(&other.rotation).abs().max(self.twin.dot(&other.rotation).abs())
     }
 }
+
+/// Cosines closer than this are left to the arc tangent: well above their rounding.
+const DOUBT: f64 = 1e-12;

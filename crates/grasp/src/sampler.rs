@@ -46,6 +46,11 @@ pub struct SamplerSettings {
     /// opening beside the origin of the gripper frame, would lie below it are left out. Default none. The
     /// released grasps keep to this rule; that the whole hand stays above is for `accept` to say.
     pub ground_m: Option<f64>,
+    /// How far behind the gripper frame the palm is, in metres ([`Gripper::finger_depth_m`](crate::Gripper::finger_depth_m)):
+    /// grasps where the object reaches farther back, on the line of approach through the frame, are left out,
+    /// for the palm would be in it. The released grasps keep to this rule for a Panda's 46.6 mm. Default none:
+    /// for `accept` to say.
+    pub finger_depth_m: Option<f64>,
     /// Between which depths the gripper frame stands, in metres along the approach direction from the middle
     /// between the contacts, drawn uniformly. Default 0 to 0, as in the released grasps.
     pub depth_m: [f64; 2],
@@ -79,6 +84,7 @@ impl Default for SamplerSettings {
             up: Vector::z(),
             steepest_rise_rad: std::f64::consts::FRAC_PI_2,
             ground_m: None,
+            finger_depth_m: None,
             depth_m: [0.0, 0.0],
             most_contacts: 1_000_000,
             seed: 0,
@@ -183,6 +189,9 @@ impl SamplerSettings {
         if let Some(ground_m) = self.ground_m.filter(|height| !height.is_finite()) {
             return fault("height of the ground", ground_m, "a finite number of metres");
         }
+        if let Some(depth_m) = self.finger_depth_m.filter(|depth_m| !is_positive(*depth_m)) {
+            return fault("depth of the fingers", depth_m, "a positive number of metres");
+        }
         let [low, high] = self.depth_m;
         if !(low.is_finite() && high.is_finite() && low <= high) {
             return fault("depth range", high - low, "two finite numbers, the lower first");
@@ -229,7 +238,8 @@ impl Chunk {
                 for contacts in pairs_along(surface, &first, &ray, settings) {
                     chunk.pairs += 1;
                     // 4.
-                    for pose in gripper_poses(&contacts, settings, &mut random) {
+                    let has_room = |pose: &Pose| palm_has_room(surface, pose, settings.finger_depth_m);
+                    for pose in gripper_poses(&contacts, settings, &has_room, &mut random) {
                         let sampled = scored(pose, contacts, settings.friction);
                         // 5.
                         if accept(&sampled) {
@@ -278,8 +288,23 @@ fn pairs_along(
     pairs
 }
 
-/// The poses of the gripper frame about one pair of contacts.
-fn gripper_poses(contacts: &[Contact; 2], settings: &SamplerSettings, random: &mut Stream) -> Vec<Pose> {
+/// Whether the object ends before the palm, on the line of approach.
+fn palm_has_room(surface: &Surface, pose: &Pose, finger_depth_m: Option<f64>) -> bool {
+    finger_depth_m.is_none_or(|depth_m| {
+        let back = pose.rotation * -Vector::z();
+        let palm = Point::from(pose.translation.vector + back * depth_m);
+        // From anywhere near the object to beyond its far side.
+        surface.ray_hits(&palm, &back, 4.0 * surface.aabb().half_extents.norm()).is_empty()
+    })
+}
+
+/// The poses of the gripper frame about one pair of contacts, of those that `has_room` takes.
+fn gripper_poses(
+    contacts: &[Contact; 2],
+    settings: &SamplerSettings,
+    has_room: &dyn Fn(&Pose) -> bool,
+    random: &mut Stream,
+) -> Vec<Pose> {
     let [begin, end] = contacts.map(|contact| contact.point_in_object);
     let y = (end - begin).normalize();
     let middle = begin + (end - begin) * 0.5;
@@ -309,12 +334,24 @@ fn gripper_poses(contacts: &[Contact; 2], settings: &SamplerSettings, random: &m
         if settings.ground_m.is_some_and(|ground_m| lower_pad_m < ground_m) {
             continue;
         }
-        poses.push(Pose::from_parts(origin.coords.into(), Rotation::from_rotation_matrix(&rotation)));
+        let pose = Pose::from_parts(origin.coords.into(), Rotation::from_rotation_matrix(&rotation));
+        poses.push(pose);
     }
-    while poses.len() > settings.kept_approaches {
-        poses.swap_remove(random.index(poses.len()));
+    if settings.finger_depth_m.is_none() {
+        while poses.len() > settings.kept_approaches {
+            poses.swap_remove(random.index(poses.len()));
+        }
+        return poses;
     }
-    poses
+    // In random order, so that few are asked.
+    let mut kept = Vec::new();
+    while kept.len() < settings.kept_approaches && !poses.is_empty() {
+        let pose = poses.swap_remove(random.index(poses.len()));
+        if has_room(&pose) {
+            kept.push(pose);
+        }
+    }
+    kept
 }
 
 /// Sine of the angle below which a closing axis counts as upright.

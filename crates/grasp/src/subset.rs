@@ -1,6 +1,7 @@
 //! Few grasps that stand for many: at random, far from each other, or near to as many others as can be.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
 
 use cranny_spatial::{Stream, Vector};
 use rayon::prelude::*;
@@ -80,11 +81,19 @@ pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<us
             near.iter().filter(|other| !is_covered[**other as usize]).count()
         };
         let mut gain: Vec<usize> = near.iter().map(|near| uncovered(near, &is_covered)).collect();
+        // Gains only shrink: the best by an old gain is the best if that gain still holds (Minoux 1978).
+        let mut queue: BinaryHeap<(usize, Reverse<usize>)> =
+            (0..grasps.len()).filter(|&i| !is_chosen[i]).map(|index| (gain[index], Reverse(index))).collect();
         let begin = chosen.len();
         while chosen.len() < count {
-            // The first of the best: max_by_key takes the last.
-            let best = (0..grasps.len()).rev().filter(|&index| !is_chosen[index]).max_by_key(|&i| gain[i]);
-            let Some(best) = best.filter(|&best| gain[best] > 0) else { break };
+            let Some((old_gain, Reverse(best))) = queue.pop() else { break };
+            if gain[best] < old_gain {
+                queue.push((gain[best], Reverse(best)));
+                continue;
+            }
+            if old_gain == 0 {
+                break;
+            }
             chosen.push(best);
             is_chosen[best] = true;
             for &covered in &near[best] {

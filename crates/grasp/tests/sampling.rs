@@ -163,6 +163,31 @@ fn depths_and_ground_are_kept_to() {
 }
 
 #[test]
+fn no_object_is_deeper_between_the_fingers_than_to_the_palm() {
+    let half = Vector::new(0.02, 0.05, 0.09);
+    let surface = Surface::new(&cuboid()).unwrap();
+    let finger_depth_m = Gripper::panda_hand().finger_depth_m();
+    assert!((finger_depth_m - 0.0466).abs() < 1e-12);
+    // How far back from the gripper frame the way out of the box is, axis by axis.
+    let way_out_m = |grasp: &SampledGrasp| {
+        let pose = grasp.grasp.world_from_gripper;
+        let (origin, back) = (pose.translation.vector, pose.rotation * -Vector::z());
+        (0..3).map(|k| (half[k] - origin[k] * back[k].signum()) / back[k].abs()).fold(f64::INFINITY, f64::min)
+    };
+    let free = sampled(&surface, &settings(500));
+    assert!(free.grasps.iter().any(|grasp| way_out_m(grasp) > finger_depth_m));
+    let asked = SamplerSettings { finger_depth_m: Some(finger_depth_m), ..settings(500) };
+    let found = sampled(&surface, &asked);
+    assert_eq!(found.grasps.len(), 500);
+    for grasp in &found.grasps {
+        assert!(way_out_m(grasp) <= finger_depth_m + 1e-9, "{}", way_out_m(grasp));
+    }
+    let none = SamplerSettings { finger_depth_m: Some(0.0), ..settings(1) };
+    let refused = sample_grasps(&surface, &none, &|_| true, &mut |_| true);
+    assert!(matches!(refused, Err(GraspError::Setting { setting: "depth of the fingers", .. })));
+}
+
+#[test]
 fn twins_are_found_once() {
     // Two parallel triangles, nearly points: whatever is sampled there is one of few grasps.
     let tiny = |y: f64, flip: bool| {

@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use cranny_collision::{Cell, Collider, Scratch};
 use cranny_grasp::Grasp;
 use cranny_robot::{IK_BATCH, IkSearch, IkSearchSettings, IkSettings, IkSolution, IkSolver};
-use cranny_spatial::{Pose, Stream};
+use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream};
 use rayon::prelude::*;
 
 use crate::grasp_poses::open_poses;
@@ -65,6 +65,11 @@ pub enum IkStatus {
         /// Which body of the world.
         body: String,
     },
+    /// The grasp is farther away than the arm can ever reach, wherever its base stands.
+    OutOfReach {
+        /// How far beyond, at least, in metres.
+        beyond_m: f64,
+    },
     /// No free configuration was found in the attempts; there may be one.
     NoSolution {
         /// Attempts that reached the pose but not freely.
@@ -82,6 +87,7 @@ impl IkStatus {
         match self {
             Self::Solved => "solved",
             Self::HandCollides { .. } => "hand-collides",
+            Self::OutOfReach { .. } => "out-of-reach",
             Self::NoSolution { .. } => "no-solution",
             Self::Stopped => "stopped",
         }
@@ -116,8 +122,16 @@ pub fn annotate_ik(
     let (Goal::Grasps(grasps), Validity::Exact(cell)) = (&problem.goal, &problem.validity) else {
         return Err(PlanError::Annotation);
     };
+    let reach = cell.robot().reach_bound();
     let annotate = |(grasp, g): (usize, &Grasp)| {
-        let annotation = annotate_one(cell, &problem.start, (grasp, g), settings, stop);
+        let at = Point::from(g.world_from_gripper.translation.vector);
+        let beyond_m = reach.beyond_m(&at) - EXACT_TRANSLATION_M;
+        let annotation = if beyond_m > 0.0 {
+            let status = IkStatus::OutOfReach { beyond_m };
+            IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 }
+        } else {
+            annotate_one(cell, &problem.start, (grasp, g), settings, stop)
+        };
         done();
         annotation
     };

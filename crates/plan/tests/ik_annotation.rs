@@ -17,7 +17,8 @@ use fixture::{
 const SETTINGS: IkAnnotationSettings =
     IkAnnotationSettings { method: IkMethod::Restarts, solutions: 3, attempts: 300, seed: 4 };
 
-/// Grasps of each fate: held; in a block; out of reach; in reach, but with a pebble in the wrist.
+/// Grasps of each fate: held; in a block; out of reach; in reach, but with a pebble in the wrist; held; near, but
+/// not in the plane that the arm moves in.
 fn problem() -> Problem {
     let pebble = block("pebble", [-0.4 - 0.105, 0.4, 0.3], [0.01; 3]);
     let rock = block("rock", [0.0, 0.6, 0.3], [0.1; 3]);
@@ -27,6 +28,7 @@ fn problem() -> Problem {
         grasp_out_of_reach(),
         grasp_at([-0.4, 0.4, 0.3], 0.0),
         grasp_at(OBJECT, 1.0).twin(),
+        grasp_at([0.3, 0.3, 0.6], 0.8),
     ];
     let mut bodies = still_life();
     bodies.extend([pebble, rock]);
@@ -48,16 +50,18 @@ fn cell(problem: &Problem) -> &Cell {
 fn every_fate_of_a_grasp_is_told_apart() {
     let found = annotated(&problem(), &SETTINGS);
     let names: Vec<_> = found.iter().map(|annotation| annotation.status.name()).collect();
-    assert_eq!(names, ["solved", "hand-collides", "no-solution", "no-solution", "solved"]);
-    assert_eq!(found.iter().map(|annotation| annotation.grasp).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+    assert_eq!(names, ["solved", "hand-collides", "out-of-reach", "no-solution", "solved", "no-solution"]);
+    assert_eq!(found.iter().map(|annotation| annotation.grasp).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
     let IkStatus::HandCollides { link, body } = &found[1].status else { panic!("{:?}", found[1]) };
     assert!(["palm", "left_finger", "right_finger"].contains(&link.as_str()) && body == "rock");
-    assert_eq!(found[2].status, IkStatus::NoSolution { blocked: 0, contact: None });
+    let IkStatus::OutOfReach { beyond_m } = found[2].status else { panic!("{:?}", found[2]) };
+    assert!(beyond_m > 3.0 && beyond_m < 5.0, "{beyond_m}");
+    assert_eq!(found[5].status, IkStatus::NoSolution { blocked: 0, contact: None });
     let IkStatus::NoSolution { blocked, contact: Some((_, second)) } = &found[3].status else {
         panic!("{:?}", found[3])
     };
     assert!(*blocked > 0 && second == "pebble", "{second}");
-    assert_eq!((found[1].attempts, found[2].attempts), (0, SETTINGS.attempts));
+    assert_eq!([1, 2, 5].map(|grasp| found[grasp].attempts), [0, 0, SETTINGS.attempts]);
 }
 
 #[test]
@@ -119,7 +123,7 @@ fn a_search_that_is_stopped_says_so() {
     let count = || _ = done.fetch_add(1, Ordering::Relaxed);
     let found = annotate_ik(&problem(), &SETTINGS, &count, &AtomicBool::new(true)).expect("a good problem");
     assert_eq!(done.load(Ordering::Relaxed), found.len());
-    for annotation in [&found[0], &found[2], &found[3], &found[4]] {
+    for annotation in [&found[0], &found[3], &found[4], &found[5]] {
         assert_eq!((&annotation.status, annotation.attempts), (&IkStatus::Stopped, 0));
         assert!(annotation.solutions.is_empty());
     }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
 use roxmltree::{Document, Node};
 
@@ -80,6 +82,11 @@ impl<'a> Element<'a> {
 
     pub(crate) fn optional_text(&self, attribute: &'static str) -> Option<&'a str> {
         self.node.attribute(attribute)
+    }
+
+    /// The text of an attribute, and where it stands in the document.
+    pub(crate) fn text_and_place(&self, attribute: &'static str) -> Option<(&'a str, Range<usize>)> {
+        self.node.attribute_node(attribute).map(|found| (found.value(), found.range_value()))
     }
 
     pub(crate) fn text(&self, attribute: &'static str) -> Result<&'a str, RobotError> {

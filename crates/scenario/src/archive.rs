@@ -12,8 +12,9 @@ use sha2::{Digest as _, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
-use crate::{OpenOptions, Scenario, ScenarioError, own_layout, scenario, yaml};
+use crate::{OpenOptions, Scenario, ScenarioError, builtin_robot, own_layout, scenario, yaml};
 
 const MANIFEST: &str = "manifest.json";
 
@@ -47,17 +48,30 @@ struct Manifest {
 }
 
 /// Packs the folder of a scenario in Cranny's own layout: every file below it but hidden ones and plans. The
-/// same folder gives the same bytes. The archive is opened before it is written, so that one that needs files
+/// same folder gives the same bytes. A robot from outside the folder comes along in `robot/`, where the packed
+/// `scenario.yaml` then finds it. The archive is opened before it is written, so that one that needs other files
 /// from elsewhere is never made.
 ///
 /// # Errors
 /// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Archive`] for a link in it.
 pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<String>, ScenarioError> {
     let path = folder.join(own_layout::FILE);
+    if !path.is_file() {
+        return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
+    }
+    // What is wrong with it anyway is said of the files that are there.
+    own_layout::open(folder, &OpenOptions::default())?;
     let file: ScenarioFile = yaml::read(&path)?;
     let id = scenario::id_of(folder);
     let mut contents = BTreeMap::new();
     collect(folder, "", &mut contents)?;
+    let is_own_robot = file.robot.value != builtin_robot::PANDA_MOBILE;
+    if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
+        bring_robot(&file, folder, &mut contents)?;
+    }
+    open_alone(&id, &contents).map_err(|reason| {
+        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
+    })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
     let manifest = Manifest {
@@ -69,11 +83,6 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         id,
     };
     let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
-    // By itself, in a folder of its own.
-    let alone = Unpacked::of(archive, &bytes)?;
-    Scenario::open(&alone.folder().to_string_lossy(), &OpenOptions::default()).map_err(|reason| {
-        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
-    })?;
     fs::write(archive, bytes)
         .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
     Ok(contents.into_keys().collect())
@@ -91,6 +100,33 @@ pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioErro
     let contents = read(archive, &bytes_of(archive)?)?;
     write_all(folder, &contents)?;
     Ok(contents.into_keys().collect())
+}
+
+/// Whether the files make a scenario by themselves, in a folder of their own.
+fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
+    let root = tempfile::tempdir().map_err(unwritable)?;
+    let folder = root.path().join(id);
+    write_all(&folder, contents)?;
+    Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).map(|_| ())
+}
+
+/// Puts the robot's files among those of the scenario, whose `scenario.yaml` then names them.
+fn bring_robot(
+    file: &ScenarioFile,
+    folder: &Path,
+    contents: &mut BTreeMap<String, Vec<u8>>,
+) -> Result<(), ScenarioError> {
+    let robot = RobotInFolder::of_scenario(file, folder)?;
+    let text = robot.named_in(&yaml::text(&folder.join(own_layout::FILE))?);
+    contents.insert(own_layout::FILE.to_owned(), text.into_bytes());
+    for (name, content) in robot.contents() {
+        if contents.insert(name.clone(), content.to_vec()).is_some_and(|there| there != content) {
+            let problem = format!("'{name}' is there already, but is not the robot that scenario.yaml names");
+            return Err(fault(folder, problem));
+        }
+    }
+    Ok(())
 }
 
 /// An archive in a folder of its own, which goes with it.

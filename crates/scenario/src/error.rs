@@ -327,10 +327,13 @@ pub enum ScenarioError {
     },
     /// A mesh is too large or too small for an object that a hand grasps.
     #[error(
-        "the object is {size_m:.3e} m long, so its mesh is hardly in metres (if it is in {unit}, scale it by \
-         {scale})"
+        "{file}the object is {} long, so its mesh is hardly in metres (if it is in {unit}, scale it by {scale}: \
+         --scale {scale})",
+        length(*size_m)
     )]
     ObjectSize {
+        /// The mesh file and a colon, if it is from a file.
+        file: String,
         /// Its greatest extent as read, in metres.
         size_m: f64,
         /// The unit that the mesh may be in.
@@ -353,6 +356,24 @@ pub enum ScenarioError {
         path: PathBuf,
         /// Which size.
         reason: cranny_shape::ShapeError,
+    },
+    /// A scenario's robot is nowhere.
+    #[error("{at}: there is no robot '{name}': it is neither 'panda_mobile' nor a file ({})", path.display())]
+    UnknownRobot {
+        /// Where.
+        at: Location,
+        /// The name.
+        name: String,
+        /// The URDF that was looked for.
+        path: PathBuf,
+    },
+    /// What a line of a file leads to is wrong.
+    #[error("{at}: {fault}")]
+    At {
+        /// Where.
+        at: Location,
+        /// What is wrong.
+        fault: Box<ScenarioError>,
     },
     /// No built-in object has that name.
     #[error(
@@ -437,6 +458,9 @@ impl ScenarioError {
     pub fn in_mesh(self, path: &std::path::Path) -> Self {
         match self {
             Self::ShapeFile(fault) => Self::ShapeFile(fault.in_file(path)),
+            Self::ObjectSize { size_m, unit, scale, .. } => {
+                Self::ObjectSize { file: format!("{}: ", path.display()), size_m, unit, scale }
+            }
             fault => fault,
         }
     }
@@ -444,4 +468,9 @@ impl ScenarioError {
 
 fn listed(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// A length as a person says it.
+fn length(metres: f64) -> String {
+    if metres >= 1.0 { format!("{metres:.3} m") } else { format!("{:.4} mm", metres * 1000.0) }
 }

@@ -16,7 +16,7 @@
 //!
 //! ## Limits
 //! Under `paper`, the start of 044 and 045 touches the gate: the boxes around the built-in robot's links are larger
-//! than the released ones (`--robot` takes those). Objects have no thumbnails yet. Scenarios are written for the built-in robot alone. Meshes of obstacles must be
+//! than the released ones (`--robot` takes those). Objects have no thumbnails yet. Scenarios are made by recipes for the built-in robot alone. Meshes of obstacles must be
 //! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
 //! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
 
@@ -49,6 +49,7 @@ mod recipe_file;
 mod released;
 mod released_export;
 mod robot_file;
+mod robot_in_folder;
 mod scenario;
 mod scenario_file;
 mod scenario_set;
@@ -74,10 +75,10 @@ pub use object_folder::OBJECT_FILE;
 pub use obstacle::Obstacle;
 pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 pub use recipe::{Recipe, RecipeBody, RecipeShape};
-pub use scenario::{Demands, Geometry, OpenOptions, Scenario};
+pub use scenario::{Demands, Geometry, OpenOptions, Scenario, is_scenario};
 pub use scenario_set::{Rejections, SetMaker, SetMember, SetSettings};
 pub use scenario_set_file::{SetProgress, SetReport, write_set, write_sweep};
 pub use schema::scenario_schema;
-pub use template::write_template;
+pub use template::{TemplateRobot, write_template};
 pub use trajectory_file::write_trajectory_csv;
 pub use waypoints::{read_waypoints, write_waypoints_csv};

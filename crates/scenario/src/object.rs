@@ -132,9 +132,9 @@ fn check_size(soup: &TriangleSoup) -> Result<(), ScenarioError> {
     let corners = soup.vertices.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
     let size_m = (corners.1 - corners.0).max();
     if size_m > LONGEST_M {
-        Err(ScenarioError::ObjectSize { size_m, unit: "millimetres", scale: 0.001 })
+        Err(ScenarioError::ObjectSize { file: String::new(), size_m, unit: "millimetres", scale: 0.001 })
     } else if size_m < SHORTEST_M {
-        Err(ScenarioError::ObjectSize { size_m, unit: "kilometres", scale: 1000.0 })
+        Err(ScenarioError::ObjectSize { file: String::new(), size_m, unit: "kilometres", scale: 1000.0 })
     } else {
         Ok(())
     }

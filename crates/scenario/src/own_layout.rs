@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::parse_csv;
-use cranny_robot::{Location, Robot, RobotOptions, TextSource};
+use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
@@ -136,15 +136,22 @@ impl Layout<'_> {
         }
         let robot_options = RobotOptions {
             srdf: file.srdf.as_ref().map(|srdf| TextSource::Path(self.folder.join(srdf))),
+            group: file.group.clone().map_or(JointGroup::RootToTip, JointGroup::Srdf),
             tip: file.tip.clone(),
             fixed: file.fixed.clone(),
+            packages: file.packages.iter().map(|folder| self.folder.join(folder)).collect(),
             ..RobotOptions::default()
         };
-        Ok(if file.robot == builtin_robot::PANDA_MOBILE {
-            builtin_robot::panda_mobile_with(&robot_options)?
-        } else {
-            robot_file::load(&self.folder.join(&file.robot), &robot_options)?
-        })
+        let name = &file.robot.value;
+        if name == builtin_robot::PANDA_MOBILE {
+            return Ok(builtin_robot::panda_mobile_with(&robot_options)?);
+        }
+        let path = self.folder.join(name);
+        if !path.is_file() {
+            let (at, name) = (self.at(file.robot.referenced), name.clone());
+            return Err(ScenarioError::UnknownRobot { at, name, path });
+        }
+        Ok(robot_file::load(&path, &robot_options)?)
     }
 
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
@@ -232,7 +239,8 @@ impl Layout<'_> {
         solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
         solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
         if let Some(name) = object {
-            solids.push(self.solid_of_object(name)?);
+            let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
+            solids.push(self.solid_of_object(name).map_err(in_file)?);
         }
         match (solids.pop(), solids.len()) {
             (Some(solid), 0) => {

@@ -146,7 +146,7 @@ impl RecipeBody {
     }
 
     /// A body of the planning frame. It stands where its only shape does, or at the middle of its shapes.
-    fn of(body: &Body, scene_from_planning: &Pose) -> Result<Self, ScenarioError> {
+    pub(crate) fn of(body: &Body, scene_from_planning: &Pose) -> Result<Self, ScenarioError> {
         let places: Vec<Pose> =
             body.parts.iter().map(|part| scene_from_planning * part.world_from_solid).collect();
         let scene_from_body = if let [only] = &places[..] {

@@ -135,6 +135,13 @@ impl RecipeBody {
         Ok(soup)
     }
 
+    /// The same where the body stands.
+    pub(crate) fn placed_soup(&self) -> Result<TriangleSoup, ScenarioError> {
+        let mut soup = TriangleSoup::default();
+        append(&mut soup, &self.soup()?, &self.scene_from_body);
+        Ok(soup)
+    }
+
     /// The same as an OBJ file with a group for each shape.
     fn grouped_obj(&self) -> Result<String, ScenarioError> {
         let mut text = String::new();

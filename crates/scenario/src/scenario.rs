@@ -5,11 +5,11 @@ use cranny_collision::{Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_robot::Robot;
-use cranny_shape::Surface;
+use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::Pose;
 
 use crate::archive::Unpacked;
-use crate::{ScenarioError, catalogue, hand, own_layout, released};
+use crate::{RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -68,6 +68,15 @@ pub struct Demands {
     pub grasp_margin_m: f64,
 }
 
+/// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
+/// file of a scenario. Nothing is read.
+pub fn is_scenario(what: &str) -> bool {
+    let folder = Path::new(what);
+    catalogue().iter().any(|entry| entry.id == what)
+        || folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+        || [own_layout::FILE, released::FILE].iter().any(|file| folder.join(file).is_file())
+}
+
 impl Scenario {
     /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
     /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
@@ -91,6 +100,16 @@ impl Scenario {
         } else {
             Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids() })
         }
+    }
+
+    /// The triangles of the target, in the planning frame, normals outwards; None where there is no target. Of
+    /// several shapes each has all its own, also where it lies within another.
+    ///
+    /// # Errors
+    /// [`ScenarioError::ShapeFile`] for a shape without triangles.
+    pub fn target_mesh(&self) -> Result<Option<TriangleSoup>, ScenarioError> {
+        let body = self.target.map(|target| &self.world.bodies()[target]);
+        body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
     }
 
     /// The problem to plan for.

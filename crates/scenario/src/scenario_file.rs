@@ -15,12 +15,18 @@ use serde_saphyr::Spanned;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScenarioFile {
-    /// `panda_mobile`, or the path of a URDF.
-    pub robot: String,
+    /// `panda_mobile`, or the path of a URDF, from the folder of this file.
+    #[schemars(with = "String")]
+    pub robot: Spanned<String>,
     /// What it is about, who made it and how it may be used.
     pub about: Option<AboutEntry>,
-    /// The robot's SRDF: pairs of links that may touch.
+    /// The robot's SRDF: pairs of links that may touch. What stands beside the URDF needs no mention.
     pub srdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints move; without it all from the root to the tip.
+    pub group: Option<String>,
+    /// Folders in which the `package://` names of the URDF are looked for.
+    #[serde(default)]
+    pub packages: Vec<PathBuf>,
     /// The link whose frame is the gripper frame.
     pub tip: Option<String>,
     /// Joints outside the group, and where they stand (m, rad).

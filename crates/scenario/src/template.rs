@@ -1,24 +1,100 @@
+use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::{ScenarioError, own_layout};
+use cranny_robot::{JointGroup, Robot, RobotOptions, TextSource};
 
-/// Begins a scenario of one's own: a folder with a commented `scenario.yaml` and a `grasps.csv`, which opens
-/// and can be planned as it is.
+use crate::robot_in_folder::RobotInFolder;
+use crate::{ScenarioError, own_layout, robot_file};
+
+/// The robot of a new scenario, if it is not the built-in one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TemplateRobot {
+    /// Its URDF.
+    pub urdf: PathBuf,
+    /// Its SRDF. Default: the one beside the URDF, if there is one.
+    pub srdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints move. Default: all from the root to the tip.
+    pub group: Option<String>,
+    /// The link that grasps are reached with. Default: see [`RobotOptions::tip`].
+    pub tip: Option<String>,
+    /// Folders in which `package://` names of the URDF are looked for.
+    pub packages: Vec<PathBuf>,
+}
+
+/// Begins a scenario of one's own: a folder with a commented `scenario.yaml` and a `grasps.csv`, which opens.
+/// With the built-in robot it can be planned as it is; another one's files are copied to `robot/`, and where
+/// things stand is then to be adapted to it.
 ///
 /// # Errors
-/// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::Unwritable`].
-pub fn write_template(folder: &Path) -> Result<(), ScenarioError> {
+/// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::Unwritable`], and whatever is wrong
+/// with the robot, before anything is written.
+pub fn write_template(folder: &Path, robot: Option<&TemplateRobot>) -> Result<(), ScenarioError> {
     if folder.exists() {
         return Err(ScenarioError::Exists { path: folder.to_owned() });
     }
-    let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-    fs::create_dir_all(folder).map_err(|reason| unwritable(folder, reason))?;
-    for (name, text) in [(own_layout::GRASPS_FILE, GRASPS), (own_layout::FILE, SCENARIO)] {
+    let mut files = vec![(own_layout::GRASPS_FILE.to_owned(), GRASPS.as_bytes().to_vec())];
+    let mut text = SCENARIO.to_owned();
+    if let Some(robot) = robot {
+        let options = robot.options();
+        let model = robot_file::load(&robot.urdf, &options)?;
+        let gathered = RobotInFolder::gather(&robot.urdf, robot.srdf.as_deref(), &robot.packages)?;
+        files.extend(gathered.contents().map(|(name, content)| (name, content.to_vec())));
+        text = robot.named_in(&gathered.named_in(&text), &model);
+    }
+    files.push((own_layout::FILE.to_owned(), text.into_bytes()));
+    for (name, content) in files {
         let path = folder.join(name);
-        fs::write(&path, text).map_err(|reason| unwritable(&path, reason))?;
+        let write = || -> std::io::Result<()> {
+            fs::create_dir_all(path.parent().unwrap_or(folder))?;
+            fs::write(&path, content)
+        };
+        write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
     }
     Ok(())
+}
+
+impl TemplateRobot {
+    fn options(&self) -> RobotOptions {
+        RobotOptions {
+            srdf: self.srdf.clone().map(TextSource::Path),
+            group: self.group.clone().map_or(JointGroup::RootToTip, JointGroup::Srdf),
+            tip: self.tip.clone(),
+            packages: self.packages.clone(),
+            ..RobotOptions::default()
+        }
+    }
+
+    /// The template with this robot's group, tip and joints: each stands at 0, or at the limit next to it.
+    fn named_in(&self, template: &str, model: &Robot) -> String {
+        let mut text = String::new();
+        let mut is_start = false;
+        for line in template.lines() {
+            is_start &= line.starts_with(' ');
+            if is_start {
+                continue;
+            }
+            text += line;
+            text.push('\n');
+            if line.starts_with("robot:") {
+                for (key, value) in [
+                    ("group", self.group.as_deref()),
+                    ("tip", Some(model.links()[model.tip()].name.as_str())),
+                ] {
+                    if let Some(value) = value {
+                        let _ = writeln!(text, "{key}: {value:?}");
+                    }
+                }
+            }
+            is_start = line == "start:";
+            if is_start {
+                for (joint, limits) in model.joint_names().iter().zip(model.limits()) {
+                    let _ = writeln!(text, "  {joint:?}: {}", limits.clamp(0.0));
+                }
+            }
+        }
+        text
+    }
 }
 
 const SCENARIO: &str = include_str!("template/scenario.yaml");

@@ -83,7 +83,11 @@ fn faults_of_a_scenario_file_name_file_and_line() {
         ),
         ("position: [0.4, 1.0, 0.5],", "rotation_rpy_deg: [0, 0, 0],", "scenario.yaml:15: a pose has either"),
         ("mesh: {file: wedge.obj", "mesh: {file: cone.obj", "scenario.yaml:22: 'wedge': "),
-        ("robot: panda_mobile", "robot: panda_movable.urdf", "panda_movable.urdf: cannot be read"),
+        (
+            "robot: panda_mobile",
+            "robot: panda_movable.urdf",
+            "scenario.yaml:2: there is no robot 'panda_movable.urdf'",
+        ),
         ("robot: panda_mobile", "robot: panda_mobile\ntip: panda_gripper", "unknown link `panda_gripper`"),
         (
             "robot: panda_mobile",

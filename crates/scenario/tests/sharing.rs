@@ -138,10 +138,10 @@ fn the_committed_schema_is_that_of_the_types() {
 fn the_template_is_sound_and_is_never_written_over_anything() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("mine");
-    write_template(&folder).unwrap();
+    write_template(&folder, None).unwrap();
     assert!(check(folder.to_str().unwrap()).is_empty());
     assert_eq!(open(&folder).unwrap().grasps.len(), 3);
-    assert!(write_template(&folder).unwrap_err().to_string().contains("exists already"));
+    assert!(write_template(&folder, None).unwrap_err().to_string().contains("exists already"));
 }
 
 #[test]

@@ -60,8 +60,9 @@ pub enum ShapeError {
     },
     /// Triangles of a mesh pass through each other.
     #[error(
-        "the mesh crosses itself: {pairs} pairs of triangles pass through each other, by {depth_m:.1e} m \
-         triangles {first} and {second} near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one surface)"
+        "the mesh crosses itself: {pairs} pairs of triangles pass through each other, triangles {first} and \
+         {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one surface)",
+        depth_m * 1000.0
     )]
     SelfCrossing {
         /// How many pairs of triangles do.
@@ -124,7 +125,7 @@ pub enum ShapeError {
         z: f64,
     },
     /// There is no triangle.
-    #[error("the mesh has no triangles")]
+    #[error("the mesh has no triangles (is it a mesh at all?)")]
     Empty,
     /// The file cannot be read.
     #[error("{path}: cannot read the mesh: {source}", path = path.display())]
@@ -135,7 +136,7 @@ pub enum ShapeError {
         source: std::io::Error,
     },
     /// The file's ending names no format that is read here.
-    #[error("{path}: unknown mesh format '{extension}' (known: obj, stl, dae, ply)", path = path.display())]
+    #[error("{path}: the ending '{extension}' names no mesh format (known: obj, stl, dae, ply)", path = path.display())]
     Format {
         /// The mesh file.
         path: PathBuf,

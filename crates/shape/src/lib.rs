@@ -15,6 +15,7 @@ mod area;
 mod ball_tree;
 mod bound;
 mod coarse_hull;
+mod collada;
 mod convex;
 mod convex_hull;
 mod convex_parts;

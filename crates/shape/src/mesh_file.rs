@@ -7,8 +7,8 @@ use cranny_spatial::{Point, Vector};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 
-use crate::ShapeError;
 use crate::error::usable;
+use crate::{ShapeError, collada};
 
 /// Triangles as a file gives them: no promise of a closed or connected surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +29,8 @@ impl TriangleSoup {
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let corners = match extension.as_str() {
-            "obj" | "stl" | "dae" => read_with_mesh_loader(path)?,
+            "obj" | "stl" => read_with_mesh_loader(path)?,
+            "dae" => read_collada(path)?,
             "ply" => read_ply(path)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
         };
@@ -98,6 +99,13 @@ fn read_with_mesh_loader(path: &Path) -> Result<Vec<Point>, ShapeError> {
         }
     }
     Ok(corners)
+}
+
+fn read_collada(path: &Path) -> Result<Vec<Point>, ShapeError> {
+    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
+    collada::corners(&text).map_err(broken)
 }
 
 fn read_ply(path: &Path) -> Result<Vec<Point>, ShapeError> {

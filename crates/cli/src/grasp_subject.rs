@@ -1,0 +1,152 @@
+use std::path::Path;
+
+use cranny_collision::{Body, World};
+use cranny_grasp::{FirstApproach, Gripper, SamplerSettings};
+use cranny_plan::{Hand, HandFilter};
+use cranny_scenario::{
+    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, is_scenario, panda_hand, read_gripper,
+};
+use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::failure::Failure;
+use crate::grasps::SampleArguments;
+use crate::object;
+
+/// What is grasped, and with what.
+pub struct Subject {
+    pub name: String,
+    /// In the frame that grasps are written in.
+    pub mesh: TriangleSoup,
+    friction: f64,
+    place: Place,
+    gripper: Gripper,
+    hand: Hand,
+}
+
+/// What is around the object.
+enum Place {
+    /// Nothing.
+    Nowhere,
+    /// The ground that it rests on.
+    Ground {
+        ground_from_object: Pose,
+    },
+    Scene(World),
+}
+
+impl Subject {
+    pub fn open(arguments: &SampleArguments) -> Result<Self, Failure> {
+        let path = Path::new(&arguments.object);
+        let given = match &arguments.gripper {
+            Some(path) => {
+                let gripper = read_gripper(path)?;
+                let hand = Hand::of_gripper(&gripper).map_err(ScenarioError::from)?;
+                Some((gripper, hand))
+            }
+            None => None,
+        };
+        if is_scenario(&arguments.object) {
+            return Self::of_scenario(arguments, given);
+        }
+        let (gripper, hand) = match given {
+            Some(given) => given,
+            None => (Gripper::panda_hand(), panda_hand().map_err(ScenarioError::from)?),
+        };
+        if path.is_file() {
+            if arguments.pose.is_some() {
+                let problem = "a bare mesh has no stable poses (make it an object: cranny object add)".into();
+                return Err(Failure::Flag { flag: "pose", problem });
+            }
+            let scale = Vector::repeat(arguments.scale);
+            let mesh = TriangleSoup::load(path, scale).map_err(ScenarioError::from)?;
+            let (name, friction) = (arguments.object.clone(), DEFAULT_FRICTION);
+            return Ok(Self { name, mesh, friction, place: Place::Nowhere, gripper, hand });
+        }
+        let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
+        let place = match arguments.pose {
+            None => Place::Nowhere,
+            Some(index) => {
+                let stable = stable_poses.get(index).ok_or_else(|| Failure::Flag {
+                    flag: "pose",
+                    problem: format!("{name} has {} stable poses, counted from 0", stable_poses.len()),
+                })?;
+                Place::Ground { ground_from_object: stable.ground_from_body }
+            }
+        };
+        Ok(Self { name, mesh, friction, place, gripper, hand })
+    }
+
+    /// The target where it stands, with everything around it and the hand of the scenario's robot.
+    fn of_scenario(arguments: &SampleArguments, given: Option<(Gripper, Hand)>) -> Result<Self, Failure> {
+        if arguments.pose.is_some() {
+            let problem = "the object stands where the scenario has it".into();
+            return Err(Failure::Flag { flag: "pose", problem });
+        }
+        let scenario = Scenario::open(&arguments.object, &OpenOptions::default())?;
+        let Some(mesh) = scenario.target_mesh()? else {
+            return Err(Failure::NoTarget { id: scenario.id });
+        };
+        let is_panda = scenario.robot.link_index("panda_leftfinger").is_some();
+        let (gripper, hand) = match given {
+            Some(given) => given,
+            None if is_panda => {
+                (Gripper::panda_hand(), Hand::of_robot(&scenario.robot, &scenario.hand_links))
+            }
+            None => {
+                let problem = format!(
+                    "how far the gripper of {} opens stands in no file of the scenario: give it as YAML",
+                    scenario.robot.name()
+                );
+                return Err(Failure::Flag { flag: "gripper", problem });
+            }
+        };
+        let (name, place) = (scenario.id, Place::Scene(scenario.world));
+        Ok(Self { name, mesh, friction: DEFAULT_FRICTION, place, gripper, hand })
+    }
+
+    /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
+    pub fn filter(&self, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
+        let mut bodies = Vec::new();
+        match &self.place {
+            Place::Scene(world) => {
+                let filter = HandFilter::new(&self.hand, world.clone(), approach_m);
+                return Ok(filter.map_err(ScenarioError::from)?);
+            }
+            Place::Ground { ground_from_object } => {
+                bodies.push(Body::new("floor", ground_from_object.inverse(), Solid::half_space()));
+            }
+            Place::Nowhere => {}
+        }
+        let solid = Solid::mesh(&self.mesh).ok();
+        let is_open = solid.is_none();
+        bodies.extend(solid.map(|solid| Body::new(self.name.clone(), Pose::identity(), solid)));
+        let world = World::new(bodies).map_err(ScenarioError::from)?;
+        let filter = HandFilter::new(&self.hand, world, approach_m).map_err(ScenarioError::from)?;
+        Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
+    }
+
+    pub fn settings(&self, arguments: &SampleArguments) -> SamplerSettings {
+        let mut settings = SamplerSettings {
+            count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
+            friction: arguments.friction.unwrap_or(self.friction),
+            opening_m: self.gripper.opening_m,
+            approaches: arguments.approaches,
+            depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
+            // What the filter of the hand would refuse anyway, sooner.
+            finger_depth_m: Some(self.gripper.finger_depth_m())
+                .filter(|depth_m| !arguments.bare && *depth_m > 0.0),
+            seed: arguments.seed,
+            ..SamplerSettings::default()
+        };
+        if arguments.random_approaches {
+            settings.first_approach = FirstApproach::Random;
+        }
+        if let Place::Ground { ground_from_object } = &self.place {
+            settings.up = ground_from_object.rotation.inverse() * Vector::z();
+            settings.steepest_rise_rad = 0.0;
+            settings.ground_m = Some(-ground_from_object.translation.z);
+        }
+        settings
+    }
+}

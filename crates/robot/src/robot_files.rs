@@ -1,0 +1,119 @@
+use std::collections::BTreeMap;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::xml::XmlText;
+use crate::{RobotError, mesh_path};
+
+/// A robot's files, brought together: URDF, SRDF, limits and meshes under names of one folder, in which the URDF
+/// finds its meshes without any package.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotFiles {
+    /// Content by name, with slashes.
+    pub contents: BTreeMap<String, Vec<u8>>,
+    /// The name of the URDF.
+    pub urdf: String,
+    /// The name of the SRDF, if there is one.
+    pub srdf: Option<String>,
+}
+
+/// The folder of the meshes.
+const MESHES: &str = "meshes";
+
+/// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
+const LIMITS: &str = "limits.yaml";
+
+impl RobotFiles {
+    /// Reads the files of the robot at `urdf`: the SRDF given, or else the one beside it, `limits.yaml` beside
+    /// it, and every mesh that it names, for collision or for looks; `package://` as in
+    /// [`RobotOptions::packages`](crate::RobotOptions::packages). A mesh for looks alone that is not there is
+    /// left out. What a mesh file itself refers to, such as textures, is not followed.
+    ///
+    /// # Errors
+    /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and what makes the text no URDF.
+    pub fn gather(urdf: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
+        let bytes_of = |path: &Path| {
+            fs::read(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
+        };
+        let mut text = fs::read_to_string(urdf)
+            .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
+        let mut contents = BTreeMap::new();
+        let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
+        // From the last to the first, so that the places of the others stay.
+        for mesh in mesh_names(&text, urdf)?.into_iter().rev() {
+            let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
+            let Some(path) = tried.iter().find(|path| path.is_file()) else {
+                if mesh.is_for_looks {
+                    continue;
+                }
+                return Err(mesh.not_found(tried));
+            };
+            if !names.contains_key(path) {
+                let name = free_name(path, &contents);
+                contents.insert(name.clone(), bytes_of(path)?);
+                names.insert(path.clone(), name);
+            }
+            text.replace_range(mesh.place.clone(), &names[path]);
+        }
+        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let beside = urdf.with_extension("srdf");
+        let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
+        for extra in
+            srdf.iter().cloned().chain([urdf.with_file_name(LIMITS)].into_iter().filter(|p| p.is_file()))
+        {
+            contents.insert(name_of(&extra), bytes_of(&extra)?);
+        }
+        contents.insert(name_of(urdf), text.into_bytes());
+        Ok(Self { contents, urdf: name_of(urdf), srdf: srdf.as_deref().map(name_of) })
+    }
+}
+
+/// A mesh as a URDF names it.
+struct MeshName {
+    file: String,
+    /// Where the name stands in the text.
+    place: Range<usize>,
+    link: String,
+    at: crate::Location,
+    is_for_looks: bool,
+}
+
+impl MeshName {
+    fn not_found(self, tried: Vec<PathBuf>) -> RobotError {
+        RobotError::MeshNotFound { at: self.at, link: self.link, mesh: self.file, tried }
+    }
+}
+
+/// The meshes that a URDF names, in the order of the text.
+fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, RobotError> {
+    let file = urdf.display().to_string();
+    let xml = XmlText::parse(text, &file)?;
+    let mut names = Vec::new();
+    for link in xml.robot()?.all("link") {
+        for (tag, is_for_looks) in [("collision", false), ("visual", true)] {
+            let geometries = link.all(tag).filter_map(|body| body.first("geometry"));
+            for mesh in geometries.filter_map(|geometry| geometry.first("mesh")) {
+                let Some((file, place)) = mesh.text_and_place("filename") else { continue };
+                let link = link.optional_text("name").unwrap_or_default().to_owned();
+                names.push(MeshName { file: file.to_owned(), place, link, at: mesh.at(), is_for_looks });
+            }
+        }
+    }
+    names.sort_by_key(|name| name.place.start);
+    Ok(names)
+}
+
+/// A name for the mesh that no other has.
+fn free_name(path: &Path, taken: &BTreeMap<String, Vec<u8>>) -> String {
+    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    let stem: String = part(path.file_stem()).chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+    let ending = part(path.extension());
+    let with = |suffix: String| format!("{MESHES}/{stem}{suffix}.{ending}");
+    let numbered = (2..).map(|number: u32| with(format!("-{number}")));
+    std::iter::once(with(String::new()))
+        .chain(numbered)
+        .find(|name| !taken.contains_key(name))
+        .unwrap_or_default()
+}

@@ -1,0 +1,140 @@
+//! No file makes a reader panic: sound ones damaged at random, and the cases that fuzzing has found.
+
+mod file_readers;
+
+use std::fs;
+
+use file_readers::{FILE_READERS, FileReader, ReaderAtWork, here};
+use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
+
+/// Where `file_readers` is, in this crate.
+const HERE: &str = "tests/file_readers";
+
+/// What happens to a file on its way.
+#[derive(Clone, Debug)]
+enum Damage {
+    /// It ends early; places are shares of the length.
+    CutAt(f64),
+    /// One byte is another.
+    Byte(f64, u8),
+    /// A stretch of it is missing.
+    Missing(f64, f64),
+    /// A stretch of it stands there twice.
+    Twice(f64, f64),
+    /// Something that readers find hard stands in it.
+    Inserted(f64, usize),
+}
+
+/// Numbers and signs on which readers stumble.
+const HARD: [&[u8]; 14] = [
+    b"-1",
+    b"nan",
+    b"1e999",
+    b"18446744073709551616",
+    b"4294967295",
+    b"\0",
+    b"\xff\xfe",
+    b"\n",
+    b"[",
+    b"{",
+    b"<",
+    b"&a *a ",
+    b"\"",
+    b"0x",
+];
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let place = || 0.0..1.0;
+    prop_oneof![
+        place().prop_map(Damage::CutAt),
+        (place(), any::<u8>()).prop_map(|(at, byte)| Damage::Byte(at, byte)),
+        (place(), 0.0..0.2).prop_map(|(at, length)| Damage::Missing(at, length)),
+        (place(), 0.0..0.2).prop_map(|(at, length)| Damage::Twice(at, length)),
+        (place(), 0..HARD.len()).prop_map(|(at, what)| Damage::Inserted(at, what)),
+    ]
+}
+
+impl Damage {
+    fn applied_to(&self, bytes: &mut Vec<u8>) {
+        // Files are short.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let place = |share: f64| ((share * bytes.len() as f64) as usize).min(bytes.len());
+        match *self {
+            Self::CutAt(at) => bytes.truncate(place(at)),
+            Self::Byte(at, byte) => {
+                let at = place(at);
+                bytes.splice(at..(at + 1).min(bytes.len()), [byte]);
+            }
+            Self::Missing(at, length) => drop(bytes.drain(place(at)..place(at + length))),
+            Self::Twice(at, length) => {
+                let (begin, end) = (place(at), place(at + length));
+                let stretch = bytes[begin..end].to_vec();
+                bytes.splice(end..end, stretch);
+            }
+            Self::Inserted(at, what) => {
+                let at = place(at);
+                bytes.splice(at..at, HARD[what].iter().copied());
+            }
+        }
+    }
+}
+
+/// The sound file of a reader, and its further cases, by name.
+fn cases(reader: &FileReader) -> Vec<(String, Vec<u8>)> {
+    let mut cases = vec![("sound".to_owned(), fs::read(here().join("sound").join(reader.file)).unwrap())];
+    let mut files: Vec<_> = fs::read_dir(here().join("cases").join(reader.name))
+        .into_iter()
+        .flatten()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    files.sort();
+    for path in files {
+        cases.push((path.file_name().unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap()));
+    }
+    cases
+}
+
+#[test]
+fn every_case_is_read_or_refused() {
+    for reader in &FILE_READERS {
+        let at_work = ReaderAtWork::new(reader.name);
+        for (name, bytes) in cases(reader) {
+            println!("{}: {name}", reader.name);
+            at_work.read(&bytes);
+        }
+    }
+}
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    for reader in &FILE_READERS {
+        let at_work = ReaderAtWork::new(reader.name);
+        let cases = cases(reader);
+        let mut runner =
+            TestRunner::new(ProptestConfig { source_file: Some(file!()), ..ProptestConfig::default() });
+        let damaged = (0..cases.len(), prop::collection::vec(damage(), 1..4));
+        let result = runner.run(&damaged, |(case, damages)| {
+            let mut bytes = cases[case].1.clone();
+            for damage in &damages {
+                damage.applied_to(&mut bytes);
+            }
+            at_work.read(&bytes);
+            Ok(())
+        });
+        result.unwrap_or_else(|fault| panic!("{}: {fault}", reader.name));
+    }
+}
+
+#[test]
+fn each_reader_has_a_fuzz_target_and_each_target_a_reader() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut targets: Vec<String> = fs::read_dir(root.join("fuzz/targets"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    targets.sort();
+    let mut names: Vec<&str> = FILE_READERS.iter().map(|reader| reader.name).collect();
+    names.sort_unstable();
+    assert_eq!(targets, names);
+}

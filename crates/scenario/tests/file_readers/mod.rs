@@ -1,0 +1,146 @@
+//! The ways in for files from outside. The fuzz targets (`fuzz/`) and `any_bytes.rs` both feed them with what
+//! is no sound file; a reader may refuse it, but must come back.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_grasp::check_csv;
+use cranny_robot::{Robot, RobotOptions, TextSource};
+use cranny_scenario::{
+    MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, read_gripper,
+    read_waypoints, unpack,
+};
+use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
+use cranny_spatial::Vector;
+
+/// A reader of one kind of file.
+pub struct FileReader {
+    /// What its fuzz target and the folder of its cases are called.
+    pub name: &'static str,
+    /// The file among the sound ones that is replaced.
+    pub file: &'static str,
+    /// Reads that file, in a folder that holds the sound ones.
+    read: fn(&Path),
+}
+
+const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> FileReader {
+    FileReader { name, file, read }
+}
+
+/// All of them.
+pub const FILE_READERS: [FileReader; 19] = [
+    reader("urdf", "robot/arm.urdf", read_robot),
+    reader("srdf", "robot/arm.srdf", read_robot),
+    reader("limits", "robot/limits.yaml", read_robot),
+    reader("obj", "mesh/mesh.obj", |folder| read_mesh(&folder.join("mesh/mesh.obj"))),
+    reader("stl", "mesh/mesh.stl", |folder| read_mesh(&folder.join("mesh/mesh.stl"))),
+    reader("ply", "mesh/mesh.ply", |folder| read_mesh(&folder.join("mesh/mesh.ply"))),
+    reader("dae", "mesh/mesh.dae", |folder| read_mesh(&folder.join("mesh/mesh.dae"))),
+    reader("scenario", "own/scenario.yaml", read_own),
+    reader("grasps_csv", "own/grasps.csv", |folder| {
+        let path = folder.join("own/grasps.csv");
+        if let Ok(text) = fs::read_to_string(&path) {
+            let _ = check_csv(&path, &text);
+        }
+    }),
+    reader("grasps_npy", "released/scenarios/desk/grasps.npy", read_released),
+    reader("scene", "released/scenarios/desk/scene.yaml", read_released),
+    reader("object_library", "released/library/object_library.yaml", read_released),
+    reader("moveit_scene", "moveit/scene.yaml", read_moveit),
+    reader("moveit_request", "moveit/request.yaml", read_moveit),
+    reader("plan", "plan.json", |folder| {
+        let _ = read_waypoints(&folder.join("plan.json"), 9);
+    }),
+    reader("waypoints", "waypoints.csv", |folder| {
+        let _ = read_waypoints(&folder.join("waypoints.csv"), 2);
+    }),
+    reader("archive", "corner.zip", |folder| {
+        let unpacked = folder.join("unpacked");
+        let _ = unpack(&folder.join("corner.zip"), &unpacked);
+        let _ = fs::remove_dir_all(&unpacked);
+    }),
+    reader("gripper", "gripper.yaml", |folder| {
+        let _ = read_gripper(&folder.join("gripper.yaml"));
+    }),
+    reader("object", "object/object.yaml", |folder| {
+        let _ = ObjectType::read_folder(&folder.join("object"));
+    }),
+];
+
+fn read_robot(folder: &Path) {
+    let srdf = Some(TextSource::Path(folder.join("robot/arm.srdf")));
+    let _ = Robot::load(&folder.join("robot/arm.urdf"), &RobotOptions { srdf, ..RobotOptions::default() });
+}
+
+/// A mesh, as an obstacle, as a link and as an object would take it.
+fn read_mesh(path: &Path) {
+    if let Ok(soup) = TriangleSoup::load(path, Vector::repeat(1.0)) {
+        let _ = Solid::hull(&soup.vertices);
+        let _ = Solid::mesh(&soup);
+        let _ = RepairedMesh::of(&soup);
+    }
+}
+
+fn read_own(folder: &Path) {
+    let own = folder.join("own");
+    let _ = check_folder(&own);
+    let _ = Scenario::open(&own.to_string_lossy(), &OpenOptions::default());
+}
+
+fn read_released(folder: &Path) {
+    let desk = folder.join("released/scenarios/desk");
+    let _ = Scenario::open(&desk.to_string_lossy(), &OpenOptions::default());
+}
+
+fn read_moveit(folder: &Path) {
+    let options = MoveItOptions {
+        robot: Some(folder.join("robot/arm.urdf")),
+        srdf: Some(folder.join("robot/arm.srdf")),
+    };
+    let _ =
+        MoveItProblem::open(&folder.join("moveit/scene.yaml"), &folder.join("moveit/request.yaml"), &options);
+}
+
+/// A reader, with a folder of its own that holds the sound files.
+pub struct ReaderAtWork {
+    reader: &'static FileReader,
+    folder: tempfile::TempDir,
+}
+
+impl ReaderAtWork {
+    /// # Panics
+    /// If there is no such reader, or no folder can be made.
+    pub fn new(name: &str) -> Self {
+        let reader = FILE_READERS.iter().find(|reader| reader.name == name).expect("a reader of this name");
+        let folder = tempfile::tempdir().expect("a folder of its own");
+        copy_all(&here().join("sound"), folder.path());
+        Self { reader, folder }
+    }
+
+    /// Has `bytes` read in place of the sound file.
+    ///
+    /// # Panics
+    /// If the reader does, or the file cannot be written.
+    pub fn read(&self, bytes: &[u8]) {
+        fs::write(self.folder.path().join(self.reader.file), bytes).expect("a file to read");
+        (self.reader.read)(self.folder.path());
+    }
+}
+
+/// The folder of this module.
+pub fn here() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(super::HERE)
+}
+
+fn copy_all(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("the sound files") {
+        let path = entry.expect("a sound file").path();
+        let copy = to.join(path.file_name().expect("a name"));
+        if path.is_dir() {
+            copy_all(&path, &copy);
+        } else {
+            fs::copy(&path, &copy).expect("a copy");
+        }
+    }
+}
