@@ -4,6 +4,8 @@
 //! ## Limits
 //! One machine runs one campaign; results of several are joined afterwards.
 
+pub mod statistics;
+
 mod trial;
 
 pub use trial::{Trial, TrialOutcome, TrialRecord};
