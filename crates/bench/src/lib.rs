@@ -4,6 +4,13 @@
 //! ## Limits
 //! One machine runs one campaign; results of several are joined afterwards.
 
+mod error;
+mod results;
+mod results_row;
+mod run_information;
 mod trial;
 
+pub use error::BenchError;
+pub use results::{Merged, Results, Run, ScenarioSource, StoredTrial};
+pub use run_information::RunInformation;
 pub use trial::{Trial, TrialOutcome, TrialRecord};
