@@ -6,6 +6,13 @@
 
 pub mod statistics;
 
+mod error;
+mod results;
+mod results_row;
+mod run_information;
 mod trial;
 
+pub use error::BenchError;
+pub use results::{Merged, Results, Run, ScenarioSource, StoredTrial};
+pub use run_information::RunInformation;
 pub use trial::{Trial, TrialOutcome, TrialRecord};

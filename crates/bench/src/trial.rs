@@ -74,6 +74,11 @@ impl TrialOutcome {
             Self::OutOfMemory => "out-of-memory",
         }
     }
+
+    /// The outcome of that name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|outcome| outcome.name() == name)
+    }
 }
 
 /// A trial and how it went: one row of the results.

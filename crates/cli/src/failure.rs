@@ -9,6 +9,9 @@ pub enum Failure {
     /// The problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// A campaign or its results.
+    #[error(transparent)]
+    Bench(#[from] cranny_bench::BenchError),
     /// A flag that does not fit.
     #[error("--{flag}: {problem}")]
     Flag {

@@ -3,6 +3,8 @@
 //! Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
 
 mod arguments;
+mod bench;
+mod bench_merge;
 mod failure;
 mod grasp_choice;
 mod grasps;
@@ -47,6 +49,7 @@ fn main() -> ExitCode {
         Command::Scenario(arguments) => scenario::run(arguments, cli.output),
         Command::Grasps(arguments) => grasps::run(arguments, cli.output),
         Command::Object(arguments) => object::run(arguments, cli.output),
+        Command::Bench(arguments) => bench::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,
