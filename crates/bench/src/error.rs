@@ -57,4 +57,28 @@ pub enum BenchError {
         /// What it says.
         reason: rusqlite::Error,
     },
+    /// A trial with a figure that no trial can have.
+    #[error("trial {trial}: its {figure} is {value}, which no trial can have")]
+    Figure {
+        /// Number of the trial.
+        trial: u64,
+        /// Which figure.
+        figure: &'static str,
+        /// What stands there.
+        value: f64,
+    },
+    /// There is nothing to report.
+    #[error("{results}: the results hold no trial; `cranny bench run -o {results}` adds some")]
+    NoTrials {
+        /// Name of the results.
+        results: String,
+    },
+    /// A plot could not be made into pixels.
+    #[error("cannot draw '{plot}': {problem}")]
+    Picture {
+        /// Name of the plot.
+        plot: String,
+        /// What the library says.
+        problem: String,
+    },
 }
