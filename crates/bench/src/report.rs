@@ -29,5 +29,5 @@ pub use place::Place;
 pub use plot::{Plot, plots};
 pub use row::{GoalRow, Row};
 pub use success_curve::{Measure, SuccessCurve};
-pub use summary::{RunSummary, Summary, SummarySource};
+pub use summary::{RunOrigin, Summary, SummarySource};
 pub use worst_trial::WorstTrial;

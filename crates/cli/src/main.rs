@@ -5,6 +5,8 @@
 mod arguments;
 mod bench;
 mod bench_merge;
+mod bench_replay;
+mod bench_run;
 mod failure;
 mod grasp_choice;
 mod grasps;

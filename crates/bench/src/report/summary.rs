@@ -20,7 +20,7 @@ pub struct Summary {
     /// How many trials.
     pub trials: usize,
     /// On what the trials ran.
-    pub runs: Vec<RunSummary>,
+    pub runs: Vec<RunOrigin>,
     /// One row for each planner on each scenario, by criterion.
     pub rows: Vec<Row>,
     /// One row for each goal, of planners that aim at one.
@@ -37,7 +37,7 @@ pub struct Summary {
 
 /// A run of a campaign: where its times were taken.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct RunSummary {
+pub struct RunOrigin {
     /// Name of the machine.
     pub machine: String,
     /// Its processor.
@@ -107,7 +107,7 @@ impl Summary {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
             trials: source.trials.len(),
-            runs: source.runs.iter().filter_map(|run| run_summary(run, source.trials)).collect(),
+            runs: source.runs.iter().filter_map(|run| run_origin(run, source.trials)).collect(),
             known_goals: known_goals(configurations.keys(), &names, source.scenarios),
             comparisons: comparisons(&groups),
             curves: success_curves(&groups),
@@ -134,10 +134,10 @@ impl Summary {
 }
 
 /// A run that gave trials.
-fn run_summary(run: &Run, trials: &[StoredTrial]) -> Option<RunSummary> {
+fn run_origin(run: &Run, trials: &[StoredTrial]) -> Option<RunOrigin> {
     let count = trials.iter().filter(|trial| trial.run == run.id).count();
     let information = run.information.clone();
-    (count > 0).then_some(RunSummary {
+    (count > 0).then_some(RunOrigin {
         machine: information.machine,
         processor: information.processor,
         workers: information.workers,
