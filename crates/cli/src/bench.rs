@@ -8,8 +8,10 @@ use cranny_bench::WorkerProgram;
 
 use crate::Answer;
 use crate::arguments::Output;
+use crate::bench_export::{self, ExportArguments};
 use crate::bench_merge::{self, MergeArguments};
 use crate::bench_replay::{self, ReplayArguments};
+use crate::bench_report::{self, ReportArguments};
 use crate::bench_run::{self, RunArguments};
 use crate::failure::Failure;
 
@@ -25,6 +27,10 @@ enum BenchCommand {
     Run(Box<RunArguments>),
     /// Join the results of several machines in one file
     Merge(MergeArguments),
+    /// Tables, curves and comparisons of results, as a page, JSON, LaTeX, Markdown or CSV
+    Report(ReportArguments),
+    /// Write results for other programs: the benchmark log of OMPL, for Planner Arena
+    Export(ExportArguments),
     /// Run a trial again, exactly
     Replay(ReplayArguments),
     /// Serve the trials of a campaign (what `bench run` starts)
@@ -36,6 +42,8 @@ pub fn run(arguments: &BenchArguments, output: Output) -> Result<Answer, Failure
     match &arguments.command {
         BenchCommand::Run(arguments) => bench_run::run(arguments, output),
         BenchCommand::Merge(arguments) => bench_merge::run(arguments, output),
+        BenchCommand::Report(arguments) => bench_report::run(arguments, output),
+        BenchCommand::Export(arguments) => bench_export::run(arguments, output),
         BenchCommand::Replay(arguments) => bench_replay::run(arguments, output),
         BenchCommand::Worker => {
             cranny_bench::serve(BufReader::new(stdin()), &mut stdout())?;

@@ -36,6 +36,14 @@ pub enum Failure {
         /// The file that was asked for.
         path: PathBuf,
     },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
     /// Standard output is gone.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),

@@ -4,8 +4,10 @@
 
 mod arguments;
 mod bench;
+mod bench_export;
 mod bench_merge;
 mod bench_replay;
+mod bench_report;
 mod bench_run;
 mod failure;
 mod grasp_choice;
@@ -23,6 +25,7 @@ mod task;
 mod text;
 mod timing;
 mod verify;
+mod whole_file;
 
 use std::io::Write;
 use std::process::ExitCode;
