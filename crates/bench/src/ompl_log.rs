@@ -69,9 +69,10 @@ impl OmplLog {
         for (planner, configuration, runs) in
             experiments.into_iter().flat_map(|experiment| experiment.planners)
         {
-            let name = match several {
-                true => format!("{planner} @ {} {}", names.scenario(configuration), configuration.criterion),
-                false => planner,
+            let name = if several {
+                format!("{planner} @ {} {}", names.scenario(configuration), configuration.criterion)
+            } else {
+                planner
             };
             planners.push((name, configuration, runs));
         }
@@ -99,7 +100,9 @@ fn grouped<'a>(
     for trial in source.trials {
         grouped.entry(Configuration::of(&trial.record.trial)).or_default().push(trial);
     }
-    grouped.values_mut().for_each(|runs| runs.sort_by_key(|run| run.id));
+    for runs in grouped.values_mut() {
+        runs.sort_by_key(|run| run.id);
+    }
     Ok(grouped)
 }
 

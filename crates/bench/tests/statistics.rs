@@ -1,5 +1,8 @@
 //! The statistics against published examples, against other programs, and against their laws.
 
+// Figures that are copied or counted must be the same to the last bit.
+#![allow(clippy::float_cmp)]
+
 use cranny_bench::statistics::{
     Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, two_sided_p, wilson,
 };

@@ -46,9 +46,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
 
 fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
     let spreads = || scope.rows().filter_map(quantity.of);
-    if spreads().next().is_none() {
-        return None;
-    }
+    spreads().next()?;
     let (scenarios, planners) = (scope.scenarios(), scope.planners());
     let x = Axis {
         label: String::new(),
@@ -81,6 +79,9 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
     Some(scope.plot(title, &[quantity.word], frame.finish()))
 }
 
+/// Of what is within a box: the grid is seen through it.
+const FILL_OPACITY: f64 = 0.15;
+
 /// A box from quartile to quartile with the median across, whiskers to the least and the greatest value.
 fn draw_box(frame: &mut Frame, spread: &Spread, middle: f64, half: f64, series: usize) {
     let ink = Ink::Series(series);
@@ -94,7 +95,7 @@ fn draw_box(frame: &mut Frame, spread: &Spread, middle: f64, half: f64, series: 
     ]
     .map(|(x, y)| frame.place(x, y))
     .to_vec();
-    frame.draw(Mark::Area { points: corners.clone(), ink });
+    frame.draw(Mark::Area { points: corners.clone(), ink, opacity: FILL_OPACITY });
     let mut line = |points, width| frame.draw(Mark::Line { points, ink, width, dash: Dash::Solid });
     line(corners, 1.5);
     let across = |frame: &Frame, from: (f64, f64), to: (f64, f64)| {

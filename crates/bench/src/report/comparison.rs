@@ -72,7 +72,9 @@ pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
     }
     for family in families.values_mut() {
         let size = family.len();
-        family.iter_mut().for_each(|comparison| comparison.family = size);
+        for comparison in family.iter_mut() {
+            comparison.family = size;
+        }
         adjust(family, |comparison| (comparison.log_rank_p, &mut comparison.log_rank_p_holm));
         adjust(family, |comparison| (comparison.difference_p, &mut comparison.difference_p_holm));
     }

@@ -33,7 +33,7 @@ pub enum Mark {
     /// A line through points.
     Line { points: Vec<Point>, ink: Ink, width: f64, dash: Dash },
     /// A translucent area within points.
-    Area { points: Vec<Point>, ink: Ink },
+    Area { points: Vec<Point>, ink: Ink, opacity: f64 },
     /// A disc.
     Disc { center: Point, radius: f64, ink: Ink },
     /// A word or more, on its baseline.

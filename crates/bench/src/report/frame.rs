@@ -59,7 +59,7 @@ impl Frame {
 
     fn draw_title(&mut self, title: &str) {
         // A long title is set smaller rather than cut.
-        let size = (9..=14).rev().find(|&size| text_width(title, size) < WIDTH - 12.0).unwrap_or(9);
+        let size = (10..=14).rev().find(|&size| text_width(title, size) < WIDTH - 12.0).unwrap_or(10);
         self.draw(Mark::Text {
             at: (8.0, 20.0),
             text: title.to_owned(),

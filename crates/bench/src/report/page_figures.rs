@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use crate::report::Summary;
-use crate::report::number_text::{percent, plain};
+use crate::report::number_text::{percent, plain, table_seconds};
 
 /// A page as it grows. Figures are looked up in the JSON document by their path, so that the page cannot say anything
 /// else than the document.
@@ -13,6 +13,8 @@ pub struct Markup<'a> {
     /// The document, as text.
     pub json: String,
     document: Value,
+    /// How many tables it has.
+    tables: usize,
 }
 
 /// How a figure is shown.
@@ -22,6 +24,8 @@ pub enum Shown {
     Plain,
     /// A count, which is whole but for a median between two.
     Count,
+    /// Seconds as in the paper's table.
+    TableSeconds,
     /// In percent.
     Percent,
     /// A length in metres, in millimetres.
@@ -38,7 +42,7 @@ impl<'a> Markup<'a> {
         // A summary holds nothing that JSON has not: its figures are finite, its maps have text for keys.
         let json = serde_json::to_string(summary).unwrap_or_default();
         let document = serde_json::from_str(&json).unwrap_or_default();
-        Self { summary, text: String::new(), json, document }
+        Self { summary, text: String::new(), json, document, tables: 0 }
     }
 
     /// The figure at `path` (`rows.3.mean_s`), as it is.
@@ -59,6 +63,7 @@ impl<'a> Markup<'a> {
             Shown::Plain => plain(value),
             Shown::Count if value.fract() == 0.0 => format!("{value:.0}"),
             Shown::Count => format!("{value:.1}"),
+            Shown::TableSeconds => table_seconds(value),
             Shown::Percent => percent(value),
             Shown::Millimetres => plain(value * 1e3),
             Shown::Probability if value < 1e-3 => "&lt; 0.001".to_owned(),
@@ -67,7 +72,7 @@ impl<'a> Markup<'a> {
         let scale = match shown {
             Shown::Percent => " data-scale=\"100\"",
             Shown::Millimetres => " data-scale=\"1000\"",
-            Shown::Plain | Shown::Count | Shown::Probability => "",
+            Shown::Plain | Shown::Count | Shown::TableSeconds | Shown::Probability => "",
         };
         format!("<data value=\"{number}\" data-path=\"{path}\"{scale}>{text}</data>")
     }
@@ -81,9 +86,15 @@ impl<'a> Markup<'a> {
         )
     }
 
-    /// Opens a table with a caption and column heads; those that begin with `<` hold words, the others numbers.
+    /// Opens a table with a caption, which stays in sight where the table is scrolled, and column heads; those that begin with `<` hold words, the others numbers.
     pub fn open_table(&mut self, caption: &str, heads: &[&str]) {
-        let _ = write!(self.text, "<div class=\"scroll\"><table>\n<caption>{caption}</caption>\n<thead><tr>");
+        self.tables += 1;
+        let number = self.tables;
+        let _ = write!(
+            self.text,
+            "<p class=\"quiet\" id=\"table-{number}\">{caption}</p>\n<div class=\"scroll\">\
+             <table aria-describedby=\"table-{number}\">\n<thead><tr>"
+        );
         for head in heads {
             let _ = match head.strip_prefix('<') {
                 Some(words) => write!(self.text, "<th scope=\"col\" class=\"words\">{}</th>", escape(words)),

@@ -25,8 +25,8 @@ pub fn paper(page: &mut Markup, table: &PaperTable) {
                 Some((index, row)) if shown(row) => format!(
                     "{}: {}/{}{}",
                     page.figure_as(&format!("rows.{index}.success_rate"), Shown::Percent),
-                    page.figure(&format!("rows.{index}.mean_s")),
-                    page.figure(&format!("rows.{index}.std_s")),
+                    page.figure_as(&format!("rows.{index}.mean_s"), Shown::TableSeconds),
+                    page.figure_as(&format!("rows.{index}.std_s"), Shown::TableSeconds),
                     column.other_limit(row)
                 ),
                 _ => "–".to_owned(),
@@ -45,9 +45,9 @@ pub fn rates_and_times(page: &mut Markup, criterion: &str) {
         &[
             "<scenario",
             "<planner",
-            "runs",
-            "solved",
             "success, %",
+            "solved",
+            "runs",
             "median time",
             "restricted mean",
             "median iterations",
@@ -58,13 +58,13 @@ pub fn rates_and_times(page: &mut Markup, criterion: &str) {
         let at = |key: &str| format!("rows.{index}.{key}");
         let cells = [
             words(&row.planner_name),
-            page.figure(&at("runs")),
-            page.figure(&at("solved")),
             format!(
                 "{} {}",
                 page.figure_as(&at("success_rate"), Shown::Percent),
                 page.interval(&at("success_low"), &at("success_high"), Shown::Percent)
             ),
+            page.figure(&at("solved")),
+            page.figure(&at("runs")),
             estimate(page, &at("median_s"), &at("median_low_s"), &at("median_high_s"), Shown::Plain),
             format!(
                 "{} <span class=\"interval\">± {}</span>",
@@ -78,7 +78,7 @@ pub fn rates_and_times(page: &mut Markup, criterion: &str) {
                 &at("median_iterations_high"),
                 Shown::Count,
             ),
-            words(&failures(row)),
+            format!("<td class=\"words long\">{}</td>", escape(&failures(row))),
         ];
         page.table_line(&row.scenario_name, &cells);
     }

@@ -51,10 +51,12 @@ impl<'a> PaperTable<'a> {
             names.dedup();
             names
         };
-        let columns: Vec<Column> = distinct(|row| &row.planner_name)
-            .into_iter()
-            .map(|name| Column::of(name, rows().map(|(_, row)| row).filter(|row| row.planner_name == name)))
-            .collect();
+        let column = |name: &'a str| {
+            let of_planner: Vec<&Row> =
+                rows().map(|(_, row)| row).filter(|row| row.planner_name == name).collect();
+            Column::of(name, &of_planner)
+        };
+        let columns: Vec<Column> = distinct(|row| &row.planner_name).into_iter().map(column).collect();
         let line = |scenario_name: &'a str| {
             let of_scenario = || rows().filter(|(_, row)| row.scenario_name == scenario_name);
             let cell =
@@ -189,10 +191,10 @@ impl<'a> PaperTable<'a> {
 }
 
 impl<'a> Column<'a> {
-    fn of(planner_name: &'a str, rows: impl Iterator<Item = &'a Row> + Clone) -> Self {
-        let mut limits_s: Vec<f64> = rows.clone().map(|row| row.time_limit_s).collect();
+    fn of(planner_name: &'a str, rows: &[&Row]) -> Self {
+        let mut limits_s: Vec<f64> = rows.iter().map(|row| row.time_limit_s).collect();
         limits_s.sort_by(f64::total_cmp);
-        let runs = || rows.clone().map(|row| row.runs);
+        let runs = || rows.iter().map(|row| row.runs);
         Self {
             planner_name,
             // The middle of the sorted limits is that of most.

@@ -20,9 +20,6 @@ enum Surface {
 /// and the black, which are too light and too strong for a line on white; grey is added.
 pub const SERIES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#5f5f5f"];
 
-/// Transparency of a confidence band: three of them may lie on each other.
-const BAND_OPACITY: f64 = 0.14;
-
 /// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at a column's width.
 const PNG_SCALE: f32 = 2.0;
 
@@ -91,14 +88,14 @@ fn primitive(mark: &Mark, surface: Surface) -> Primitive {
             stroke_width: *width,
             stroke_dasharray: dash_array(*dash),
         },
-        Mark::Area { points, ink } => {
+        Mark::Area { points, ink, opacity } => {
             let corners: Vec<String> = points.iter().map(|(x, y)| format!("{x:.2},{y:.2}")).collect();
             Primitive::Path(Box::new(PathData {
                 d: format!("M{}Z", corners.join("L")),
                 fill: Some(color(*ink, surface)),
                 stroke: Color::None,
                 stroke_width: 0.0,
-                opacity: Some(BAND_OPACITY),
+                opacity: Some(*opacity),
                 stroke_dasharray: None,
             }))
         }

@@ -21,6 +21,8 @@ pub struct Row {
     pub scenario_hash: String,
     /// The environment, family or set of the scenario.
     pub environment: String,
+    /// What the dial of that environment is, where it is known.
+    pub dial: Option<&'static str>,
     /// The value of its dial, in metres.
     pub dial_m: Option<f64>,
     /// The planner.
@@ -247,6 +249,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         scenario_name: names.scenario(configuration).to_owned(),
         scenario_hash: configuration.scenario_hash.clone(),
         environment: place.environment,
+        dial: place.dial,
         dial_m: place.dial_m,
         planner: configuration.planner.clone(),
         planner_name: names.planner(configuration).to_owned(),

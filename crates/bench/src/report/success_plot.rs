@@ -7,6 +7,12 @@ use crate::report::frame::{Entry, Frame};
 use crate::report::plot::{Plot, Scope};
 use crate::report::success_curve::{Measure, SuccessCurve};
 
+/// Bands of so many curves may lie on each other and still be told apart.
+const FEW: usize = 3;
+const BAND_OPACITY: f64 = 0.14;
+/// Bands of more curves only hint at their width, so that the curves stay in front.
+const CROWDED_OPACITY: f64 = 0.06;
+
 /// A curve with the index of its colour and its name in the legend.
 struct Shown<'a> {
     curve: &'a SuccessCurve,
@@ -25,7 +31,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             };
             let shown: Vec<Shown> = planners.iter().filter_map(of).collect();
             let title = format!("{}: all {} scenarios", scope.environment, scenarios.len());
-            plots.extend(plot(scope, title, &["all"], over, &shown));
+            plots.extend(plot(scope, &title, &["all"], over, &shown));
         }
         return plots;
     }
@@ -35,7 +41,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             let shown: Vec<Shown> = numbered
                 .filter_map(|(series, name)| shown(scope, name, planner, over, series, name))
                 .collect();
-            plots.extend(plot(scope, format!("{}: {planner}", scope.environment), &[planner], over, &shown));
+            plots.extend(plot(scope, &format!("{}: {planner}", scope.environment), &[planner], over, &shown));
         }
     }
     if planners.len() > 1 {
@@ -45,7 +51,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             if shown.len() > 1 {
                 plots.extend(plot(
                     scope,
-                    format!("{scenario}: the planners"),
+                    &format!("{scenario}: the planners"),
                     &[scenario],
                     Measure::Time,
                     &shown,
@@ -80,7 +86,7 @@ fn shown<'a>(
     curves(scope).find(fits).map(|curve| Shown { curve, series, name })
 }
 
-fn plot(scope: Scope, title: String, subject: &[&str], over: Measure, shown: &[Shown]) -> Option<Plot> {
+fn plot(scope: Scope, title: &str, subject: &[&str], over: Measure, shown: &[Shown]) -> Option<Plot> {
     if shown.is_empty() {
         return None;
     }
@@ -90,15 +96,18 @@ fn plot(scope: Scope, title: String, subject: &[&str], over: Measure, shown: &[S
     };
     let values = shown.iter().flat_map(|shown| shown.curve.at.iter().copied());
     let until = shown.iter().map(|shown| shown.curve.until).fold(0.0, f64::max);
-    let entry = |shown: &Shown| Entry {
-        name: format!("{} ({:.0} %)", shown.name, 100.0 * shown.curve.success.last().unwrap_or(&0.0)),
-        series: shown.series,
+    let entry = |shown: &Shown| {
+        let end = 100.0 * shown.curve.success.last().unwrap_or(&0.0);
+        // Over iterations the end is no rate of success: a slow machine makes fewer before time is up.
+        let end = if over == Measure::Time { format!(" ({end:.0} %)") } else { String::new() };
+        Entry { name: format!("{}{end}", shown.name), series: shown.series }
     };
     let legend: Vec<Entry> = shown.iter().map(entry).collect();
     let title = format!("{title}, solved over {word}");
     let mut frame = Frame::new(&title, Axis::amounts(label, values, until), Axis::share(), &legend);
+    let opacity = if shown.len() > FEW { CROWDED_OPACITY } else { BAND_OPACITY };
     for shown in shown {
-        draw_band(&mut frame, shown);
+        draw_band(&mut frame, shown, opacity);
     }
     for shown in shown {
         draw_curve(&mut frame, shown);
@@ -114,7 +123,7 @@ fn draw_curve(frame: &mut Frame, shown: &Shown) {
     frame.draw(Mark::Line { points, ink, width: 2.0, dash });
 }
 
-fn draw_band(frame: &mut Frame, shown: &Shown) {
+fn draw_band(frame: &mut Frame, shown: &Shown, opacity: f64) {
     let curve = shown.curve;
     let Some(&first) = curve.high.first() else { return };
     let mut points = staircase(frame, curve, &curve.high, first);
@@ -123,14 +132,14 @@ fn draw_band(frame: &mut Frame, shown: &Shown) {
     let start = frame.place(curve.at[0], 0.0).0;
     points.retain(|point| point.0 >= start);
     points.extend(low.into_iter().rev().filter(|point| point.0 >= start));
-    frame.draw(Mark::Area { points, ink: Ink::Series(shown.series) });
+    frame.draw(Mark::Area { points, ink: Ink::Series(shown.series), opacity });
 }
 
 /// Steps that are closer than this many pixels are drawn as one.
 const FINEST: f64 = 0.3;
 
 /// The corners of a step function that begins at `before` and holds each value until the next, up to the end of the
-/// longest run.
+/// longest run; for good where all runs are solved.
 fn staircase(frame: &Frame, curve: &SuccessCurve, values: &[f64], before: f64) -> Vec<(f64, f64)> {
     let mut level = frame.place(0.0, before);
     let mut points = vec![level];
@@ -145,6 +154,8 @@ fn staircase(frame: &Frame, curve: &SuccessCurve, values: &[f64], before: f64) -
             points.push((level.0, place.1));
         }
     }
-    points.push((frame.place(curve.until, 0.0).0, level.1));
+    let all_solved = curve.success.last().is_some_and(|&success| success >= 1.0);
+    let end = if all_solved { f64::INFINITY } else { curve.until };
+    points.push((frame.place(end, 0.0).0, level.1));
     points
 }

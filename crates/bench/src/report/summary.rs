@@ -97,7 +97,9 @@ impl Summary {
             configurations.entry(Configuration::of(&trial.record.trial)).or_default().push(trial);
         }
         // Sums do not depend on the order of the trials.
-        configurations.values_mut().for_each(|runs| runs.sort_by_key(|run| run.id));
+        for runs in configurations.values_mut() {
+            runs.sort_by_key(|run| run.id);
+        }
         let names = Names::of(configurations.keys());
         let groups: Vec<Group> = configurations
             .iter()

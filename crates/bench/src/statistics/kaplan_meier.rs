@@ -59,7 +59,7 @@ impl KaplanMeier {
         sorted.sort_by(|a, b| a.until.total_cmp(&b.until));
         let mut steps: Vec<SurvivalStep> = Vec::new();
         let (mut survival, mut greenwood, mut before) = (1.0, 0.0, 0);
-        for same in sorted.chunk_by(|a, b| a.until == b.until) {
+        for same in sorted.chunk_by(|a, b| a.until.total_cmp(&b.until).is_eq()) {
             let at_risk = sorted.len() - before;
             before += same.len();
             let solved = same.iter().filter(|trial| trial.solved).count();

@@ -32,7 +32,7 @@ pub fn log_rank(first: &[Followed], second: &[Followed]) -> Option<LogRank> {
 
     let (mut at_risk, mut at_risk_first) = (all.len() as f64, first.len() as f64);
     let (mut observed, mut expected, mut variance) = (0.0, 0.0, 0.0);
-    for same in all.chunk_by(|a, b| a.0.until == b.0.until) {
+    for same in all.chunk_by(|a, b| a.0.until.total_cmp(&b.0.until).is_eq()) {
         let solved = same.iter().filter(|(trial, _)| trial.solved).count() as f64;
         let solved_first = same.iter().filter(|(trial, is_first)| trial.solved && *is_first).count() as f64;
         let share = at_risk_first / at_risk;

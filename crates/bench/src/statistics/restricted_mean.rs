@@ -58,7 +58,7 @@ impl RestrictedMean {
     /// # Panics
     /// If the horizons differ.
     pub fn minus(&self, other: &Self) -> MeanDifference {
-        assert!(self.horizon == other.horizon, "{} is not {}", self.horizon, other.horizon);
+        assert!(self.horizon.total_cmp(&other.horizon).is_eq(), "{} is not {}", self.horizon, other.horizon);
         let difference = self.mean - other.mean;
         let error = libm::hypot(self.standard_error, other.standard_error);
         let interval = Interval { low: difference - Z_95 * error, high: difference + Z_95 * error };

@@ -19,7 +19,7 @@ pub struct Spread {
 
 impl Spread {
     /// That of `values`; `None` if there are none. Between two values it interpolates linearly: definition 7
-    /// of Hyndman & Fan 1996, "Sample quantiles in statistical packages", which NumPy uses too.
+    /// of Hyndman & Fan 1996, "Sample quantiles in statistical packages", which `NumPy` uses too.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
