@@ -28,6 +28,9 @@ pub struct Campaign {
     pub memory_limit_bytes: u64,
     /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
     pub judge_both: bool,
+    /// Whether the least clearance along each path is measured. Default: no; it takes some milliseconds for every
+    /// edge of a path.
+    pub measure_clearance: bool,
     /// Where other limits hold.
     pub exceptions: Vec<Exception>,
 }
@@ -71,6 +74,7 @@ impl Default for Campaign {
             iteration_limit: None,
             memory_limit_bytes: 4 << 30,
             judge_both: false,
+            measure_clearance: false,
             exceptions: Vec::new(),
         }
     }
@@ -182,6 +186,7 @@ impl Campaign {
                             source: scenario.source.clone(),
                             call: planner.call.clone(),
                             judge_both: self.judge_both,
+                            measure_clearance: self.measure_clearance,
                         });
                     }
                 }

@@ -30,6 +30,8 @@ struct CampaignEntry {
     #[serde(default)]
     judge_both: Option<bool>,
     #[serde(default)]
+    measure_clearance: Option<bool>,
+    #[serde(default)]
     exceptions: Vec<ExceptionEntry>,
 }
 
@@ -104,6 +106,7 @@ impl Campaign {
             iteration_limit: entry.iteration_limit,
             memory_limit_bytes: entry.memory_limit_mb.map_or(default.memory_limit_bytes, |mb| mb << 20),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
+            measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
             exceptions: entry.exceptions.into_iter().map(exception).collect(),
         })
     }

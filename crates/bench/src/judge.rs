@@ -1,14 +1,16 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{Goal, PlanError, Problem, Violation, ViolationKind, path_length, verify};
+use cranny_plan::{
+    ClearanceReport, Goal, PlanError, Problem, Violation, ViolationKind, path_length, verify_with,
+};
 
 use crate::TrialOutcome;
 use crate::worker_message::TrialAnswer;
 
 /// Puts the judge's word on the path of `answer`, whatever its planner says: solved, rejected with the first
 /// objection, or garbled where it is no path of this robot.
-pub fn judge(problem: &Problem, answer: TrialAnswer) -> TrialAnswer {
-    let verification = match verify(problem, &answer.path) {
+pub fn judge(problem: &Problem, answer: TrialAnswer, report: ClearanceReport) -> TrialAnswer {
+    let verification = match verify_with(problem, &answer.path, report) {
         Ok(verification) => verification,
         Err(fault) => {
             let (outcome, detail) = (TrialOutcome::Garbled, Some(fault.to_string()));
@@ -42,13 +44,13 @@ pub fn judge(problem: &Problem, answer: TrialAnswer) -> TrialAnswer {
 /// dense as it wants them first: a planner under another criterion need not have known.
 ///
 /// # Errors
-/// As [`verify`].
+/// As [`verify_with`].
 pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanError> {
     let mut path = path.to_vec();
     /// Steps of ten metres become steps of a centimetre.
     const MOST_HALVINGS: usize = 10;
     for _ in 0..MOST_HALVINGS {
-        let verification = verify(problem, &path)?;
+        let verification = verify_with(problem, &path, ClearanceReport::Left)?;
         let is_step = |violation: &&Violation| violation.kind == ViolationKind::Step;
         let steps: Vec<usize> = verification.violations.iter().filter(is_step).map(|v| v.edge).collect();
         if steps.is_empty() {

@@ -60,7 +60,7 @@ pub fn replay(
     } else {
         trial.clone()
     };
-    let question = Question { trial: asked, source, call, judge_both: false };
+    let question = Question { trial: asked, source, call, judge_both: false, measure_clearance: false };
     let Some(answer) = ask_once(&question, settings, stop)? else { return Ok(None) };
     let (mut record, _, path) = record_of(&question, answer);
     record.trial = trial.clone();

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use cranny_plan::{Budget, Criterion, Outcome, PlanReport, Problem, Unobserved};
+use cranny_plan::{Budget, ClearanceReport, Criterion, Outcome, PlanReport, Problem, Unobserved};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
@@ -66,7 +66,8 @@ pub fn run(
     if answer.path.is_empty() {
         return Ok(answer);
     }
-    let mut answer = judge::judge(&opened.problem, answer);
+    let report = if question.measure_clearance { ClearanceReport::PerEdge } else { ClearanceReport::Left };
+    let mut answer = judge::judge(&opened.problem, answer, report);
     if let (Some(other), false) = (other, answer.path.is_empty()) {
         answer.also_solved = judge::also_meets(&other.problem, &answer.path).ok();
     }

@@ -71,6 +71,9 @@ pub struct RunArguments {
     /// Judge every path under the other criterion too
     #[arg(long)]
     judge_both: bool,
+    /// Measure the least clearance along every path: some milliseconds for each of its edges
+    #[arg(long)]
+    clearance: bool,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
     #[arg(long, value_name = "N", default_value = "1")]
     workers: NonZeroUsize,
@@ -164,6 +167,7 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
         campaign.memory_limit_bytes = limit.get() << 20;
     }
     campaign.judge_both |= arguments.judge_both;
+    campaign.measure_clearance |= arguments.clearance;
     if campaign.scenarios.is_empty() {
         let problem =
             "say which, or give a campaign file or a --preset (`--scenarios all`: all built-in ones)";

@@ -61,4 +61,6 @@ pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
-pub use verification::{GoalError, Verification, Violation, ViolationKind, path_length, verify};
+pub use verification::{
+    ClearanceReport, GoalError, Verification, Violation, ViolationKind, path_length, verify, verify_with,
+};
