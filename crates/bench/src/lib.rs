@@ -4,6 +4,7 @@
 //! ## Limits
 //! One machine runs one campaign; results of several are joined afterwards. Memory limits are watched where the
 //! system tells what a process holds (Linux); processes that a program starts and leaves are ended with it on Unix.
+//! Comparisons take the runs of two planners for independent, and no account of all scenarios at once is given.
 
 pub mod report;
 pub mod statistics;
