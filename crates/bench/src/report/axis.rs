@@ -20,6 +20,9 @@ pub struct Axis {
 /// Where the greatest value is more than so many times the least, equal ratios are shown equally long.
 const WIDE: f64 = 30.0;
 
+/// Share of an axis that stays free at its high end.
+const ROOM: f64 = 0.03;
+
 impl Axis {
     /// From 0 to 100 %, with room for curves at both ends.
     pub fn share() -> Self {
@@ -66,6 +69,15 @@ impl Axis {
             exponent += every;
         }
         Self { label: label.to_owned(), low, high: greatest, scale: Scale::Logarithmic, ticks }
+    }
+
+    /// The same with room above the greatest value, so that what is drawn there stands clear of the edge.
+    pub fn with_room(mut self) -> Self {
+        self.high = match self.scale {
+            Scale::Linear => self.high + ROOM * (self.high - self.low),
+            Scale::Logarithmic => self.high * (self.high / self.low).powf(ROOM),
+        };
+        self
     }
 
     /// Where a value lies, 0 at the low end and 1 at the high end; values outside lie at the ends.

@@ -61,7 +61,8 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
         Axis::linear(quantity.label, lowest, values.clone().fold(0.0, f64::max))
     } else {
         Axis::amounts(quantity.label, values, 0.0)
-    };
+    }
+    .with_room();
     let legend: Vec<Entry> =
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
     let title = format!("{}: {}", scope.environment, quantity.title);

@@ -44,7 +44,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     let dial = scope.rows().find_map(|row| row.dial).unwrap_or("dial");
     let x = || Axis::linear(&format!("{dial}, m"), low - room, high + room);
     let medians = scope.rows().filter_map(median).flat_map(|reading| [reading.low, reading.high]);
-    let time = Axis::amounts("median time, s", medians.collect::<Vec<_>>().into_iter(), 0.0);
+    let time = Axis::amounts("median time, s", medians.collect::<Vec<_>>().into_iter(), 0.0).with_room();
     let title = |what: &str| format!("{}: {what} over {dial}", scope.environment);
     let mut plots = vec![scope.plot(
         title("success"),

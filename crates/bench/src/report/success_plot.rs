@@ -4,6 +4,7 @@
 use crate::report::axis::Axis;
 use crate::report::drawing::{Dash, Ink, Mark};
 use crate::report::frame::{Entry, Frame};
+use crate::report::number_text::percent;
 use crate::report::plot::{Plot, Scope};
 use crate::report::success_curve::{Measure, SuccessCurve};
 
@@ -97,14 +98,15 @@ fn plot(scope: Scope, title: &str, subject: &[&str], over: Measure, shown: &[Sho
     let values = shown.iter().flat_map(|shown| shown.curve.at.iter().copied());
     let until = shown.iter().map(|shown| shown.curve.until).fold(0.0, f64::max);
     let entry = |shown: &Shown| {
-        let end = 100.0 * shown.curve.success.last().unwrap_or(&0.0);
+        let end = percent(*shown.curve.success.last().unwrap_or(&0.0));
         // Over iterations the end is no rate of success: a slow machine makes fewer before time is up.
-        let end = if over == Measure::Time { format!(" ({end:.0} %)") } else { String::new() };
+        let end = if over == Measure::Time { format!(" ({end} %)") } else { String::new() };
         Entry { name: format!("{}{end}", shown.name), series: shown.series }
     };
     let legend: Vec<Entry> = shown.iter().map(entry).collect();
     let title = format!("{title}, solved over {word}");
-    let mut frame = Frame::new(&title, Axis::amounts(label, values, until), Axis::share(), &legend);
+    let mut frame =
+        Frame::new(&title, Axis::amounts(label, values, until).with_room(), Axis::share(), &legend);
     let opacity = if shown.len() > FEW { CROWDED_OPACITY } else { BAND_OPACITY };
     for shown in shown {
         draw_band(&mut frame, shown, opacity);
