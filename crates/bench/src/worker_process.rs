@@ -120,9 +120,8 @@ impl WorkerProcess {
                     Ok(Message::Answered(answer)) => return Served::Answered(*answer),
                     Ok(Message::Refused(reason)) => return Served::Refused(reason),
                     Err(reason) => {
-                        self.end();
-                        let detail = Some(format!("the worker's answer is none: {reason}"));
-                        return Served::Lost(lost(TrialOutcome::Garbled, detail, begin));
+                        let detail = format!("the worker's answer is none: {reason}");
+                        return self.ended(TrialOutcome::Garbled, detail, begin);
                     }
                 },
                 Err(RecvTimeoutError::Disconnected) => return self.lost(begin),
@@ -132,21 +131,26 @@ impl WorkerProcess {
                         return Served::Stopped;
                     }
                     if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                        self.end();
-                        let detail = Some(format!("ended after {:.1} s", begin.elapsed().as_secs_f64()));
-                        return Served::Lost(lost(TrialOutcome::Hung, detail, begin));
+                        let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
+                        return self.ended(TrialOutcome::Hung, detail, begin);
                     }
                     let held = process_group::resident_bytes(self.child.id());
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
                     {
-                        self.end();
-                        let detail = Some(format!("held {} MiB", held >> 20));
-                        return Served::Lost(lost(TrialOutcome::OutOfMemory, detail, begin));
+                        let detail = format!("held {} MiB", held >> 20);
+                        return self.ended(TrialOutcome::OutOfMemory, detail, begin);
                     }
                 }
             }
         }
+    }
+
+    /// Ends the worker for what it does; the trial has that outcome.
+    fn ended(&mut self, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
+        let answer = lost(outcome, Some(detail), begin);
+        self.end();
+        Served::Lost(answer)
     }
 
     /// The trial of a worker that ended by itself.

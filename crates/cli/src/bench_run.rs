@@ -16,7 +16,7 @@ use crate::Answer;
 use crate::arguments::{CriterionArgument, Output, seconds};
 use crate::bench;
 use crate::failure::Failure;
-use crate::progress::{bar, stop_on_interrupt};
+use crate::progress::{bar, spinner, stop_on_interrupt};
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -102,7 +102,10 @@ struct Answered {
 pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> {
     let campaign = campaign(arguments)?;
     let stop = stop_on_interrupt()?;
-    let schedule = campaign.schedule()?;
+    let spinner = spinner("opening the scenarios", output.quiet);
+    let schedule = campaign.schedule();
+    spinner.finish_and_clear();
+    let schedule = schedule?;
     let mut results = Results::create(&arguments.output)?;
     let command = std::env::args().collect::<Vec<_>>().join(" ");
     let workers = arguments.workers.get();
