@@ -57,11 +57,17 @@ pub fn run() -> Result<bool, String> {
     let here = Surroundings { root, data, python, all_required };
 
     // Said before, and again where the end of the run is read.
-    lacking.iter().for_each(|line| eprintln!("{line}"));
+    warn(&lacking);
     let record = step::run_all(&STEPS, &here);
-    lacking.iter().for_each(|line| eprintln!("{line}"));
+    warn(&lacking);
     println!("{}", summary(&record, &here, start.elapsed().as_secs_f64()));
     Ok(record.failed.is_none())
+}
+
+fn warn(lines: &[String]) {
+    for line in lines {
+        eprintln!("{line}");
+    }
 }
 
 /// One line: what passed, what did not run, what failed, and how long it took.
