@@ -12,8 +12,8 @@ pub const SKIPPED: &str = "SKIPPED: tests that run Python packages";
 /// What is installed, beside the root of the checkout.
 const REQUIREMENTS: &str = "xtask/python-requirements.txt";
 
-/// The Python that `CRANNY_PYTHON` names, or that of an environment under `target`, which is made anew whenever the
-/// requirements change.
+/// The Python that `CRANNY_PYTHON` names, or that of an environment under `target`, which is made anew
+/// whenever the requirements change.
 ///
 /// # Errors
 /// What is missing: Python itself, its module `venv`, or a package.

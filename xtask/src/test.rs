@@ -36,7 +36,8 @@ const STEPS: [Step; 6] = [
 /// Whether all steps passed.
 ///
 /// # Errors
-/// If the run cannot begin: no workspace here, or the released data or a Python are missing where they must not be.
+/// If the run cannot begin: no workspace here, or the released data or a Python are missing where they must
+/// not be.
 pub fn run() -> Result<bool, String> {
     let start = Instant::now();
     let data = released_data::folder()?;

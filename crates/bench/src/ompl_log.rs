@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use crate::report::{Configuration, Names, Place, SummarySource};
 use crate::{BenchError, StoredTrial, TrialOutcome};
 
-/// Trials as a benchmark log of OMPL, which the statistics script of the `ompl` Python package turns into a database for
-/// Planner Arena.
+/// Trials as a benchmark log of OMPL, which the statistics script of the `ompl` Python package turns into a
+/// database for Planner Arena.
 ///
-/// A log holds one experiment. A failed run has no length and no clearance, and its time is what it took; seeds are those of
-/// the trials.
+/// A log holds one experiment. A failed run has no length and no clearance, and its time is what it took;
+/// seeds are those of the trials.
 ///
 /// Source: `readBenchmarkLog` of `ompl/_benchmark_statistics.py`, OMPL 2.0.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,8 +50,8 @@ struct Experiment<'a> {
 }
 
 impl OmplLog {
-    /// All trials as one experiment. Where there are several scenarios or criteria, a planner is one planner on each of them,
-    /// named `planner @ scenario`.
+    /// All trials as one experiment. Where there are several scenarios or criteria, a planner is one planner
+    /// on each of them, named `planner @ scenario`.
     ///
     /// # Errors
     /// [`BenchError::NoTrials`].

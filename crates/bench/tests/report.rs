@@ -1,5 +1,5 @@
-//! Reports: what a summary says of trials whose figures can be worked out by hand, and that pages, tables and plots say the
-//! same.
+//! Reports: what a summary says of trials whose figures can be worked out by hand, and that pages, tables and
+//! plots say the same.
 
 // Figures that are copied must be the same to the last bit.
 #![allow(clippy::float_cmp)]

@@ -32,8 +32,8 @@ fn assert_near(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected} within {tolerance}");
 }
 
-/// Remission of acute leukaemia in weeks: Freireich et al. 1963, "The effect of 6-mercaptopurine on the duration
-/// of steroid-induced remissions in acute leukemia"; a negative number is censored.
+/// Remission of acute leukaemia in weeks: Freireich et al. 1963, "The effect of 6-mercaptopurine on the
+/// duration of steroid-induced remissions in acute leukemia"; a negative number is censored.
 const MERCAPTOPURINE: [i32; 21] =
     [6, 6, 6, -6, 7, -9, 10, -10, -11, 13, 16, -17, -19, -20, 22, 23, -25, -32, -32, -34, -35];
 const PLACEBO: [i32; 21] = [1, 1, 2, 2, 3, 4, 4, 5, 5, 8, 8, 8, 8, 11, 11, 12, 12, 15, 17, 22, 23];
@@ -44,8 +44,8 @@ fn weeks(weeks: &[i32]) -> Vec<Followed> {
 
 #[test]
 fn the_leukaemia_trial_has_its_published_curve() {
-    // Survival and Greenwood's standard error: Kleinbaum & Klein 2012, "Survival Analysis", chapter 2; Klein &
-    // Moeschberger 2003, table 4.1A.
+    // Survival and Greenwood's standard error: Kleinbaum & Klein 2012, "Survival Analysis", chapter 2; Klein
+    // & Moeschberger 2003, table 4.1A.
     let published = [
         (6.0, 0.857, 0.0764),
         (7.0, 0.807, 0.0869),

@@ -25,8 +25,8 @@ pub struct ReportArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
-    /// Where to write the report [default: the name of RESULTS with .html, in this folder; standard output for the
-    /// other formats]
+    /// Where to write the report [default: the name of RESULTS with .html, in this folder; standard output
+    /// for the other formats]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What to write [default: by the ending of FILE, html if it has none]

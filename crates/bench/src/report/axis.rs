@@ -30,8 +30,8 @@ impl Axis {
         Self { label: "solved, %".to_owned(), low: -0.02, high: 1.03, scale: Scale::Linear, ticks }
     }
 
-    /// One for amounts that are not negative: `values` are shown, and all up to `high` in any case. Linear from zero, or
-    /// logarithmic where the values are far apart.
+    /// One for amounts that are not negative: `values` are shown, and all up to `high` in any case. Linear
+    /// from zero, or logarithmic where the values are far apart.
     pub fn amounts(label: &str, values: impl Iterator<Item = f64> + Clone, high: f64) -> Self {
         let greatest = values.clone().fold(high, f64::max);
         let least = values.filter(|&value| value > 0.0).fold(f64::INFINITY, f64::min);

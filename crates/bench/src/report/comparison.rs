@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::report::row::{Group, horizon_s};
 use crate::statistics::{KaplanMeier, holm, log_rank};
 
-/// Two planners on one scenario under one criterion. The p-values of all scenarios of one pair are one family,
-/// which Holm's method adjusts; the interval stands for itself.
+/// Two planners on one scenario under one criterion. The p-values of all scenarios of one pair are one
+/// family, which Holm's method adjusts; the interval stands for itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// As in [`Row::scenario_name`](crate::report::Row).
@@ -40,7 +40,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Which planner the adjusted tests find faster at level 5 %: the log-rank test decides whether, the means which.
+    /// Which planner the adjusted tests find faster at level 5 %: the log-rank test decides whether, the
+    /// means which.
     pub fn faster(&self) -> Option<&str> {
         let significant = self.log_rank_p_holm? < 0.05;
         let difference_s = self.difference_s?;
@@ -51,8 +52,8 @@ impl Comparison {
     }
 }
 
-/// Every pair of planners on every scenario that both have runs of. Goal-wise runs are left out: the best goal was
-/// chosen by the very runs that would be tested.
+/// Every pair of planners on every scenario that both have runs of. Goal-wise runs are left out: the best
+/// goal was chosen by the very runs that would be tested.
 pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
     let mut scenarios: BTreeMap<(&str, &str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups.iter().filter(|group| group.row.goals.is_none()) {

@@ -45,8 +45,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// Names that say no more than it takes: the planner alone, with the settings that differ where it has several,
-    /// with the limits where one scenario has several.
+    /// Names that say no more than it takes: the planner alone, with the settings that differ where it has
+    /// several, with the limits where one scenario has several.
     pub fn of<'a>(configurations: impl Iterator<Item = &'a Configuration> + Clone) -> Self {
         let mut hashes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         let mut settings: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -99,7 +99,8 @@ impl Names {
     }
 }
 
-/// The settings in which `own` differs from the others, as ` [key=value]`; all of them where they are no object.
+/// The settings in which `own` differs from the others, as ` [key=value]`; all of them where they are no
+/// object.
 fn differing(own: &str, all: &BTreeSet<&str>) -> String {
     let parsed = |text: &str| match serde_json::from_str(text) {
         Ok(Value::Object(settings)) => Some(settings),

@@ -11,9 +11,9 @@ const STYLE: &str = include_str!("page.css");
 const MEANING: &str = include_str!("page_meaning.html");
 
 impl Summary {
-    /// A page that holds everything, pictures and style included: it opens from a file without a network. Each
-    /// figure stands in a `<data>` element with its exact value and its place in the JSON document, which the page holds
-    /// too, as `<script type="application/json" id="summary">`.
+    /// A page that holds everything, pictures and style included: it opens from a file without a network.
+    /// Each figure stands in a `<data>` element with its exact value and its place in the JSON document,
+    /// which the page holds too, as `<script type="application/json" id="summary">`.
     pub fn html(&self) -> String {
         let plots = plots(self);
         let mut page = Markup::new(self);

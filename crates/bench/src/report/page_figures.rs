@@ -5,8 +5,8 @@ use serde_json::Value;
 use crate::report::Summary;
 use crate::report::number_text::{percent, plain, table_seconds};
 
-/// A page as it grows. Figures are looked up in the JSON document by their path, so that the page cannot say anything
-/// else than the document.
+/// A page as it grows. Figures are looked up in the JSON document by their path, so that the page cannot say
+/// anything else than the document.
 pub struct Markup<'a> {
     pub summary: &'a Summary,
     pub text: String,
@@ -86,7 +86,8 @@ impl<'a> Markup<'a> {
         )
     }
 
-    /// Opens a table with a caption, which stays in sight where the table is scrolled, and column heads; those that begin with `<` hold words, the others numbers.
+    /// Opens a table with a caption, which stays in sight where the table is scrolled, and column heads;
+    /// those that begin with `<` hold words, the others numbers.
     pub fn open_table(&mut self, caption: &str, heads: &[&str]) {
         self.tables += 1;
         let number = self.tables;
@@ -104,8 +105,8 @@ impl<'a> Markup<'a> {
         self.text.push_str("</tr></thead>\n<tbody>\n");
     }
 
-    /// A line of a table: its head, escaped here, and cells that are markup already; those that begin with `<td` bring their
-    /// own tag.
+    /// A line of a table: its head, escaped here, and cells that are markup already; those that begin with
+    /// `<td` bring their own tag.
     pub fn table_line(&mut self, head: &str, cells: &[String]) {
         let _ = write!(self.text, "<tr><th scope=\"row\">{}</th>", escape(head));
         for cell in cells {

@@ -3,10 +3,10 @@ use std::fmt::Write as _;
 use crate::report::number_text::{percent, table_seconds};
 use crate::report::{Row, Summary};
 
-/// The trials of one criterion in the layout of the paper's Table I: a line a scenario with its goals and how many of them
-/// were ever solved, a column a planner with success in percent, mean and standard deviation of the time in seconds, a
-/// failure counted as the limit. A planner that is run on each goal shows its best goal, and none where no goal was
-/// ever solved.
+/// The trials of one criterion in the layout of the paper's Table I: a line a scenario with its goals and how
+/// many of them were ever solved, a column a planner with success in percent, mean and standard deviation of
+/// the time in seconds, a failure counted as the limit. A planner that is run on each goal shows its best
+/// goal, and none where no goal was ever solved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperTable<'a> {
     /// What counts as solved.

@@ -16,15 +16,15 @@ enum Surface {
     Sheet,
 }
 
-/// Told apart also by those who do not see all colours: Okabe & Ito 2008, "Color universal design", without the yellow
-/// and the black, which are too light and too strong for a line on white; grey is added.
+/// Told apart also by those who do not see all colours: Okabe & Ito 2008, "Color universal design", without
+/// the yellow and the black, which are too light and too strong for a line on white; grey is added.
 pub const SERIES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#5f5f5f"];
 
 /// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at a column's width.
 const PNG_SCALE: f32 = 2.0;
 
-/// What stands within `<svg>`, with the colours of the page (`--text`, `--quiet`, `--grid`, `--series-1` …) and a
-/// description for those who cannot see it.
+/// What stands within `<svg>`, with the colours of the page (`--text`, `--quiet`, `--grid`, `--series-1` …)
+/// and a description for those who cannot see it.
 pub fn page_svg(drawing: &Drawing, description: &str) -> String {
     let (w, h) = (drawing.width, drawing.height);
     let label = description.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
@@ -44,7 +44,8 @@ pub fn svg(drawing: &Drawing) -> String {
     )
 }
 
-/// A PNG file. Its letters are those of the font that comes with the library, so it needs none of the machine's.
+/// A PNG file. Its letters are those of the font that comes with the library, so it needs none of the
+/// machine's.
 ///
 /// # Errors
 /// What the library says, if it cannot.
@@ -150,8 +151,8 @@ fn color(ink: Ink, surface: Surface) -> Color {
     }
 }
 
-/// A broken line as its strokes: the library's pixels begin the pattern anew at every point, which makes a curve of many
-/// points look solid. Other marks as they are.
+/// A broken line as its strokes: the library's pixels begin the pattern anew at every point, which makes a
+/// curve of many points look solid. Other marks as they are.
 fn strokes(mark: &Mark) -> Vec<Mark> {
     let Mark::Line { points, ink, width, dash } = mark else { return vec![mark.clone()] };
     let lengths = dash.lengths();

@@ -15,8 +15,8 @@ pub struct Place {
 const OTHERS: &str = "other scenarios";
 
 impl Place {
-    /// That of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one (`gap-00017`),
-    /// or of any whose ids differ in their last digits (`bookshelf0012`).
+    /// That of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
+    /// (`gap-00017`), or of any whose ids differ in their last digits (`bookshelf0012`).
     pub fn of(scenario: &str) -> Self {
         if let Some(entry) = catalogue().iter().find(|entry| entry.id == scenario) {
             let environment = format!("{}x: {}", &entry.id[..2], entry.environment);

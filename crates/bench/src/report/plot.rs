@@ -64,7 +64,8 @@ impl<'a> Scope<'a> {
             .filter(move |row| row.criterion == self.criterion && row.environment == self.environment)
     }
 
-    /// The names of those rows' planners, in order, each with the index of its colour, which is the same in all plots.
+    /// The names of those rows' planners, in order, each with the index of its colour, which is the same in
+    /// all plots.
     pub fn planners(self) -> Vec<(usize, &'a str)> {
         let names = self.summary.planner_names().into_iter().enumerate();
         names.filter(|(_, name)| self.rows().any(|row| row.planner_name == *name)).collect()

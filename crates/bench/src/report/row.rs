@@ -9,8 +9,8 @@ use crate::report::place::Place;
 use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, wilson};
 use crate::{StoredTrial, TrialRecord};
 
-/// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. Where each
-/// run aims at one goal, the figures are those of the best goal, as in the paper's table.
+/// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. Where
+/// each run aims at one goal, the figures are those of the best goal, as in the paper's table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Id of the scenario.
@@ -73,8 +73,8 @@ pub struct Row {
     pub restricted_mean_error_s: Option<f64>,
     /// What it is restricted to.
     pub restricted_to_s: f64,
-    /// After how many iterations half of the runs are solved (Kaplan–Meier); none if they never are, or if the planner
-    /// counts none.
+    /// After how many iterations half of the runs are solved (Kaplan–Meier); none if they never are, or if
+    /// the planner counts none.
     pub median_iterations: Option<f64>,
     /// Lower end of its interval.
     pub median_iterations_low: Option<f64>,

@@ -15,14 +15,14 @@ pub enum Measure {
     Iterations,
 }
 
-/// Which share of runs is solved at each time or iteration: one minus the Kaplan–Meier estimate, with its Greenwood band.
-/// A step function: each share holds from its place on, before the first it is 0.
+/// Which share of runs is solved at each time or iteration: one minus the Kaplan–Meier estimate, with its
+/// Greenwood band. A step function: each share holds from its place on, before the first it is 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuccessCurve {
     /// Environment of the scenarios.
     pub environment: String,
-    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); none where the curve is about all those of the
-    /// environment together.
+    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); none where the curve is about all
+    /// those of the environment together.
     pub scenario_name: Option<String>,
     /// The planner, as in [`Row::planner_name`](crate::report::Row).
     pub planner_name: String,
@@ -44,7 +44,8 @@ pub struct SuccessCurve {
     pub high: Vec<f64>,
 }
 
-/// More curves than these in one plot cannot be told apart; a larger environment is shown as one curve a planner.
+/// More curves than these in one plot cannot be told apart; a larger environment is shown as one curve a
+/// planner.
 pub const MOST_CURVES: usize = 8;
 
 /// The curves of all groups, by criterion and environment.

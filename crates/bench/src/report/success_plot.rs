@@ -1,5 +1,5 @@
-//! Which share of runs is solved when: as in the paper's figures, one plot an environment and a planner, one curve a
-//! scenario; and the planners beside each other on each scenario.
+//! Which share of runs is solved when: as in the paper's figures, one plot an environment and a planner, one
+//! curve a scenario; and the planners beside each other on each scenario.
 
 use crate::report::axis::Axis;
 use crate::report::drawing::{Dash, Ink, Mark};
@@ -140,8 +140,8 @@ fn draw_band(frame: &mut Frame, shown: &Shown, opacity: f64) {
 /// Steps that are closer than this many pixels are drawn as one.
 const FINEST: f64 = 0.3;
 
-/// The corners of a step function that begins at `before` and holds each value until the next, up to the end of the
-/// longest run; for good where all runs are solved.
+/// The corners of a step function that begins at `before` and holds each value until the next, up to the end
+/// of the longest run; for good where all runs are solved.
 fn staircase(frame: &Frame, curve: &SuccessCurve, values: &[f64], before: f64) -> Vec<(f64, f64)> {
     let mut level = frame.place(0.0, before);
     let mut points = vec![level];

@@ -9,8 +9,8 @@ use crate::report::success_curve::{SuccessCurve, success_curves};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
 
-/// Every figure of a report. Pages, tables and plots are made from it alone, so that they cannot disagree; the same
-/// trials give the same summary in whatever order they come.
+/// Every figure of a report. Pages, tables and plots are made from it alone, so that they cannot disagree;
+/// the same trials give the same summary in whatever order they come.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the results, as the commands that replay a trial take it.
@@ -86,7 +86,8 @@ impl Summary {
     /// The summary of `source`.
     ///
     /// # Errors
-    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not finite.
+    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not
+    /// finite.
     pub fn of(source: &SummarySource) -> Result<Self, BenchError> {
         if source.trials.is_empty() {
             return Err(BenchError::NoTrials { results: source.results.to_owned() });

@@ -34,8 +34,8 @@ pub struct WorstTrial {
 const MOST_OF_A_ROW: usize = 2;
 const MOST: usize = 40;
 
-/// The worst trials of all groups, the worst first: what should never happen, then what was not solved, then what took
-/// longest. `results` is the file's name.
+/// The worst trials of all groups, the worst first: what should never happen, then what was not solved, then
+/// what took longest. `results` is the file's name.
 pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
     let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
     for group in groups {
@@ -78,6 +78,24 @@ fn worst_trial(run: &StoredTrial, group: &Group, results: &str) -> WorstTrial {
         detail: record.detail.clone(),
         planning_time_s: record.statistics.planning_time_s,
         iterations: record.statistics.iterations,
-        replay: format!("cranny bench replay {results} {}", run.id),
+        replay: format!("cranny bench replay {} {}", shell_word(results), run.id),
+    }
+}
+
+/// A word as a shell takes it for one.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "._-/:\\".contains(c);
+    if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_with_spaces_is_one_word() {
+        assert_eq!(shell_word("runs/results.db"), "runs/results.db");
+        assert_eq!(shell_word("my results.db"), "'my results.db'");
+        assert_eq!(shell_word("it's.db"), r"'it'\''s.db'");
     }
 }

@@ -101,8 +101,8 @@ impl KaplanMeier {
         self.first_below(|step| step.survival)
     }
 
-    /// From when to when the median lies: the times at which a test at level 5 % would not reject `S = ½`, which
-    /// are those where the band contains it. An end that was never seen is `None`.
+    /// From when to when the median lies: the times at which a test at level 5 % would not reject `S = ½`,
+    /// which are those where the band contains it. An end that was never seen is `None`.
     ///
     /// Source: Brookmeyer & Crowley 1982, "A confidence interval for the median survival time", with the band
     /// of this estimate.
@@ -115,8 +115,8 @@ impl KaplanMeier {
     }
 }
 
-/// `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though the next trial might still
-/// take longer: the upper end stays where it was.
+/// `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though the next trial might
+/// still take longer: the upper end stays where it was.
 fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
     if greenwood.is_infinite() {
         return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };

@@ -13,8 +13,8 @@ pub struct LogRank {
     pub p: f64,
 }
 
-/// The log-rank test of two groups; `None` if their times cannot tell (nothing was solved while both had trials
-/// at risk).
+/// The log-rank test of two groups; `None` if their times cannot tell (nothing was solved while both had
+/// trials at risk).
 ///
 /// With `d` of `n` solved at a time, `n₁` of the first group at risk: `E = Σ d n₁/n`,
 /// `V = Σ d (n₁/n)(1 − n₁/n)(n − d)/(n − 1)`, `χ² = (O − E)²/V`. Exchanging the groups changes nothing.

@@ -2,8 +2,8 @@ use crate::statistics::{Interval, Z_95};
 
 /// The score interval of a rate of which `successes` of `trials` were seen; `None` without trials.
 ///
-/// It contains the rate itself, lies in [0, 1], and keeps its word for rates near 0 and 1, where the textbook's
-/// `p ± z √(p(1 − p)/n)` has no width.
+/// It contains the rate itself, lies in [0, 1], and keeps its word for rates near 0 and 1, where the
+/// textbook's `p ± z √(p(1 − p)/n)` has no width.
 ///
 /// # Panics
 /// If there are more successes than trials.

@@ -108,8 +108,8 @@ pub fn empty() -> (Campaign, Draw) {
     (Campaign { trials: Vec::new(), runs: vec![run], scenarios: Vec::new() }, Draw(2024))
 }
 
-/// Two environments of the paper under both criteria, a sweep, a planner that is run on goals, and one trial of each
-/// unwelcome outcome.
+/// Two environments of the paper under both criteria, a sweep, a planner that is run on goals, and one trial
+/// of each unwelcome outcome.
 pub fn campaign() -> Campaign {
     let (mut campaign, mut draw) = empty();
     let manner = |planner, criterion, mean_s, limit_s| Manner {
