@@ -2,10 +2,12 @@ use std::fs;
 use std::path::Path;
 
 use cranny_plan::Criterion;
+use cranny_scenario::catalogue;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
+use crate::scenario_choice::matches;
 use crate::trial::criterion_name;
 use crate::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
 
@@ -97,7 +99,7 @@ impl Campaign {
             time_limit_s: entry.time_limit_s,
         };
         Ok(Self {
-            scenarios: entry.scenarios.iter().map(|word| beside(folder, word)).collect(),
+            scenarios: entry.scenarios.iter().map(|word| scenario_beside(folder, word)).collect(),
             planners,
             criteria: criteria.unwrap_or(default.criteria),
             runs: entry.runs.unwrap_or(default.runs),
@@ -137,6 +139,12 @@ impl PlannerEntry {
         let call = call.checked().map_err(|fault| fault.to_string())?;
         Ok(CampaignPlanner { name: name.unwrap_or_else(|| call.name()), call, each_goal, runs, time_limit_s })
     }
+}
+
+/// A scenario's word: an id goes before a folder of the same name.
+fn scenario_beside(folder: &Path, word: &str) -> String {
+    let is_id = catalogue().iter().any(|entry| matches(word, entry.id));
+    if is_id { word.to_owned() } else { beside(folder, word) }
 }
 
 /// A word as a path from `folder`, if there is such a file or folder; else as it is.

@@ -94,10 +94,7 @@ pub fn run_campaign(
             results.note_planner(&trial.planner, &trial.settings, &source)?;
         }
     }
-    let exports = tempfile::tempdir().map_err(|reason| BenchError::NotRunnable {
-        program: "a campaign".to_owned(),
-        reason: format!("no temporary folder: {reason}"),
-    })?;
+    let exports = exports()?;
     let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
     let is_stopped = || stop.load(Ordering::Relaxed) || is_over.load(Ordering::Relaxed);
     thread::scope(|scope| {
@@ -183,11 +180,17 @@ pub(crate) fn ask_once(
     settings: &CampaignSettings,
     stop: &AtomicBool,
 ) -> Result<Option<TrialAnswer>, BenchError> {
-    let exports = tempfile::tempdir().map_err(|reason| BenchError::NotRunnable {
-        program: "a trial".to_owned(),
-        reason: format!("no temporary folder: {reason}"),
-    })?;
+    let exports = exports()?;
     ask(&mut None, question, settings, exports.path(), stop)
+}
+
+/// A folder for what the programs of others read and write; it goes with the campaign.
+fn exports() -> Result<tempfile::TempDir, BenchError> {
+    let made = tempfile::Builder::new().prefix("cranny-bench-").tempdir();
+    made.map_err(|reason| BenchError::NotRunnable {
+        program: "a campaign".to_owned(),
+        reason: format!("no temporary folder: {reason}"),
+    })
 }
 
 /// The record of an answer, whether the path meets the other criterion too, and the path.

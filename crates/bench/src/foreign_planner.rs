@@ -195,9 +195,9 @@ impl ForeignPlanner {
 
 impl ForeignFiles {
     fn write(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
-        // Of one id and content there is one export, whatever the planner.
+        // Of one content there is one export for each worker, which nobody else writes or reads.
         let hash = &request.question.trial.scenario_hash;
-        let folder = request.exports.join(hash.get(..16).unwrap_or(hash));
+        let folder = request.exports.join(format!("{}-{hash}", std::process::id()));
         let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
         let scratch = folder.join("scratch");
         std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;

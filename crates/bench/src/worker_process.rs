@@ -47,8 +47,9 @@ pub enum Served {
 const PATIENCE: Duration = Duration::from_mins(5);
 
 /// A search that goes on past its limit by more than so has hung. A built-in planner looks at the clock every few
-/// iterations; the program of others is ended by the worker itself, earlier than this.
-const GRACE: Duration = Duration::from_secs(3);
+/// iterations, between which it may look for a hundred solutions of inverse kinematics, for seconds on a busy
+/// machine; the program of others is ended by the worker itself, earlier than this.
+const GRACE: Duration = Duration::from_secs(10);
 
 /// A worker that is told to go may take so long, in which it ends what it started.
 const FAREWELL: Duration = Duration::from_millis(500);

@@ -56,6 +56,18 @@ fn a_campaign_file_says_everything_that_a_campaign_has() {
 }
 
 #[test]
+fn words_are_paths_from_the_folder_of_the_file_unless_they_are_ids() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for name in ["021", "mine"] {
+        fs::create_dir(folder.path().join(name)).expect("a folder");
+    }
+    let text = "scenarios: ['021', mine, ./021]\nplanners: [{planner: reach}]\n";
+    let campaign = read(folder.path(), text).expect("a campaign");
+    let inside = |name: &str| folder.path().join(name).display().to_string();
+    assert_eq!(campaign.scenarios, ["021".to_owned(), inside("mine"), inside("./021")]);
+}
+
+#[test]
 fn a_schedule_has_every_trial_once_seed_by_seed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = "scenarios: ['021', '045']\nplanners: [{planner: reach}, {planner: ik-rrt, each_goal: true, runs: 2}]\n\

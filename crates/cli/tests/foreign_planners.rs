@@ -55,13 +55,15 @@ fn assert_each(trials: &[StoredTrial], planner: &str, outcome: TrialOutcome, wor
 fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     let start = "paste -sd, \"$1\"\n";
     let far = format!("{start}echo 0.6,1,-0.0178,-0.7601,0.0198,-2.3421,0.0298,1.5412,0.7534\n");
+    // A number of seconds that nobody else sleeps.
+    let sleep = format!("sleep {}", 1_000_000 + u64::from(std::process::id()));
     let elsewhere = "echo 0,0,0,0,0,0,0,0,0\n";
     let trials = trials_of(
         &[
             "echo cannot load >&2; exit 3\n",
             "kill -SEGV $$\n",
-            "sleep 1000\n",
-            "sh -c 'sleep 1000' & wait\n",
+            &format!("{sleep}\n"),
+            &format!("sh -c '{sleep}' & wait\n"),
             "echo once upon a time\n",
             "echo 1,2,3\n",
             "yes 0,0,0,0,0,0,0,0,0\n",
@@ -91,7 +93,7 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     // Nothing is left running.
     let listing = std::process::Command::new("ps").args(["-eo", "args"]).output().expect("ps");
     let listing = String::from_utf8_lossy(&listing.stdout).into_owned();
-    assert!(!listing.lines().any(|line| line == "sleep 1000"), "a planner's child is still there");
+    assert!(!listing.lines().any(|line| line == sleep), "a planner's child is still there");
 }
 
 #[cfg(target_os = "linux")]
