@@ -6,6 +6,7 @@
 mod checkout;
 mod member;
 mod problem;
+mod python_tools;
 mod released_data;
 mod step;
 mod test;
@@ -28,6 +29,8 @@ Tasks:
 Environment:
   CRANNY_DATA          folder of the paper's released data (it holds `jogramop`); unset: the tests
                        that need it are skipped, and one line says so
+  CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt; unset: one is made
+                       under target/, or the tests that need it are skipped, and one line says so
   CRANNY_REQUIRE_ALL   1: whatever lacks its data or its tool fails instead of being skipped
 
 Examples:

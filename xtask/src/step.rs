@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
+use crate::python_tools::PYTHON;
 use crate::released_data::{DATA, REQUIRE_ALL};
 
 /// What a run knows about its surroundings.
@@ -14,24 +15,34 @@ pub struct Surroundings {
     pub root: PathBuf,
     /// Absolute path of the released data, if there is one.
     pub data: Option<PathBuf>,
+    /// The Python of the tests, if there is one.
+    pub python: Option<PathBuf>,
     /// Whether a step that lacks its tool fails instead of being skipped.
     pub all_required: bool,
 }
 
 impl Surroundings {
-    /// A cargo command at the root, with the data folder in its environment.
+    /// A cargo command at the root, with data folder and Python in its environment.
     pub fn cargo(&self, words: &[&str]) -> Command {
         // The cargo that runs this task, so that nested runs use the same toolchain.
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
         self.command(cargo, words)
     }
 
-    /// Any command at the root, with the data folder in its environment.
+    /// Any command at the root, with data folder and Python in its environment.
     pub fn command(&self, program: impl Into<OsString>, words: &[&str]) -> Command {
         let mut command = Command::new(program.into());
-        command.args(words).current_dir(&self.root).env_remove(DATA).env_remove(REQUIRE_ALL);
+        command
+            .args(words)
+            .current_dir(&self.root)
+            .env_remove(DATA)
+            .env_remove(PYTHON)
+            .env_remove(REQUIRE_ALL);
         if let Some(data) = &self.data {
             command.env(DATA, data);
+        }
+        if let Some(python) = &self.python {
+            command.env(PYTHON, python);
         }
         if self.all_required {
             command.env(REQUIRE_ALL, "1");
@@ -145,7 +156,7 @@ mod tests {
     };
 
     fn surroundings(all_required: bool) -> Surroundings {
-        Surroundings { root: PathBuf::from("."), data: None, all_required }
+        Surroundings { root: PathBuf::from("."), data: None, python: None, all_required }
     }
 
     #[test]

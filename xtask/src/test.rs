@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::member;
+use crate::python_tools;
 use crate::released_data;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
@@ -35,22 +36,39 @@ const STEPS: [Step; 6] = [
 /// Whether all steps passed.
 ///
 /// # Errors
-/// If the run cannot begin: no workspace here, or the released data are missing where they must not be.
+/// If the run cannot begin: no workspace here, or the released data or a Python are missing where they must
+/// not be.
 pub fn run() -> Result<bool, String> {
     let start = Instant::now();
     let data = released_data::folder()?;
     let (root, _) = member::read_workspace()?;
-    let here = Surroundings { root, data, all_required: released_data::all_required() };
+    let all_required = released_data::all_required();
+    let mut lacking = Vec::new();
+    if data.is_none() {
+        lacking.push(released_data::SKIPPED.to_owned());
+    }
+    let python = match python_tools::prepare(&root) {
+        Ok(python) => Some(python),
+        Err(reason) if all_required => return Err(format!("the Python of the tests: {reason}")),
+        Err(reason) => {
+            lacking.push(format!("{} ({reason})", python_tools::SKIPPED));
+            None
+        }
+    };
+    let here = Surroundings { root, data, python, all_required };
 
-    if here.data.is_none() {
-        eprintln!("{}", released_data::SKIPPED);
-    }
+    // Said before, and again where the end of the run is read.
+    warn(&lacking);
     let record = step::run_all(&STEPS, &here);
-    if here.data.is_none() {
-        eprintln!("{}", released_data::SKIPPED);
-    }
+    warn(&lacking);
     println!("{}", summary(&record, &here, start.elapsed().as_secs_f64()));
     Ok(record.failed.is_none())
+}
+
+fn warn(lines: &[String]) {
+    for line in lines {
+        eprintln!("{line}");
+    }
 }
 
 /// One line: what passed, what did not run, what failed, and how long it took.
@@ -59,6 +77,9 @@ fn summary(record: &Record, here: &Surroundings, seconds: f64) -> String {
     let mut skipped: Vec<&str> = record.skipped.iter().map(|skipped| skipped.name).collect();
     if here.data.is_none() {
         skipped.push("tests on released data");
+    }
+    if here.python.is_none() {
+        skipped.push("tests that run Python packages");
     }
     parts.push(format!("skipped: {}", listed(&skipped)));
     if let Some(failed) = record.failed {
@@ -113,7 +134,7 @@ mod tests {
 
     #[test]
     fn the_summary_names_what_did_not_run() {
-        let here = Surroundings { root: ".".into(), data: None, all_required: false };
+        let here = Surroundings { root: ".".into(), data: None, python: None, all_required: false };
         let record = Record {
             passed: vec!["format"],
             skipped: vec![Skipped { name: "lints", missing: "no clippy".to_owned() }],
@@ -121,13 +142,19 @@ mod tests {
         };
         assert_eq!(
             summary(&record, &here, 1.25),
-            "xtask test: passed: format; skipped: lints, tests on released data; FAILED: tidy in 1.2 s"
+            "xtask test: passed: format; skipped: lints, tests on released data, tests that run Python packages; \
+             FAILED: tidy in 1.2 s"
         );
     }
 
     #[test]
     fn a_full_run_skips_nothing() {
-        let here = Surroundings { root: ".".into(), data: Some("data".into()), all_required: true };
+        let here = Surroundings {
+            root: ".".into(),
+            data: Some("data".into()),
+            python: Some("python3".into()),
+            all_required: true,
+        };
         let record = Record { passed: vec!["format", "tests"], ..Record::default() };
         assert_eq!(summary(&record, &here, 2.0), "xtask test: passed: format, tests; skipped: none in 2.0 s");
     }

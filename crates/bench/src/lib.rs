@@ -2,8 +2,47 @@
 //! they come, told with their uncertainty.
 //!
 //! ## Limits
-//! One machine runs one campaign; results of several are joined afterwards.
+//! One machine runs one campaign; results of several are joined afterwards. Memory limits are watched where the
+//! system tells what a process holds (Linux); processes that a program starts and leaves are ended with it on Unix.
+//! Comparisons take the runs of two planners for independent, and no account of all scenarios at once is given.
 
+pub mod report;
+pub mod statistics;
+
+mod campaign;
+mod campaign_file;
+mod campaign_run;
+mod error;
+mod foreign_answer;
+mod foreign_planner;
+mod foreign_process;
+mod judge;
+mod ompl_log;
+mod opened_scenario;
+mod planner_call;
+mod process_group;
+mod question;
+mod replay;
+mod results;
+mod results_row;
+mod run_information;
+mod scenario_choice;
 mod trial;
+mod trial_run;
+mod worker;
+mod worker_message;
+mod worker_process;
 
+pub use campaign::{Campaign, CampaignPlanner, Exception, Schedule};
+pub use campaign_run::{CampaignObserver, CampaignSettings, RunSummary, Unheard, run_campaign};
+pub use error::BenchError;
+pub use ompl_log::OmplLog;
+pub use planner_call::PlannerCall;
+pub use question::Question;
+pub use replay::{Replay, replay};
+pub use results::{Merged, Results, Run, ScenarioSource, StoredTrial};
+pub use run_information::RunInformation;
+pub use scenario_choice::{ChosenScenario, choose_scenarios};
 pub use trial::{Trial, TrialOutcome, TrialRecord};
+pub use worker::serve;
+pub use worker_process::WorkerProgram;

@@ -1,7 +1,8 @@
 use cranny_plan::{Criterion, Statistics};
+use serde::{Deserialize, Serialize};
 
 /// One question to one planner: what is run again when it is replayed, and what is never counted twice.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Id of the scenario.
     pub scenario: String,
@@ -12,6 +13,7 @@ pub struct Trial {
     /// All its settings, as canonical JSON (sorted keys): two settings of one planner stay apart.
     pub settings: String,
     /// What counts as solved.
+    #[serde(with = "criterion_name")]
     pub criterion: Criterion,
     /// What the random numbers are drawn from.
     pub seed: u64,
@@ -23,8 +25,37 @@ pub struct Trial {
     pub goal: Option<usize>,
 }
 
+impl Trial {
+    /// The same text for the same trial and for no other.
+    pub fn key(&self) -> String {
+        serde_json::json!(self).to_string()
+    }
+}
+
+/// A criterion by its name.
+pub(crate) mod criterion_name {
+    use cranny_plan::Criterion;
+    use serde::{Deserialize as _, Deserializer, Serializer, de};
+
+    /// The criterion of that name.
+    pub fn of(name: &str) -> Option<Criterion> {
+        [Criterion::Exact, Criterion::Paper].into_iter().find(|criterion| criterion.name() == name)
+    }
+
+    #[allow(clippy::trivially_copy_pass_by_ref)] // The signature is serde's.
+    pub fn serialize<S: Serializer>(criterion: &Criterion, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(criterion.name())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Criterion, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        of(&name).ok_or_else(|| de::Error::unknown_variant(&name, &["exact", "paper"]))
+    }
+}
+
 /// How a trial ended. "Solved" is what the judge says, whatever the planner says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TrialOutcome {
     /// There is a path, and the judge finds that it meets the criterion.
     Solved,
@@ -73,6 +104,11 @@ impl TrialOutcome {
             Self::Hung => "hung",
             Self::OutOfMemory => "out-of-memory",
         }
+    }
+
+    /// The outcome of that name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|outcome| outcome.name() == name)
     }
 }
 

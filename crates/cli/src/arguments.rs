@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::Geometry;
 
+use crate::bench::BenchArguments;
 use crate::grasps::GraspsArguments;
 use crate::object::ObjectArguments;
 use crate::scenario::ScenarioArguments;
@@ -62,6 +63,8 @@ pub enum Command {
     Grasps(GraspsArguments),
     /// Make objects to grasp from meshes, and show those that there are
     Object(ObjectArguments),
+    /// Run campaigns of trials, join, report and replay their results
+    Bench(BenchArguments),
 }
 
 /// Which task, under which criterion.
@@ -275,7 +278,8 @@ impl From<GeometryArgument> for Geometry {
     }
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+/// A number of seconds on the command line.
+pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| format!("'{text}' is no number of seconds"))?;
     Duration::try_from_secs_f64(seconds).map_err(|_| "a time limit is a positive number of seconds".into())
 }

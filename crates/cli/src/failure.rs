@@ -9,6 +9,9 @@ pub enum Failure {
     /// The problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// A campaign or its results.
+    #[error(transparent)]
+    Bench(#[from] cranny_bench::BenchError),
     /// A flag that does not fit.
     #[error("--{flag}: {problem}")]
     Flag {
@@ -38,6 +41,14 @@ pub enum Failure {
     NoTarget {
         /// The scenario.
         id: String,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
     },
     /// Standard output is gone.
     #[error("cannot write the answer: {0}")]

@@ -3,6 +3,12 @@
 //! Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
 
 mod arguments;
+mod bench;
+mod bench_export;
+mod bench_merge;
+mod bench_replay;
+mod bench_report;
+mod bench_run;
 mod failure;
 mod grasp_choice;
 mod grasp_subject;
@@ -20,6 +26,7 @@ mod task;
 mod text;
 mod timing;
 mod verify;
+mod whole_file;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -48,6 +55,7 @@ fn main() -> ExitCode {
         Command::Scenario(arguments) => scenario::run(arguments, cli.output),
         Command::Grasps(arguments) => grasps::run(arguments, cli.output),
         Command::Object(arguments) => object::run(arguments, cli.output),
+        Command::Bench(arguments) => bench::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,

@@ -31,6 +31,24 @@ pub enum PlanError {
         /// The names that there are.
         known: String,
     },
+    /// A planner has no such setting.
+    #[error("planner '{planner}' has no setting '{setting}' (there are: {known})")]
+    UnknownSetting {
+        /// Which planner.
+        planner: String,
+        /// The setting asked for.
+        setting: String,
+        /// The settings that there are.
+        known: String,
+    },
+    /// A setting of a planner has a value that is none.
+    #[error("a setting of planner '{planner}': {problem}")]
+    Setting {
+        /// Which planner.
+        planner: String,
+        /// Which setting, what is wrong with it, and what would fit.
+        problem: String,
+    },
     /// Only grasps can be annotated, and only exactly.
     #[error("inverse kinematics is looked for at grasps, and under the exact criterion only")]
     Annotation,

@@ -3,7 +3,7 @@ use std::time::Instant;
 use cranny_grasp::GraspSet;
 use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::{Pose, Stream};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::grasp_poses::{all_open_poses, poses};
 use crate::planner::Clock;
@@ -29,7 +29,7 @@ use crate::{
 ///
 /// A problem with goal configurations instead of grasps starts at 3. One iteration is one random
 /// configuration of 3, or one turn of a grasp in 2.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct IkRrt {
     /// Probability of growing towards the goal itself, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,

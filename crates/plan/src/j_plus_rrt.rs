@@ -3,7 +3,7 @@ use std::time::Instant;
 use cranny_grasp::GraspSet;
 use cranny_robot::{Jacobian, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::{Pose, PoseDifference, Stream};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::goal_meter::GoalMeter;
 use crate::planner::Clock;
@@ -23,7 +23,7 @@ use crate::{
 /// 3. Every new node is measured against all grasps; the first that has arrived ends the search.
 ///
 /// One iteration is one pass through 1 or 2.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JPlusRrt {
     /// Probability of step 2, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,
@@ -37,7 +37,7 @@ pub struct JPlusRrt {
 }
 
 /// How a planner picks a grasp to go for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GraspChoice {
     /// Every grasp is as likely as any other.

@@ -58,7 +58,9 @@ pub use path_cost::PathCost;
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
 pub use reach::Reach;
-pub use registry::{default_planner, planner, planner_names};
+pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
-pub use verification::{GoalError, Verification, Violation, ViolationKind, path_length, verify};
+pub use verification::{
+    ClearanceReport, GoalError, Verification, Violation, ViolationKind, path_length, verify, verify_with,
+};

@@ -1,3 +1,8 @@
+use cranny_spatial::LANES;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
 use crate::{Criterion, IkRrt, JPlusRrt, PlanError, Planner, Reach};
 
 /// Every planner, with its default settings, in the order in which lists show them.
@@ -16,6 +21,70 @@ pub fn planner(name: &str) -> Result<Box<dyn Planner>, PlanError> {
         .ok_or_else(|| PlanError::UnknownPlanner { name: name.to_owned(), known: planner_names().join(", ") })
 }
 
+/// The planner of that name, with `settings` in place of the defaults of the same names.
+///
+/// # Errors
+/// As [`planner`]; [`PlanError::UnknownSetting`], which lists those that there are; [`PlanError::Setting`] for a
+/// value that is none.
+pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn Planner>, PlanError> {
+    let defaults = planner(name)?.settings();
+    let mut all = defaults.as_object().cloned().unwrap_or_default();
+    for (setting, value) in settings {
+        let Some(place) = all.get_mut(setting) else {
+            let known = all.keys().cloned().collect::<Vec<_>>().join(", ");
+            return Err(PlanError::UnknownSetting {
+                planner: name.to_owned(),
+                setting: setting.clone(),
+                known,
+            });
+        };
+        check_range(name, setting, value)?;
+        place.clone_from(value);
+    }
+    Ok(match name {
+        "j-plus-rrt" => Box::new(read::<JPlusRrt>(name, all)?),
+        "ik-rrt" => Box::new(read::<IkRrt>(name, all)?),
+        _ => Box::new(read::<ReachSettings>(name, all)?.planner()),
+    })
+}
+
+fn read<T: DeserializeOwned>(planner: &str, settings: Map<String, Value>) -> Result<T, PlanError> {
+    serde_json::from_value(Value::Object(settings))
+        .map_err(|reason| PlanError::Setting { planner: planner.to_owned(), problem: reason.to_string() })
+}
+
+/// Probabilities (`p_…`) lie in [0, 1]; whatever else is a number is above 0, and a growth has but so many looks.
+fn check_range(planner: &str, setting: &str, value: &Value) -> Result<(), PlanError> {
+    let Some(number) = value.as_f64() else { return Ok(()) };
+    let (is_good, range) = if setting.starts_with("p_") {
+        ((0.0..=1.0).contains(&number), "in [0, 1]".to_owned())
+    } else if setting == "looks" {
+        (number > 0.0 && number <= LANES as f64, format!("above 0 and at most {LANES}"))
+    } else {
+        (number > 0.0, "above 0".to_owned())
+    };
+    let problem = || format!("'{setting}' is {number}, but must be {range}");
+    is_good
+        .then_some(())
+        .ok_or_else(|| PlanError::Setting { planner: planner.to_owned(), problem: problem() })
+}
+
+/// The settings of [`Reach`], as they are read.
+#[derive(Deserialize)]
+struct ReachSettings {
+    step: f64,
+    looks: usize,
+    goals: usize,
+    patience: u32,
+}
+
+impl ReachSettings {
+    fn planner(self) -> Reach {
+        let Self { step, looks, goals, patience } = self;
+        Reach { step, looks, goals, patience }
+    }
+}
+
 /// The names of all planners.
 pub fn planner_names() -> Vec<&'static str> {
     all().iter().map(|planner| planner.name()).collect()
@@ -27,5 +96,43 @@ pub fn default_planner(criterion: Criterion) -> Box<dyn Planner> {
     match criterion {
         Criterion::Exact => Box::new(Reach::default()),
         Criterion::Paper => Box::new(IkRrt::default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(value: &Value) -> Map<String, Value> {
+        value.as_object().cloned().expect("an object")
+    }
+
+    #[test]
+    fn settings_replace_the_defaults_of_their_names_alone() {
+        for name in planner_names() {
+            let defaults = planner(name).expect("a planner").settings();
+            let again = planner_with(name, &settings(&defaults)).expect("its own settings");
+            assert_eq!((again.name(), again.settings()), (name, defaults));
+        }
+        let changed =
+            planner_with("ik-rrt", &settings(&serde_json::json!({"p_goal": 0.25}))).expect("a planner");
+        assert_eq!(changed.settings(), serde_json::json!(IkRrt { p_goal: 0.25, ..IkRrt::default() }));
+        let changed = planner_with("reach", &settings(&serde_json::json!({"looks": 8}))).expect("a planner");
+        assert_eq!(changed.settings(), serde_json::json!(Reach { looks: 8, ..Reach::default() }));
+    }
+
+    #[test]
+    fn settings_that_are_none_are_named() {
+        let fault =
+            |name, value: Value| planner_with(name, &settings(&value)).err().expect("a fault").to_string();
+        let message = fault("reach", serde_json::json!({"stepp": 1}));
+        assert!(message.contains("'stepp'") && message.contains("looks, patience, step"), "{message}");
+        let message = fault("ik-rrt", serde_json::json!({"p_goal": 1.5}));
+        assert!(message.contains("'p_goal' is 1.5") && message.contains("[0, 1]"), "{message}");
+        assert!(fault("reach", serde_json::json!({"looks": 17})).contains("at most 16"));
+        assert!(fault("reach", serde_json::json!({"step": 0})).contains("above 0"));
+        assert!(fault("j-plus-rrt", serde_json::json!({"step_m": "far"})).contains("invalid type"));
+        assert!(fault("j-plus-rrt", serde_json::json!({"choice": "best"})).contains("by-score"));
+        assert!(fault("nobody", serde_json::json!({})).contains("nobody"));
     }
 }

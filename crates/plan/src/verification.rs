@@ -83,7 +83,25 @@ pub fn path_length(path: &[Vec<f64>]) -> f64 {
     path.windows(2).map(edge).fold(0.0, |sum, length| sum + length)
 }
 
-/// Judges a path, whoever made it, by the criterion of `problem`.
+/// What a judge says of clearance beside its verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ClearanceReport {
+    /// The least distance along every edge: exact to 10 µm, some milliseconds an edge.
+    #[default]
+    PerEdge,
+    /// Nothing: the verdict alone, which takes a fraction of that.
+    Left,
+}
+
+/// Judges a path, whoever made it, by the criterion of `problem`; [`verify_with`] a report on every edge.
+///
+/// # Errors
+/// As [`verify_with`].
+pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, PlanError> {
+    verify_with(problem, path, ClearanceReport::PerEdge)
+}
+
+/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`.
 ///
 /// 1. It begins at the start.
 /// 2. Every way point is within the joint limits.
@@ -95,7 +113,11 @@ pub fn path_length(path: &[Vec<f64>]) -> f64 {
 /// # Errors
 /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a way point that is no configuration of the
 /// robot, [`PlanError::EmptyPath`] for a path without way points.
-pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, PlanError> {
+pub fn verify_with(
+    problem: &Problem,
+    path: &[Vec<f64>],
+    report: ClearanceReport,
+) -> Result<Verification, PlanError> {
     for q in path {
         problem.check_configuration("way point", q)?;
     }
@@ -126,9 +148,15 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
             let single = [first.clone(), first.clone()];
             let edges = if path.len() == 1 { &single[..] } else { path };
             for (edge, pair) in edges.windows(2).enumerate() {
-                let (found, clearance_m) = judge_edge(cell, edge, &pair[0], &pair[1], &mut scratch);
-                violations.extend(found);
-                clearances_per_edge_m.push(clearance_m);
+                let found = judge_edge(cell, edge, [&pair[0], &pair[1]], &mut scratch);
+                if report == ClearanceReport::PerEdge {
+                    let least_m = match found {
+                        Ok(()) => cell.least_clearance(&pair[0], &pair[1], &mut scratch),
+                        Err(_) => 0.0,
+                    };
+                    clearances_per_edge_m.push(least_m.is_finite().then_some(least_m));
+                }
+                violations.extend(found.err().into_iter().flatten());
             }
         }
         Validity::Paper { check, .. } => {
@@ -193,14 +221,13 @@ fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usiz
     }
 }
 
-/// What is wrong with an edge, and the least distance along it if it is proven.
+/// Whether an edge is proven; else what is wrong with it on the way, if not only its ends are.
 fn judge_edge(
     cell: &Cell,
     edge: usize,
-    a: &[f64],
-    b: &[f64],
+    [a, b]: [&[f64]; 2],
     scratch: &mut Scratch,
-) -> (Vec<Violation>, Option<f64>) {
+) -> Result<(), Vec<Violation>> {
     let describe = |kind: ViolationKind, at: f64, contact: &Contact| Violation {
         kind,
         edge,
@@ -210,12 +237,9 @@ fn judge_edge(
         depth_m: contact.depth_m,
     };
     let seed = match cell.motion_is_free(a, b, scratch) {
-        Motion::Proven => {
-            let least = cell.least_clearance(a, b, scratch);
-            return (Vec::new(), least.is_finite().then_some(least));
-        }
+        Motion::Proven => return Ok(()),
         Motion::Unresolved { at, contact } => {
-            return (vec![describe(ViolationKind::Unresolved, at, &contact)], Some(0.0));
+            return Err(vec![describe(ViolationKind::Unresolved, at, &contact)]);
         }
         Motion::Contact { at, contact } => Some((at, contact)),
         // The limits are judged at the way points; what touches on the way counts all the same.
@@ -226,7 +250,7 @@ fn judge_edge(
         let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
         describe(kind, at, &contact)
     });
-    (violations.collect(), Some(0.0))
+    Err(violations.collect())
 }
 
 /// Every pair that touches on an edge, each at the deepest of many samples and of `seed`.

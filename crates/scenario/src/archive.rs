@@ -164,11 +164,28 @@ fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
 }
 
 fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// Two digits for each byte.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     let mut text = String::new();
-    for byte in Sha256::digest(bytes) {
+    for byte in bytes {
         let _ = write!(text, "{byte:02x}");
     }
     text
+}
+
+/// The files of a packed scenario by their path, checksums verified.
+pub(crate) fn contents_of_archive(archive: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    read(archive, &bytes_of(archive)?)
+}
+
+/// The files of a folder by their path, as they would be packed.
+pub(crate) fn contents_of_folder(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    let mut contents = BTreeMap::new();
+    collect(folder, "", &mut contents)?;
+    Ok(contents)
 }
 
 /// The files below `folder`, by their path with slashes.

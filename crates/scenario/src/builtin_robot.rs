@@ -1,9 +1,11 @@
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_plan::Hand;
 use cranny_robot::{Robot, RobotError, RobotOptions, TextSource};
 
-use crate::{hand, robot_file};
+use crate::{ScenarioError, hand, robot_file};
 
 /// What scenario files call the built-in robot.
 pub(crate) const PANDA_MOBILE: &str = "panda_mobile";
@@ -25,6 +27,22 @@ pub fn panda_mobile() -> Result<Arc<Robot>, RobotError> {
 pub fn panda_hand() -> Result<Hand, RobotError> {
     let robot = panda_mobile()?;
     Ok(Hand::of_robot(&robot, &hand::hand_links(&robot)))
+}
+
+/// Writes the files of the built-in robot into `folder`, for programs of others, and returns the path of the
+/// URDF; SRDF and limits lie beside it.
+///
+/// # Errors
+/// [`ScenarioError::Unwritable`].
+pub fn write_panda_mobile(folder: &Path) -> Result<PathBuf, ScenarioError> {
+    let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+    fs::create_dir_all(folder).map_err(|reason| unwritable(folder, reason))?;
+    let files = [("panda_mobile.srdf", SRDF), ("limits.yaml", LIMITS), ("panda_mobile.urdf", URDF)];
+    for (name, text) in files {
+        let path = folder.join(name);
+        fs::write(&path, text).map_err(|reason| unwritable(&path, reason))?;
+    }
+    Ok(folder.join("panda_mobile.urdf"))
 }
 
 /// The robot with another tip or other values of the fingers.

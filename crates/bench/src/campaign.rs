@@ -1,0 +1,243 @@
+use std::collections::HashSet;
+
+use cranny_plan::Criterion;
+use cranny_scenario::{OpenOptions, Scenario};
+
+use crate::opened_scenario::goals_of;
+use crate::scenario_choice::{choose_scenarios, matches};
+use crate::{BenchError, PlannerCall, Question, ScenarioSource, Trial};
+
+/// A campaign: every scenario by every planner under every criterion with every seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    /// What [`choose_scenarios`] takes.
+    pub scenarios: Vec<String>,
+    /// The planners.
+    pub planners: Vec<CampaignPlanner>,
+    /// What counts as solved. Default: `exact` alone.
+    pub criteria: Vec<Criterion>,
+    /// How many seeds. Default 100, the paper's.
+    pub runs: u64,
+    /// The first seed; each further run has the next. Default 0.
+    pub first_seed: u64,
+    /// At most so many seconds for a trial. Default 120, the paper's.
+    pub time_limit_s: f64,
+    /// At most so many iterations for a trial. Default: none, only time counts.
+    pub iteration_limit: Option<u64>,
+    /// At most so much memory for a search, beyond what the scenario takes, in bytes. Default 4 GiB.
+    pub memory_limit_bytes: u64,
+    /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
+    pub judge_both: bool,
+    /// Whether the least clearance along each path is measured. Default: no; it takes some milliseconds for every
+    /// edge of a path.
+    pub measure_clearance: bool,
+    /// Where other limits hold.
+    pub exceptions: Vec<Exception>,
+}
+
+/// A planner of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignPlanner {
+    /// What reports call it.
+    pub name: String,
+    /// How it is called.
+    pub call: PlannerCall,
+    /// Whether it aims at each goal configuration of a scenario by itself, in trials of their own, instead of at
+    /// all grasps together.
+    pub each_goal: bool,
+    /// How many seeds, where they are not as many as the campaign's.
+    pub runs: Option<u64>,
+    /// Its own time limit, in seconds.
+    pub time_limit_s: Option<f64>,
+}
+
+/// A time limit for one planner in some scenarios; goes before all others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exception {
+    /// An id, or a pattern of ids.
+    pub scenario: String,
+    /// The planner's name.
+    pub planner: String,
+    /// The limit, in seconds.
+    pub time_limit_s: f64,
+}
+
+impl Default for Campaign {
+    fn default() -> Self {
+        Self {
+            scenarios: Vec::new(),
+            planners: Vec::new(),
+            criteria: vec![Criterion::Exact],
+            runs: 100,
+            first_seed: 0,
+            time_limit_s: 120.0,
+            iteration_limit: None,
+            memory_limit_bytes: 4 << 30,
+            judge_both: false,
+            measure_clearance: false,
+            exceptions: Vec::new(),
+        }
+    }
+}
+
+/// A campaign, spelled out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// Every trial, seed by seed: a campaign that is cut short has asked everybody equally often.
+    pub questions: Vec<Question>,
+    /// Where the scenarios are.
+    pub scenarios: Vec<ScenarioSource>,
+}
+
+impl CampaignPlanner {
+    /// A planner as it comes, for all grasps together.
+    pub fn new(call: PlannerCall) -> Self {
+        Self { name: call.name(), call, each_goal: false, runs: None, time_limit_s: None }
+    }
+}
+
+impl Campaign {
+    /// The paper's Table I: J⁺-RRT for all grasps, IK-RRT for each goal configuration by itself, 100 runs of 120 s
+    /// (900 s for J⁺-RRT in 045) under the `paper` criterion, in the twenty built-in scenarios.
+    ///
+    /// A search of IK-RRT goes on with its one goal until the time is spent.
+    ///
+    /// # Errors
+    /// None on a sound build: [`BenchError::Plan`] would mean that a planner is gone.
+    pub fn paper() -> Result<Self, BenchError> {
+        let call = |planner: &str, settings: serde_json::Value| {
+            let settings = settings.as_object().cloned().unwrap_or_default();
+            PlannerCall::BuiltIn { planner: planner.to_owned(), settings }.checked()
+        };
+        let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
+        /// More than any time limit allows.
+        const ENDLESS: u64 = 1_000_000_000_000;
+        let ik_rrt = CampaignPlanner {
+            each_goal: true,
+            ..CampaignPlanner::new(call("ik-rrt", serde_json::json!({"goal_iterations": ENDLESS}))?)
+        };
+        let longer =
+            Exception { scenario: "045".into(), planner: j_plus_rrt.name.clone(), time_limit_s: 900.0 };
+        Ok(Self {
+            scenarios: vec!["all".into()],
+            planners: vec![j_plus_rrt, ik_rrt],
+            criteria: vec![Criterion::Paper],
+            exceptions: vec![longer],
+            ..Self::default()
+        })
+    }
+
+    /// Every trial of the campaign, each once. The scenarios are opened for it, so that what is wrong with one of
+    /// them is said before the first trial.
+    ///
+    /// # Errors
+    /// [`BenchError`] for scenarios that do not open, planners of one name, nothing to do, and numbers that are
+    /// none.
+    pub fn schedule(&self) -> Result<Schedule, BenchError> {
+        self.check()?;
+        let mut scenarios = Vec::new();
+        for chosen in choose_scenarios(&self.scenarios)? {
+            let mut goals = None;
+            for criterion in &self.criteria {
+                let options = OpenOptions { criterion: Some(*criterion), ..OpenOptions::default() };
+                let scenario = Scenario::open(&chosen.source, &options)?;
+                if goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
+                    goals = Some(goals_of(&chosen.source, &scenario)?.len());
+                }
+            }
+            scenarios.push(ScenarioSource {
+                scenario: chosen.identity.id,
+                scenario_hash: chosen.identity.sha256,
+                source: chosen.source,
+                goals,
+            });
+        }
+        let settings: Vec<String> = self.planners.iter().map(|planner| planner.call.settings()).collect();
+        let most_runs =
+            self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
+        let mut questions = Vec::new();
+        for run in 0..most_runs {
+            for scenario in &scenarios {
+                for (planner, settings) in self.planners.iter().zip(&settings) {
+                    if run >= planner.runs.unwrap_or(self.runs) {
+                        continue;
+                    }
+                    let goals: Vec<Option<usize>> = if planner.each_goal {
+                        (0..scenario.goals.unwrap_or(0)).map(Some).collect()
+                    } else {
+                        vec![None]
+                    };
+                    for (criterion, goal) in
+                        self.criteria.iter().flat_map(|c| goals.iter().map(move |goal| (*c, *goal)))
+                    {
+                        let trial = Trial {
+                            scenario: scenario.scenario.clone(),
+                            scenario_hash: scenario.scenario_hash.clone(),
+                            planner: planner.name.clone(),
+                            settings: settings.clone(),
+                            criterion,
+                            seed: self.first_seed + run,
+                            time_limit_s: self.time_limit(scenario, planner),
+                            iteration_limit: self.iteration_limit,
+                            goal,
+                        };
+                        questions.push(Question {
+                            trial,
+                            source: scenario.source.clone(),
+                            call: planner.call.clone(),
+                            judge_both: self.judge_both,
+                            measure_clearance: self.measure_clearance,
+                        });
+                    }
+                }
+            }
+        }
+        if questions.is_empty() {
+            return Err(BenchError::Empty { what: "trials (no scenario has a goal configuration)" });
+        }
+        Ok(Schedule { questions, scenarios })
+    }
+
+    fn time_limit(&self, scenario: &ScenarioSource, planner: &CampaignPlanner) -> f64 {
+        let holds = |exception: &&Exception| {
+            exception.planner == planner.name && matches(&exception.scenario, &scenario.scenario)
+        };
+        let exception = self.exceptions.iter().find(holds).map(|exception| exception.time_limit_s);
+        exception.or(planner.time_limit_s).unwrap_or(self.time_limit_s)
+    }
+
+    fn check(&self) -> Result<(), BenchError> {
+        for (what, is_empty) in
+            [("planners", self.planners.is_empty()), ("criteria", self.criteria.is_empty())]
+        {
+            if is_empty {
+                return Err(BenchError::Empty { what });
+            }
+        }
+        let mut names = HashSet::new();
+        if let Some(planner) = self.planners.iter().find(|planner| !names.insert(&planner.name)) {
+            return Err(BenchError::PlannerName { name: planner.name.clone() });
+        }
+        let own = self.planners.iter().filter_map(|planner| planner.time_limit_s);
+        let exceptions = self.exceptions.iter().map(|exception| exception.time_limit_s);
+        for value in std::iter::once(self.time_limit_s).chain(own).chain(exceptions) {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(BenchError::Range { what: "a time limit", value, range: "above 0 s" });
+            }
+        }
+        let most_runs = self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max();
+        if most_runs == Some(0) {
+            return Err(BenchError::Range { what: "the number of runs", value: 0.0, range: "at least 1" });
+        }
+        // What a file of results can hold.
+        let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
+        if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
+            let value = self.first_seed as f64;
+            return Err(BenchError::Range { what: "the last seed", value, range: "below 2^63" });
+        }
+        if self.memory_limit_bytes == 0 {
+            return Err(BenchError::Range { what: "the memory limit", value: 0.0, range: "above 0 MB" });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,160 @@
+use std::fs;
+use std::path::Path;
+
+use cranny_plan::Criterion;
+use cranny_scenario::catalogue;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use serde_saphyr::{Location, Spanned};
+
+use crate::scenario_choice::matches;
+use crate::trial::criterion_name;
+use crate::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
+
+/// What a campaign's file says.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CampaignEntry {
+    scenarios: Vec<String>,
+    planners: Vec<Spanned<PlannerEntry>>,
+    #[serde(default)]
+    criteria: Option<Vec<CriterionEntry>>,
+    #[serde(default)]
+    runs: Option<u64>,
+    #[serde(default)]
+    first_seed: Option<u64>,
+    #[serde(default)]
+    time_limit_s: Option<f64>,
+    #[serde(default)]
+    iteration_limit: Option<u64>,
+    #[serde(default)]
+    memory_limit_mb: Option<u64>,
+    #[serde(default)]
+    judge_both: Option<bool>,
+    #[serde(default)]
+    measure_clearance: Option<bool>,
+    #[serde(default)]
+    exceptions: Vec<ExceptionEntry>,
+}
+
+#[derive(Deserialize)]
+struct CriterionEntry(#[serde(with = "criterion_name")] Criterion);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlannerEntry {
+    #[serde(default)]
+    name: Option<String>,
+    #[serde(default)]
+    planner: Option<String>,
+    #[serde(default)]
+    settings: Map<String, Value>,
+    #[serde(default)]
+    exec: Option<Vec<String>>,
+    #[serde(default)]
+    released: Option<Vec<String>>,
+    #[serde(default)]
+    each_goal: bool,
+    #[serde(default)]
+    runs: Option<u64>,
+    #[serde(default)]
+    time_limit_s: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ExceptionEntry {
+    scenario: String,
+    planner: String,
+    time_limit_s: f64,
+}
+
+impl Campaign {
+    /// Reads a campaign from a YAML file; paths in it are taken from the folder of the file.
+    ///
+    /// # Errors
+    /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
+    pub fn read(path: &Path) -> Result<Self, BenchError> {
+        let text = fs::read_to_string(path)
+            .map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })?;
+        let fault = |location: Location, problem: String| BenchError::CampaignFile {
+            path: path.to_owned(),
+            line: location.line().max(1),
+            problem,
+        };
+        let entry: CampaignEntry = serde_saphyr::from_str(&text).map_err(|reason| {
+            let location = reason.location().unwrap_or(Location::UNKNOWN);
+            fault(location, reason.without_snippet().to_string())
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut planners = Vec::new();
+        for Spanned { value: planner, referenced, .. } in entry.planners {
+            planners.push(planner.read(folder).map_err(|problem| fault(referenced, problem))?);
+        }
+        let default = Self::default();
+        let criteria = entry.criteria.map(|criteria| criteria.into_iter().map(|entry| entry.0).collect());
+        let exception = |entry: ExceptionEntry| Exception {
+            scenario: entry.scenario,
+            planner: entry.planner,
+            time_limit_s: entry.time_limit_s,
+        };
+        Ok(Self {
+            scenarios: entry.scenarios.iter().map(|word| scenario_beside(folder, word)).collect(),
+            planners,
+            criteria: criteria.unwrap_or(default.criteria),
+            runs: entry.runs.unwrap_or(default.runs),
+            first_seed: entry.first_seed.unwrap_or(default.first_seed),
+            time_limit_s: entry.time_limit_s.unwrap_or(default.time_limit_s),
+            iteration_limit: entry.iteration_limit,
+            memory_limit_bytes: entry.memory_limit_mb.map_or(default.memory_limit_bytes, |mb| mb << 20),
+            judge_both: entry.judge_both.unwrap_or(default.judge_both),
+            measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
+            exceptions: entry.exceptions.into_iter().map(exception).collect(),
+        })
+    }
+}
+
+impl PlannerEntry {
+    fn read(self, folder: &Path) -> Result<CampaignPlanner, String> {
+        let Self { name, planner, settings, exec, released, each_goal, runs, time_limit_s } = self;
+        let words = |words: Vec<String>| words.iter().map(|word| beside(folder, word)).collect::<Vec<_>>();
+        let has_settings = !settings.is_empty();
+        let call = match (planner, exec, released) {
+            (Some(planner), None, None) => PlannerCall::BuiltIn { planner, settings },
+            (None, Some(_), None) | (None, None, Some(_)) if has_settings => {
+                return Err(
+                    "`settings` are those of a built-in `planner`; give a program arguments".to_owned()
+                );
+            }
+            (None, Some(command), None) => PlannerCall::Exec { command: words(command) },
+            (None, None, Some(command)) => {
+                let mut words = words(command).into_iter();
+                PlannerCall::Released {
+                    program: words.next().unwrap_or_default(),
+                    arguments: words.collect(),
+                }
+            }
+            _ => return Err("give one of `planner`, `exec` and `released`".to_owned()),
+        };
+        let call = call.checked().map_err(|fault| fault.to_string())?;
+        Ok(CampaignPlanner { name: name.unwrap_or_else(|| call.name()), call, each_goal, runs, time_limit_s })
+    }
+}
+
+/// A scenario's word: an id goes before a folder of the same name.
+fn scenario_beside(folder: &Path, word: &str) -> String {
+    let is_id = catalogue().iter().any(|entry| matches(word, entry.id));
+    if is_id { word.to_owned() } else { beside(folder, word) }
+}
+
+/// A word as a path from `folder`, if there is such a file or folder; else as it is.
+fn beside(folder: &Path, word: &str) -> String {
+    let path = folder.join(word);
+    if path.exists() && !word.is_empty() {
+        // With a slash it is a path, also where the folder is this one.
+        let path = if path.components().count() == 1 { Path::new(".").join(path) } else { path };
+        path.display().to_string()
+    } else {
+        word.to_owned()
+    }
+}

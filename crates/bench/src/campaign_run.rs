@@ -1,0 +1,216 @@
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use crate::worker_message::{Request, TrialAnswer};
+use crate::worker_process::{Served, WorkerProcess};
+use crate::{BenchError, Question, Results, RunInformation, Schedule, TrialRecord, WorkerProgram};
+
+/// How a campaign is run.
+#[derive(Clone, Debug)]
+pub struct CampaignSettings {
+    /// What serves the trials.
+    pub worker: WorkerProgram,
+    /// How many workers at once; with more than one they take each other's time.
+    pub workers: usize,
+    /// At most so much memory for a search, in bytes.
+    pub memory_limit_bytes: u64,
+    /// What is stored with the run.
+    pub information: RunInformation,
+}
+
+/// What a run did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunSummary {
+    /// Trials that the campaign has.
+    pub trials: usize,
+    /// Trials that were there before.
+    pub known: usize,
+    /// Trials that were run now.
+    pub run: usize,
+    /// Those of them that were solved.
+    pub solved: usize,
+    /// Whether it was stopped before the end.
+    pub is_stopped: bool,
+}
+
+/// Hears how a campaign goes.
+pub trait CampaignObserver {
+    /// So many trials are to be run, and so many are there already.
+    fn begins(&mut self, _to_run: usize, _known: usize) {}
+
+    /// A trial ended, and is stored.
+    fn trial_ended(&mut self, _record: &TrialRecord) {}
+}
+
+/// Hears nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unheard;
+
+impl CampaignObserver for Unheard {}
+
+/// Runs what is not in `results` yet of a campaign, and stores every trial as it ends.
+///
+/// 1. Trials that are known are left out.
+/// 2. Each worker takes the next trial; one that is lost with its trial is replaced, and the trial has the outcome
+///    that it earned.
+/// 3. Each answer is stored before the next is looked at.
+///
+/// `stop` ends the campaign; the trials under way are then not stored.
+///
+/// # Errors
+/// [`BenchError::Refused`] where a trial cannot be run at all, [`BenchError::NotRunnable`] where no worker starts,
+/// and what [`Results`] say; trials that are stored stay so.
+pub fn run_campaign(
+    schedule: &Schedule,
+    settings: &CampaignSettings,
+    results: &mut Results,
+    observer: &mut dyn CampaignObserver,
+    stop: &AtomicBool,
+) -> Result<RunSummary, BenchError> {
+    // 1.
+    let known: HashSet<String> = results.known()?.iter().map(crate::Trial::key).collect();
+    let is_open = |question: &&Question| !known.contains(&question.trial.key());
+    let open: Vec<&Question> = schedule.questions.iter().filter(is_open).collect();
+    let mut summary = RunSummary {
+        trials: schedule.questions.len(),
+        known: schedule.questions.len() - open.len(),
+        ..RunSummary::default()
+    };
+    observer.begins(open.len(), summary.known);
+    if open.is_empty() {
+        return Ok(summary);
+    }
+    let run = results.begin_run(&settings.information)?;
+    for source in &schedule.scenarios {
+        results.note_scenario(source)?;
+    }
+    let mut noted = HashSet::new();
+    for Question { trial, call, .. } in &open {
+        if noted.insert((&trial.planner, &trial.settings)) {
+            let source = serde_json::to_string(call).map_err(|reason| BenchError::message(&reason))?;
+            results.note_planner(&trial.planner, &trial.settings, &source)?;
+        }
+    }
+    let exports = exports()?;
+    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let is_stopped = || stop.load(Ordering::Relaxed) || is_over.load(Ordering::Relaxed);
+    thread::scope(|scope| {
+        let (sender, answers) = mpsc::channel();
+        for _ in 0..settings.workers.max(1) {
+            let (sender, open, next, exports) = (sender.clone(), &open, &next, exports.path());
+            let is_stopped = &is_stopped;
+            scope.spawn(move || {
+                let mut worker = None;
+                while !is_stopped() {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(question) = open.get(index) else { return };
+                    // 2.
+                    let asked = ask(&mut worker, question, settings, exports, stop);
+                    let is_end = !matches!(asked, Ok(Some(_)));
+                    if sender.send((*question, asked)).is_err() || is_end {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        // 3.
+        let mut store = || -> Result<(), BenchError> {
+            for (question, asked) in &answers {
+                let Some(answer) = asked? else { continue };
+                let (record, also_solved, path) = record_of(question, answer);
+                results.append(run, &record, also_solved, &path)?;
+                summary.run += 1;
+                summary.solved += usize::from(record.is_solved());
+                observer.trial_ended(&record);
+            }
+            Ok(())
+        };
+        let stored = store();
+        is_over.store(true, Ordering::Relaxed);
+        stored
+    })?;
+    summary.is_stopped = stop.load(Ordering::Relaxed);
+    results.end_run(run)?;
+    Ok(summary)
+}
+
+/// Asks `worker`, or a new one where there is none; nothing where somebody stopped the campaign.
+fn ask(
+    worker: &mut Option<WorkerProcess>,
+    question: &Question,
+    settings: &CampaignSettings,
+    exports: &Path,
+    stop: &AtomicBool,
+) -> Result<Option<TrialAnswer>, BenchError> {
+    // One that ended between two trials takes none with it.
+    if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
+        *worker = Some(WorkerProcess::start(&settings.worker)?);
+    }
+    let Some(serving) = worker else { return Ok(None) };
+    let request = Request {
+        question: question.clone(),
+        exports: exports.to_owned(),
+        memory_limit_bytes: settings.memory_limit_bytes,
+    };
+    match serving.serve(&request, stop) {
+        Served::Answered(answer) => Ok(Some(answer)),
+        Served::Refused(reason) => Err(BenchError::Refused {
+            scenario: question.trial.scenario.clone(),
+            planner: question.trial.planner.clone(),
+            reason,
+        }),
+        Served::Lost(answer) => {
+            *worker = None;
+            Ok(Some(answer))
+        }
+        Served::Stopped => Ok(None),
+    }
+}
+
+/// Asks one question of a worker of its own.
+///
+/// # Errors
+/// As [`run_campaign`].
+pub(crate) fn ask_once(
+    question: &Question,
+    settings: &CampaignSettings,
+    stop: &AtomicBool,
+) -> Result<Option<TrialAnswer>, BenchError> {
+    let exports = exports()?;
+    ask(&mut None, question, settings, exports.path(), stop)
+}
+
+/// A folder for what the programs of others read and write; it goes with the campaign.
+fn exports() -> Result<tempfile::TempDir, BenchError> {
+    let made = tempfile::Builder::new().prefix("cranny-bench-").tempdir();
+    made.map_err(|reason| BenchError::NotRunnable {
+        program: "a campaign".to_owned(),
+        reason: format!("no temporary folder: {reason}"),
+    })
+}
+
+/// The record of an answer, whether the path meets the other criterion too, and the path.
+pub(crate) fn record_of(
+    question: &Question,
+    answer: TrialAnswer,
+) -> (TrialRecord, Option<bool>, Vec<Vec<f64>>) {
+    let TrialAnswer {
+        outcome,
+        detail,
+        statistics,
+        path_length,
+        clearance_m,
+        grasp,
+        grasp_score,
+        also_solved,
+        path,
+    } = answer;
+    let trial = question.trial.clone();
+    let record =
+        TrialRecord { trial, outcome, detail, statistics, path_length, clearance_m, grasp, grasp_score };
+    (record, also_solved, path)
+}

@@ -1,0 +1,214 @@
+//! What the programs of others answer.
+
+use std::path::Path;
+
+use cranny_plan::Statistics;
+use serde::Deserialize;
+
+use crate::TrialOutcome;
+
+/// The answer of a program, not yet judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeignAnswer {
+    /// How it ended, if there is no path.
+    pub outcome: TrialOutcome,
+    /// Its path; empty where it found none.
+    pub path: Vec<Vec<f64>>,
+    /// What it tells of its search.
+    pub statistics: Statistics,
+}
+
+/// The JSON form of an answer.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    #[serde(default)]
+    waypoints: Vec<Vec<f64>>,
+    #[serde(default)]
+    outcome: Option<ForeignOutcome>,
+    #[serde(default)]
+    statistics: ForeignStatistics,
+}
+
+/// What a program may say of its end; whether it is solved says the judge.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ForeignOutcome {
+    Solved,
+    BudgetExhausted,
+    StartInvalid,
+    NoReachableGrasp,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct ForeignStatistics {
+    iterations: u64,
+    nodes: u64,
+    collision_checks: u64,
+    ik_attempts: u64,
+    goals_tried: u64,
+}
+
+/// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
+/// path. The error says what is wrong, with the line.
+pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String> {
+    let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
+    if !text.trim_start().starts_with('{') {
+        let path = read_lines(text, joints)?;
+        return Ok(ForeignAnswer {
+            outcome: TrialOutcome::BudgetExhausted,
+            path,
+            statistics: Statistics::default(),
+        });
+    }
+    let document: Document =
+        serde_json::from_str(text).map_err(|reason| format!("line {}: {reason}", reason.line()))?;
+    if let Some((index, q)) = document.waypoints.iter().enumerate().find(|(_, q)| q.len() != joints) {
+        return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
+    }
+    let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
+        document.statistics;
+    let outcome = match document.outcome {
+        Some(ForeignOutcome::StartInvalid) => TrialOutcome::StartInvalid,
+        Some(ForeignOutcome::NoReachableGrasp) => TrialOutcome::NoReachableGrasp,
+        Some(ForeignOutcome::Solved) if document.waypoints.is_empty() => {
+            return Err("the outcome is 'solved', but there are no way points".to_owned());
+        }
+        // With way points the judge has the word.
+        None | Some(ForeignOutcome::BudgetExhausted | ForeignOutcome::Solved) => {
+            TrialOutcome::BudgetExhausted
+        }
+    };
+    Ok(ForeignAnswer {
+        outcome,
+        path: document.waypoints,
+        statistics: Statistics {
+            iterations,
+            nodes,
+            collision_checks,
+            ik_attempts,
+            goals_tried,
+            ..Statistics::default()
+        },
+    })
+}
+
+/// What the released program writes beside its way points.
+#[derive(Default, Deserialize)]
+struct ReleasedSummary {
+    #[serde(default)]
+    sr: Option<f64>,
+    #[serde(default)]
+    iters: Option<f64>,
+    #[serde(default)]
+    treesize: Option<f64>,
+}
+
+/// What the released program wrote to `prefix.txt` (a summary as JSON) and `prefix.try` (way points).
+pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, String> {
+    let text = |ending: &str| std::fs::read_to_string(prefix.with_extension(ending));
+    let summary = text("txt").map_err(|reason| format!("the program left no .txt file: {reason}"))?;
+    let summary: ReleasedSummary =
+        serde_json::from_str(&summary).map_err(|reason| format!(".txt, line {}: {reason}", reason.line()))?;
+    let is_solved = summary.sr.is_some_and(|rate| rate > 0.0);
+    // On a failure the way points are those of no answer.
+    let path = match text("try") {
+        Ok(way_points) if is_solved => {
+            read_lines(&way_points, joints).map_err(|fault| format!(".try, {fault}"))?
+        }
+        Err(reason) if is_solved => return Err(format!("the program left no .try file: {reason}")),
+        _ => Vec::new(),
+    };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    // Counts, written as numbers of any kind.
+    let count = |number: Option<f64>| number.map_or(0, |number| number.max(0.0) as u64);
+    let statistics = Statistics {
+        iterations: count(summary.iters),
+        nodes: count(summary.treesize),
+        ..Statistics::default()
+    };
+    Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, path, statistics })
+}
+
+/// Way points, one a line; blank lines are left out.
+fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
+    let mut path = Vec::new();
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let number = |field: &str| {
+            let finite = field.trim().parse().ok().filter(|number: &f64| number.is_finite());
+            finite.ok_or_else(|| format!("line {}: '{}' is not a finite number", index + 1, shown(field)))
+        };
+        // The released files end every line with a comma.
+        let fields = line.trim().trim_end_matches(',').split(',');
+        let q = fields.map(number).collect::<Result<Vec<f64>, String>>()?;
+        if q.len() != joints {
+            return Err(format!("line {}: {} numbers instead of {joints}", index + 1, q.len()));
+        }
+        path.push(q);
+    }
+    Ok(path)
+}
+
+/// The beginning of what may be long and unprintable.
+fn shown(text: &str) -> String {
+    const MOST: usize = 40;
+    text.trim().chars().take(MOST).flat_map(char::escape_default).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn way_points_come_as_json_or_as_lines() {
+        let expected = vec![vec![0.1 + 0.2, -1e-300], vec![1.0, 2.0]];
+        let text = format!("{},{}\n\n1,2,\n", expected[0][0], expected[0][1]);
+        assert_eq!(read_output(text.as_bytes(), 2).unwrap().path, expected);
+        let text =
+            serde_json::json!({"waypoints": expected, "outcome": "solved", "statistics": {"iterations": 7}});
+        let answer = read_output(text.to_string().as_bytes(), 2).unwrap();
+        assert_eq!((answer.path, answer.statistics.iterations), (expected, 7));
+    }
+
+    #[test]
+    fn no_path_is_an_answer() {
+        for text in ["", "\n \n", "{}", "{\"outcome\": \"budget-exhausted\"}"] {
+            let answer = read_output(text.as_bytes(), 2).unwrap();
+            assert_eq!((answer.outcome, answer.path.len()), (TrialOutcome::BudgetExhausted, 0));
+        }
+        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2).unwrap();
+        assert_eq!(answer.outcome, TrialOutcome::NoReachableGrasp);
+    }
+
+    #[test]
+    fn what_is_no_answer_is_named_with_its_line() {
+        let fault = |text: &[u8]| read_output(text, 2).unwrap_err();
+        assert!(fault(b"1,2\nloading robot ...\n").contains("line 2: 'loading robot ...'"));
+        assert!(fault(b"1,2\n1,2,3\n").contains("line 2: 3 numbers instead of 2"));
+        assert!(fault(b"1,nan\n").contains("'nan'"));
+        assert!(fault(b"{\"waypoints\": [[1, 2],\n[1]]}").contains("way point 1 has 1 values"));
+        assert!(fault(b"{\"waypoints\":\n [[1, ").contains("line 2"));
+        assert!(fault(b"{\"outcome\": \"solved\"}").contains("no way points"));
+        assert!(fault(b"{\"way_points\": []}").contains("way_points"));
+        assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
+    }
+
+    #[test]
+    fn the_files_of_the_released_program_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let prefix = folder.path().join("trial");
+        assert!(read_released(&prefix, 2).unwrap_err().contains("no .txt"));
+        let summary = |sr: u8| {
+            format!("{{\"sr\": {sr}, \"dtg\": 41.5, \"time\": 1.5, \"iters\": 812, \"treesize\": 700}}")
+        };
+        std::fs::write(prefix.with_extension("txt"), summary(1)).unwrap();
+        assert!(read_released(&prefix, 2).unwrap_err().contains("no .try"));
+        std::fs::write(prefix.with_extension("try"), "0,0\n0.5,1\n").unwrap();
+        let answer = read_released(&prefix, 2).unwrap();
+        assert_eq!(answer.path, [[0.0, 0.0], [0.5, 1.0]]);
+        assert_eq!((answer.statistics.iterations, answer.statistics.nodes), (812, 700));
+        std::fs::write(prefix.with_extension("txt"), summary(0)).unwrap();
+        assert_eq!(read_released(&prefix, 2).unwrap().path.len(), 0);
+    }
+}

@@ -1,0 +1,240 @@
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use cranny_grasp::rows_of_pose;
+use cranny_plan::Statistics;
+use cranny_scenario::{Recipe, ScenarioError, write_panda_mobile};
+use serde_json::json;
+
+use crate::foreign_answer::{self, ForeignAnswer};
+use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
+use crate::opened_scenario::OpenedScenario;
+use crate::process_group::{self, Leash};
+use crate::worker_message::{Request, TrialAnswer};
+use crate::{BenchError, PlannerCall, TrialOutcome};
+
+/// The program of others, with the files of one scenario.
+pub struct ForeignPlanner {
+    command: Vec<String>,
+    is_released: bool,
+    files: ForeignFiles,
+}
+
+/// Where a program finds what it wants to read.
+struct ForeignFiles {
+    /// The folder in the released layout.
+    released: PathBuf,
+    /// The folder in Cranny's layout.
+    cranny: PathBuf,
+    /// The robot.
+    urdf: PathBuf,
+    /// For what the program writes.
+    scratch: PathBuf,
+}
+
+/// One trial of such a program.
+pub struct ForeignTask<'a> {
+    pub request: &'a Request,
+    pub opened: &'a OpenedScenario,
+    /// The goal configuration that is aimed at.
+    pub goal: Option<&'a [f64]>,
+}
+
+/// How long a program may go on after its time limit before it counts as hung: enough to notice, to tidy up and
+/// to print.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// The command line of the released program with its authors' settings, as its own scripts give them; `-max_iters`
+/// is beyond what a time limit of minutes allows.
+const RELEASED_COMMAND: &str = "test -grasp {grasps} -urdf {urdf} -obstacle {obstacles} -start_config {start} \
+    -target_configs {ik} -ik_index {goal} -max_iters {iterations} -d_crit 0.1 -delta_q 3.1415 -epsilon_q 0.1 \
+    -num_spikes 7 -p_close_enough 50.0 -prob_steer 0.01 -q_resolution 0.1 -use_rot 100 -rot_ratio 0.5 \
+    -groundLevel 0.0 -minColSegIdx 6 -render 0 -seed {seed} -target_prefix {prefix}";
+
+impl ForeignPlanner {
+    /// Writes the files of the scenario, unless they are there already.
+    pub fn new(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
+        let call = &request.question.call;
+        let (command, is_released) = match call {
+            PlannerCall::BuiltIn { .. } => return Err(BenchError::Program { program: call.name() }),
+            PlannerCall::Exec { command } => (command.clone(), false),
+            PlannerCall::Released { program, arguments } => {
+                let usual = RELEASED_COMMAND.split_whitespace().map(str::to_owned);
+                (
+                    std::iter::once(program.clone()).chain(usual).chain(arguments.iter().cloned()).collect(),
+                    true,
+                )
+            }
+        };
+        Ok(Self { command, is_released, files: ForeignFiles::write(request, opened)? })
+    }
+
+    /// What the program makes of a trial, not yet judged.
+    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<TrialAnswer, BenchError> {
+        let trial = &task.request.question.trial;
+        let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
+        let limits =
+            Limits { time: time.saturating_add(GRACE), memory_bytes: task.request.memory_limit_bytes };
+        let prefix = self.files.scratch.join(format!("trial-{}", std::process::id()));
+        forget(&prefix);
+        let words = self.command.iter().map(|word| self.filled(word, task, &prefix)).collect::<Vec<_>>();
+        let missing = || BenchError::Program { program: String::new() };
+        let (program, arguments) = words.split_first().ok_or_else(missing)?;
+        let mut command = Command::new(program);
+        command.args(arguments).current_dir(&self.files.scratch);
+        let input = self.problem(task).to_string() + "\n";
+        let (ending, elapsed_s) =
+            foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
+                BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
+            })?;
+        let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
+        let without = |outcome, detail| TrialAnswer::without_path(outcome, detail, statistics);
+        let answer = match ending {
+            Ending::Hung => without(TrialOutcome::Hung, Some(format!("ended after {elapsed_s:.1} s"))),
+            Ending::OutOfMemory(bytes) => {
+                without(TrialOutcome::OutOfMemory, Some(format!("held {} MiB", bytes >> 20)))
+            }
+            Ending::Flood => {
+                let detail = format!("printed more than {} MiB", MOST_OUTPUT_BYTES >> 20);
+                without(TrialOutcome::Garbled, Some(detail))
+            }
+            Ending::Exited { status, complaint, .. } if !status.success() => {
+                let mut detail = process_group::ending(status);
+                if !complaint.is_empty() {
+                    detail = format!("{detail}: {complaint}");
+                }
+                without(TrialOutcome::Crashed, Some(detail))
+            }
+            Ending::Exited { output, .. } => {
+                let joints = task.opened.problem.robot.dof();
+                let read = if self.is_released {
+                    foreign_answer::read_released(&prefix, joints)
+                } else {
+                    foreign_answer::read_output(&output, joints)
+                };
+                match read {
+                    Ok(ForeignAnswer { outcome, path, statistics }) => TrialAnswer {
+                        path,
+                        ..TrialAnswer::without_path(
+                            outcome,
+                            None,
+                            Statistics { planning_time_s: elapsed_s, ..statistics },
+                        )
+                    },
+                    Err(fault) => without(TrialOutcome::Garbled, Some(fault)),
+                }
+            }
+        };
+        forget(&prefix);
+        Ok(answer)
+    }
+
+    /// A word of the command with its placeholders filled in.
+    fn filled(&self, word: &str, task: &ForeignTask, prefix: &Path) -> String {
+        /// Where only time counts: beyond what any planner does in hours, and within 32 bits.
+        const ENDLESS: u64 = 2_000_000_000;
+        let trial = &task.request.question.trial;
+        let path = |path: &Path| path.display().to_string();
+        let export = |name: &str| path(&self.files.released.join("export").join(name));
+        let placeholders: [(&str, String); 15] = [
+            ("{scenario}", trial.scenario.clone()),
+            ("{criterion}", trial.criterion.name().to_owned()),
+            ("{seed}", trial.seed.to_string()),
+            ("{time_limit_s}", trial.time_limit_s.to_string()),
+            ("{iterations}", trial.iteration_limit.unwrap_or(ENDLESS).to_string()),
+            ("{goal}", trial.goal.unwrap_or(0).to_string()),
+            ("{released}", path(&self.files.released)),
+            ("{cranny}", path(&self.files.cranny)),
+            ("{urdf}", path(&self.files.urdf)),
+            ("{obstacles}", export("obstacles.obj")),
+            ("{grasps}", export("grasps.csv")),
+            ("{start}", export("robot_start_conf.csv")),
+            ("{ik}", export("grasp_IK_solutions.csv")),
+            ("{scratch}", path(&self.files.scratch)),
+            ("{prefix}", path(prefix)),
+        ];
+        placeholders.iter().fold(word.to_owned(), |word, (name, value)| word.replace(name, value))
+    }
+
+    /// What the program reads on its standard input.
+    fn problem(&self, task: &ForeignTask) -> serde_json::Value {
+        let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
+        let robot = &problem.robot;
+        let named = robot.joint_names().iter().zip(robot.limits());
+        let joints: Vec<_> = named
+            .map(|(name, limits)| json!({"name": name, "lower": limits.lower, "upper": limits.upper}))
+            .collect();
+        let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
+        let export = self.files.released.join("export");
+        json!({
+            "protocol": 1,
+            "scenario": trial.scenario,
+            "criterion": trial.criterion.name(),
+            "seed": trial.seed,
+            "time_limit_s": trial.time_limit_s,
+            "iteration_limit": trial.iteration_limit,
+            "joints": joints,
+            "start": problem.start,
+            "grasps": task.opened.scenario.grasps.grasps().iter().map(grasp).collect::<Vec<_>>(),
+            "tip": robot.links()[robot.tip()].name,
+            "goal_configuration": task.goal,
+            "files": {
+                "released": self.files.released,
+                "cranny": self.files.cranny,
+                "urdf": self.files.urdf,
+                "obstacles": export.join("obstacles.obj"),
+                "grasps": export.join("grasps.csv"),
+                "start": export.join("robot_start_conf.csv"),
+                "ik": export.join("grasp_IK_solutions.csv"),
+                "scratch": self.files.scratch,
+            },
+        })
+    }
+}
+
+impl ForeignFiles {
+    fn write(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
+        // Of one content there is one export for each worker, which nobody else writes or reads.
+        let hash = &request.question.trial.scenario_hash;
+        let folder = request.exports.join(format!("{}-{hash}", std::process::id()));
+        let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+        let scratch = folder.join("scratch");
+        std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;
+        let mut files = Self {
+            released: folder.join("released"),
+            cranny: folder.join("cranny").join(&opened.scenario.id),
+            urdf: folder.join("robot/panda_mobile.urdf"),
+            scratch,
+        };
+        // Written last of all, so that what has it is whole.
+        let mark = folder.join(format!("{}.whole", opened.problem.criterion().name()));
+        let is_whole = mark.is_file();
+        if !is_whole {
+            write_panda_mobile(&folder.join("robot"))?;
+            let ik = opened.goals()?.to_vec();
+            let recipe = Recipe { ik, ..Recipe::of_scenario(&opened.scenario)? };
+            recipe.write_folder(&files.cranny)?;
+            recipe.write_released(&files.released)?;
+            std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;
+        }
+        // A released scenario is given as it is, with its own robot.
+        let source = Path::new(&request.question.source);
+        if source.join("scene.yaml").is_file() && source.join("export/obstacles.obj").is_file() {
+            source.clone_into(&mut files.released);
+            let robot = source.join("../../robots/franka_panda/mobile_panda_fingersSmallMesh.urdf");
+            if robot.is_file() {
+                files.urdf = robot;
+            }
+        }
+        Ok(files)
+    }
+}
+
+/// Removes what an earlier trial wrote.
+fn forget(prefix: &Path) {
+    for ending in ["try", "txt", "vis"] {
+        // Mostly there is none.
+        let _ = std::fs::remove_file(prefix.with_extension(ending));
+    }
+}

@@ -1,0 +1,68 @@
+use std::cell::OnceCell;
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+use cranny_plan::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
+use cranny_scenario::{Demands, OpenOptions, Scenario, ScenarioError};
+
+/// A scenario, opened under a criterion, with its problem: what takes longer than many a trial.
+pub struct OpenedScenario {
+    pub scenario: Scenario,
+    pub problem: Problem,
+    source: String,
+    goals: OnceCell<Vec<Vec<f64>>>,
+}
+
+impl OpenedScenario {
+    fn open(source: &str, criterion: Criterion) -> Result<Self, ScenarioError> {
+        let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
+        let scenario = Scenario::open(source, &options)?;
+        let problem = scenario.problem(&Demands::default())?;
+        Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
+    }
+
+    /// Its goal configurations, as [`goals_of`].
+    pub fn goals(&self) -> Result<&[Vec<f64>], ScenarioError> {
+        if let Some(goals) = self.goals.get() {
+            return Ok(goals);
+        }
+        let goals = goals_of(&self.source, &self.scenario)?;
+        Ok(self.goals.get_or_init(|| goals))
+    }
+}
+
+/// The goal configurations of a scenario (`G_IK` in the paper), one for each grasp that has any: those of its
+/// files; a scenario in Cranny's layout that has none gets what the paper's single shot finds from its start
+/// under the exact criterion, the same on every machine.
+pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    // Of a released scenario an empty file is an answer: no grasp has a solution.
+    if !scenario.ik.is_empty() || Path::new(source).join("scene.yaml").is_file() {
+        return Ok(scenario.ik.clone());
+    }
+    let exact = OpenOptions { criterion: Some(Criterion::Exact), ..OpenOptions::default() };
+    let problem = Scenario::open(source, &exact)?.problem(&Demands::default())?;
+    let settings = IkAnnotationSettings { method: IkMethod::SingleShot, ..IkAnnotationSettings::default() };
+    let annotations = annotate_ik(&problem, &settings, &|| {}, &AtomicBool::new(false))?;
+    Ok(annotations.into_iter().flat_map(|grasp| grasp.solutions).map(|solution| solution.q).collect())
+}
+
+/// The scenarios that a worker has opened so far.
+#[derive(Default)]
+pub struct OpenedScenarios {
+    opened: HashMap<(String, &'static str), Rc<OpenedScenario>>,
+}
+
+impl OpenedScenarios {
+    /// The scenario, opened now if it has not been before.
+    pub fn get(&mut self, source: &str, criterion: Criterion) -> Result<Rc<OpenedScenario>, ScenarioError> {
+        let key = (source.to_owned(), criterion.name());
+        if let Some(opened) = self.opened.get(&key) {
+            return Ok(opened.clone());
+        }
+        let opened = Rc::new(OpenedScenario::open(source, criterion)?);
+        self.opened.insert(key, opened.clone());
+        Ok(opened)
+    }
+}

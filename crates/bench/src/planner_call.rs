@@ -1,0 +1,195 @@
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use sha2::{Digest as _, Sha256};
+
+use crate::BenchError;
+
+/// How a planner is called.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlannerCall {
+    /// One of Cranny's own.
+    BuiltIn {
+        /// Its name in the registry.
+        planner: String,
+        /// What differs from its default settings.
+        settings: Map<String, Value>,
+    },
+    /// Anybody's program, which speaks the protocol of `docs/exec_protocol.md`.
+    Exec {
+        /// The program and its arguments; `{seed}` and the other placeholders of the protocol are filled in.
+        command: Vec<String>,
+    },
+    /// The program that the paper's authors released, or one with its command line and output.
+    Released {
+        /// The program.
+        program: String,
+        /// Arguments after the usual ones, such as `-planner 0`; of an option given twice the last counts.
+        arguments: Vec<String>,
+    },
+}
+
+impl PlannerCall {
+    /// What a flag says: the name of a built-in planner, `exec:PROGRAM ARGUMENT…` or
+    /// `released:PROGRAM ARGUMENT…`, words separated by spaces.
+    ///
+    /// # Errors
+    /// As [`Self::checked`].
+    pub fn parse(text: &str) -> Result<Self, BenchError> {
+        let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let call = match text.split_once(':') {
+            Some(("exec", command)) => Self::Exec { command: words(command) },
+            Some(("released", command)) => {
+                let mut words = words(command).into_iter();
+                Self::Released { program: words.next().unwrap_or_default(), arguments: words.collect() }
+            }
+            _ => Self::BuiltIn { planner: text.to_owned(), settings: Map::new() },
+        };
+        call.checked()
+    }
+
+    /// The call, if it can be made: relative paths are made absolute, so that it can be repeated from
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// [`BenchError::Plan`] for a planner or a setting that does not exist, [`BenchError::Program`] for a
+    /// program that does not.
+    pub fn checked(self) -> Result<Self, BenchError> {
+        let program = |word: &str| -> Result<String, BenchError> {
+            let missing = || BenchError::Program { program: word.to_owned() };
+            if word.is_empty() {
+                return Err(missing());
+            }
+            if !word.contains(std::path::MAIN_SEPARATOR) {
+                return Ok(word.to_owned());
+            }
+            if Path::new(word).is_file() { absolute(word).ok_or_else(missing) } else { Err(missing()) }
+        };
+        let argument = |word: String| {
+            if Path::new(&word).is_file() { absolute(&word).unwrap_or(word) } else { word }
+        };
+        Ok(match self {
+            Self::BuiltIn { planner, settings } => {
+                cranny_plan::planner_with(&planner, &settings)?;
+                Self::BuiltIn { planner, settings }
+            }
+            Self::Exec { command } => {
+                let mut words = command.into_iter();
+                let first = program(&words.next().unwrap_or_default())?;
+                Self::Exec { command: std::iter::once(first).chain(words.map(argument)).collect() }
+            }
+            Self::Released { program: word, arguments } => Self::Released {
+                program: program(&word)?,
+                arguments: arguments.into_iter().map(argument).collect(),
+            },
+        })
+    }
+
+    /// What it is called where nobody names it: the built-in planner's name, or `exec:` or `released:` and the
+    /// first file of the command.
+    pub fn name(&self) -> String {
+        match self {
+            Self::BuiltIn { planner, .. } => planner.clone(),
+            Self::Exec { command } => {
+                let file = command.iter().find(|word| is_file(word)).or_else(|| command.first());
+                format!("exec:{}", file.map_or("", |word| file_name(word)))
+            }
+            Self::Released { program, .. } => format!("released:{}", file_name(program)),
+        }
+    }
+
+    /// All settings, as canonical JSON: the same on every machine. A file of the command counts with its name and
+    /// its content, not with where it lies.
+    pub fn settings(&self) -> String {
+        let words = |words: &[String]| -> Value {
+            words.iter().map(|word| if is_file(word) { file_name(word) } else { word }).collect()
+        };
+        let files = |words: &[String]| -> Value {
+            let files = words.iter().filter(|word| is_file(word));
+            Value::Object(files.map(|word| (file_name(word).to_owned(), checksum(word).into())).collect())
+        };
+        let settings = match self {
+            Self::BuiltIn { planner, settings } => {
+                let mut all = cranny_plan::planner_with(planner, settings)
+                    .map_or(Value::Object(settings.clone()), |planner| planner.settings());
+                all["planner"] = planner.clone().into();
+                all
+            }
+            Self::Exec { command } => json!({"exec": words(command), "files": files(command)}),
+            Self::Released { program, arguments } => {
+                let command: Vec<String> = std::iter::once(program).chain(arguments).cloned().collect();
+                json!({"released": words(&command), "files": files(&command)})
+            }
+        };
+        sorted(&settings).to_string()
+    }
+}
+
+/// With the keys of every object in order, whatever the features of the JSON library.
+fn sorted(value: &Value) -> Value {
+    match value {
+        Value::Object(object) => {
+            let mut keys: Vec<&String> = object.keys().collect();
+            keys.sort();
+            Value::Object(keys.into_iter().map(|key| (key.clone(), sorted(&object[key]))).collect())
+        }
+        Value::Array(values) => values.iter().map(sorted).collect(),
+        other => other.clone(),
+    }
+}
+
+fn is_file(word: &str) -> bool {
+    word.contains(std::path::MAIN_SEPARATOR) && Path::new(word).is_file()
+}
+
+fn file_name(word: &str) -> &str {
+    Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word)
+}
+
+fn absolute(word: &str) -> Option<String> {
+    Some(Path::new(word).canonicalize().ok()?.to_str()?.to_owned())
+}
+
+fn checksum(word: &str) -> String {
+    let content = fs::read(word).unwrap_or_default();
+    let mut text = String::new();
+    for byte in Sha256::digest(content) {
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_settings_of_a_program_tell_its_content_and_not_its_place() {
+        let (here, there) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let call = |folder: &tempfile::TempDir, content: &str| {
+            let script = folder.path().join("planner.py");
+            fs::write(&script, content).unwrap();
+            PlannerCall::parse(&format!("exec:python3 {} --fast {{seed}}", script.display())).unwrap()
+        };
+        let (a, b) = (call(&here, "one"), call(&there, "one"));
+        assert_eq!(a.settings(), b.settings());
+        assert_eq!(a.name(), "exec:planner.py");
+        assert!(!a.settings().contains(here.path().to_str().unwrap()));
+        assert_ne!(a.settings(), call(&there, "two").settings());
+    }
+
+    #[test]
+    fn the_settings_of_a_built_in_planner_are_all_its_settings() {
+        let call = PlannerCall::parse("ik-rrt").unwrap();
+        assert!(
+            call.settings().contains("\"p_goal\":0.01") && call.settings().contains("\"planner\":\"ik-rrt\"")
+        );
+        assert!(matches!(PlannerCall::parse("ik-rtt"), Err(BenchError::Plan(_))));
+        assert!(matches!(PlannerCall::parse("exec:./no/such/program"), Err(BenchError::Program { .. })));
+        assert!(matches!(PlannerCall::parse("exec:"), Err(BenchError::Program { .. })));
+    }
+}

@@ -1,0 +1,114 @@
+use crate::report::axis::Axis;
+use crate::report::drawing::{Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL, text_width};
+
+/// Two axes with a grid, a title above and a legend below, where it hides nothing.
+pub struct Frame {
+    x: Axis,
+    y: Axis,
+    drawing: Drawing,
+}
+
+/// One entry of a legend.
+pub struct Entry {
+    pub name: String,
+    /// Index of its series.
+    pub series: usize,
+}
+
+/// Width of every plot in pixels: two stand beside each other on a page, one on a phone.
+const WIDTH: f64 = 480.0;
+const LEFT: f64 = 58.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 36.0;
+/// Height within the axes.
+const HEIGHT: f64 = 230.0;
+/// Ticks and label of the horizontal axis.
+const BELOW: f64 = 46.0;
+const LEGEND_LINE: f64 = 19.0;
+/// Length of the piece of line in a legend.
+const SAMPLE: f64 = 26.0;
+
+impl Frame {
+    /// A frame with nothing in it yet.
+    pub fn new(title: &str, x: Axis, y: Axis, legend: &[Entry]) -> Self {
+        let lines = legend_lines(legend);
+        let height = TOP + HEIGHT + BELOW + LEGEND_LINE * lines.len() as f64 + 4.0;
+        let mut frame = Self { x, y, drawing: Drawing { width: WIDTH, height, marks: Vec::new() } };
+        frame.draw_title(title);
+        frame.draw_grid();
+        frame.draw_legend(&lines);
+        frame
+    }
+
+    /// Where a pair of values lies.
+    pub fn place(&self, x: f64, y: f64) -> Point {
+        (LEFT + self.x.share_of(x) * (WIDTH - LEFT - RIGHT), TOP + (1.0 - self.y.share_of(y)) * HEIGHT)
+    }
+
+    pub fn draw(&mut self, mark: Mark) {
+        self.drawing.marks.push(mark);
+    }
+
+    /// The drawing, with the axes above everything else.
+    pub fn finish(mut self) -> Drawing {
+        let (left, right, bottom) = (LEFT, WIDTH - RIGHT, TOP + HEIGHT);
+        self.drawing.rule((left, bottom), (right, bottom), Ink::Quiet);
+        self.drawing.rule((left, TOP), (left, bottom), Ink::Quiet);
+        self.drawing
+    }
+
+    fn draw_title(&mut self, title: &str) {
+        // A long title is set smaller rather than cut.
+        let size = (10..=14).rev().find(|&size| text_width(title, size) < WIDTH - 12.0).unwrap_or(10);
+        self.draw(Mark::Text {
+            at: (8.0, 20.0),
+            text: title.to_owned(),
+            size,
+            anchor: Anchor::Start,
+            ink: Ink::Text,
+            emphasis: Emphasis::Strong,
+        });
+    }
+
+    fn draw_grid(&mut self) {
+        let bottom = TOP + HEIGHT;
+        for (value, text) in self.x.ticks.clone() {
+            let (x, _) = self.place(value, self.y.low);
+            self.drawing.rule((x, TOP), (x, bottom), Ink::Grid);
+            self.drawing.label((x, bottom + 16.0), text, Anchor::Middle, Ink::Quiet);
+        }
+        for (value, text) in self.y.ticks.clone() {
+            let (_, y) = self.place(self.x.low, value);
+            self.drawing.rule((LEFT, y), (WIDTH - RIGHT, y), Ink::Grid);
+            self.drawing.label((LEFT - 6.0, y + 4.0), text, Anchor::End, Ink::Quiet);
+        }
+        let middle = (LEFT + WIDTH - RIGHT) / 2.0;
+        self.drawing.label((middle, bottom + 35.0), self.x.label.clone(), Anchor::Middle, Ink::Text);
+        let (at, text) = ((15.0, TOP + HEIGHT / 2.0), self.y.label.clone());
+        self.draw(Mark::Upward { at, text, size: SMALL, ink: Ink::Text });
+    }
+
+    fn draw_legend(&mut self, lines: &[Vec<(f64, &Entry)>]) {
+        for (index, line) in lines.iter().enumerate() {
+            let y = TOP + HEIGHT + BELOW + LEGEND_LINE * (index as f64 + 0.5);
+            for &(x, entry) in line {
+                let (ink, dash) = (Ink::Series(entry.series), Dash::of_series(entry.series));
+                let points = vec![(x, y - 4.0), (x + SAMPLE, y - 4.0)];
+                self.draw(Mark::Line { points, ink, width: 2.5, dash });
+                self.drawing.label((x + SAMPLE + 6.0, y), entry.name.clone(), Anchor::Start, Ink::Text);
+            }
+        }
+    }
+}
+
+/// Entries in columns of one width, as many as fit, each with its place.
+fn legend_lines(legend: &[Entry]) -> Vec<Vec<(f64, &Entry)>> {
+    let widest = legend.iter().map(|entry| text_width(&entry.name, SMALL)).fold(0.0, f64::max);
+    let column = SAMPLE + 6.0 + widest + 14.0;
+    let mut columns = 1;
+    while column * (columns + 1) as f64 <= WIDTH - LEFT && columns < legend.len() {
+        columns += 1;
+    }
+    let place = |(index, entry)| (LEFT + column * index as f64, entry);
+    legend.chunks(columns).map(|entries| entries.iter().enumerate().map(place).collect()).collect()
+}

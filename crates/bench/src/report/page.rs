@@ -1,0 +1,95 @@
+use std::fmt::Write as _;
+
+use crate::report::page_figures::{Markup, escape};
+use crate::report::paper_table::PaperTable;
+use crate::report::plot::{Plot, plots};
+use crate::report::{Summary, page_tables};
+
+const STYLE: &str = include_str!("page.css");
+
+/// What the figures mean, for whoever reads the page.
+const MEANING: &str = include_str!("page_meaning.html");
+
+impl Summary {
+    /// A page that holds everything, pictures and style included: it opens from a file without a network.
+    /// Each figure stands in a `<data>` element with its exact value and its place in the JSON document,
+    /// which the page holds too, as `<script type="application/json" id="summary">`.
+    pub fn html(&self) -> String {
+        let plots = plots(self);
+        let mut page = Markup::new(self);
+        let title = format!("Benchmark report: {}", self.results);
+        let _ = write!(
+            page.text,
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
+            title = escape(&title)
+        );
+        head(&mut page);
+        for criterion in self.criteria() {
+            section(&mut page, criterion, &plots);
+        }
+        page_tables::worst(&mut page);
+        page_tables::runs(&mut page);
+        page.text.push_str(MEANING);
+        let json = page.json.replace('<', "\\u003c");
+        let _ = write!(
+            page.text,
+            "<script type=\"application/json\" id=\"summary\">{json}</script>\n</body>\n</html>\n"
+        );
+        page.text
+    }
+}
+
+fn head(page: &mut Markup) {
+    let summary = page.summary;
+    let planners: Vec<String> = summary.planner_names().iter().map(|name| escape(name)).collect();
+    let trials = page.figure("trials");
+    let _ = writeln!(
+        page.text,
+        "<p>{trials} trials of {}; judged under the {} {}. Made by Cranny {}.</p>",
+        planners.join(", "),
+        if summary.criteria().len() == 1 { "criterion" } else { "criteria" },
+        summary.criteria().join(" and "),
+        escape(summary.version)
+    );
+    if let Some(most) = summary.runs.iter().map(|run| run.workers).max().filter(|&workers| workers > 1) {
+        let _ = writeln!(
+            page.text,
+            "<p class=\"warning\">Up to {most} trials ran at a time on one machine, so times are longer than those of a \
+             machine at rest.</p>"
+        );
+    }
+    page.text.push_str("<nav aria-label=\"Contents\"><ul>\n");
+    for criterion in summary.criteria() {
+        let _ = writeln!(page.text, "<li><a href=\"#{criterion}\">Criterion {criterion}</a></li>");
+    }
+    page.text.push_str(
+        "<li><a href=\"#worst\">Worst trials</a></li>\n<li><a href=\"#runs\">Machines</a></li>\n\
+         <li><a href=\"#meaning\">What the figures mean</a></li>\n</ul></nav>\n",
+    );
+}
+
+fn section(page: &mut Markup, criterion: &str, plots: &[Plot]) {
+    let summary = page.summary;
+    let _ = writeln!(page.text, "<section id=\"{criterion}\">\n<h2>Criterion {criterion}</h2>");
+    if criterion == "paper" {
+        page.text.push_str(
+            "<p>The released planners' own loose measure, for comparison with published results only.</p>\n",
+        );
+    }
+    page_tables::paper(page, &PaperTable::of(summary, criterion));
+    page_tables::rates_and_times(page, criterion);
+    let of_criterion: Vec<&Plot> = plots.iter().filter(|plot| plot.criterion == criterion).collect();
+    for same in of_criterion.chunk_by(|a, b| a.environment == b.environment) {
+        let _ = writeln!(page.text, "<h3>{}</h3>\n<div class=\"figures\">", escape(&same[0].environment));
+        for plot in same {
+            let _ = writeln!(page.text, "<figure>{}</figure>", plot.page_svg());
+        }
+        page.text.push_str("</div>\n");
+    }
+    page_tables::paths(page, criterion);
+    page_tables::comparisons(page, criterion);
+    page_tables::goals(page, criterion);
+    page.text.push_str("</section>\n");
+}

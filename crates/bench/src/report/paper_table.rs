@@ -1,0 +1,278 @@
+use std::fmt::Write as _;
+
+use crate::report::number_text::{percent, table_seconds};
+use crate::report::{Row, Summary};
+
+/// The trials of one criterion in the layout of the paper's Table I: a line a scenario with its goals and how
+/// many of them were ever solved, a column a planner with success in percent, mean and standard deviation of
+/// the time in seconds, a failure counted as the limit. A planner that is run on each goal shows its best
+/// goal, and none where no goal was ever solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaperTable<'a> {
+    /// What counts as solved.
+    pub criterion: &'a str,
+    /// The planners.
+    pub columns: Vec<Column<'a>>,
+    /// The scenarios.
+    pub lines: Vec<Line<'a>>,
+}
+
+/// A planner of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column<'a> {
+    /// As in [`Row::planner_name`].
+    pub planner_name: &'a str,
+    /// The limit of most of its runs, in seconds.
+    pub time_limit_s: f64,
+    /// The least and the greatest number of runs in a cell.
+    pub runs: (usize, usize),
+}
+
+/// A scenario of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line<'a> {
+    /// As in [`Row::scenario_name`].
+    pub scenario_name: &'a str,
+    /// `|G_IK|`: how many goals are known, or were aimed at.
+    pub goals: Option<usize>,
+    /// How many of them were solved at least once.
+    pub goals_solved: Option<usize>,
+    /// A cell a column: its row of the summary by index.
+    pub cells: Vec<Option<(usize, &'a Row)>>,
+}
+
+impl<'a> PaperTable<'a> {
+    /// The table of one criterion.
+    pub fn of(summary: &'a Summary, criterion: &'a str) -> Self {
+        let rows = || summary.rows.iter().enumerate().filter(|(_, row)| row.criterion == criterion);
+        let distinct = |name: fn(&'a Row) -> &'a str| {
+            let mut names: Vec<&str> = rows().map(|(_, row)| name(row)).collect();
+            names.sort_unstable();
+            names.dedup();
+            names
+        };
+        let column = |name: &'a str| {
+            let of_planner: Vec<&Row> =
+                rows().map(|(_, row)| row).filter(|row| row.planner_name == name).collect();
+            Column::of(name, &of_planner)
+        };
+        let columns: Vec<Column> = distinct(|row| &row.planner_name).into_iter().map(column).collect();
+        let line = |scenario_name: &'a str| {
+            let of_scenario = || rows().filter(|(_, row)| row.scenario_name == scenario_name);
+            let cell =
+                |column: &Column| of_scenario().find(|(_, row)| row.planner_name == column.planner_name);
+            let goal_wise = || of_scenario().filter_map(|(_, row)| Some((row.goals?, row.goals_solved?)));
+            let known = summary.known_goals.get(scenario_name).copied();
+            let goals = known.or_else(|| goal_wise().map(|(goals, _)| goals).max());
+            Line {
+                scenario_name,
+                goals,
+                goals_solved: goal_wise()
+                    .map(|(_, solved)| solved)
+                    .max()
+                    .or(goals.filter(|&goals| goals == 0)),
+                cells: columns.iter().map(cell).collect(),
+            }
+        };
+        let lines = distinct(|row| &row.scenario_name).into_iter().map(line).collect();
+        Self { criterion, columns, lines }
+    }
+
+    /// Whether any planner is run on goals, so that there is something to say of them.
+    pub fn has_goals(&self) -> bool {
+        self.lines.iter().flat_map(|line| line.cells.iter().flatten()).any(|(_, row)| row.goals.is_some())
+    }
+
+    /// The table for a page in Markdown.
+    pub fn markdown(&self) -> String {
+        let mut text = String::new();
+        let goals = if self.has_goals() { " goals |" } else { "" };
+        let names: Vec<String> = self
+            .columns
+            .iter()
+            .map(|column| format!(" {} |", column.planner_name.replace('|', "\\|")))
+            .collect();
+        let _ = writeln!(text, "| scenario |{goals}{}", names.concat());
+        let rule = "---|".repeat(1 + usize::from(self.has_goals()) + self.columns.len());
+        let _ = writeln!(text, "|{rule}");
+        for line in &self.lines {
+            let goals = if self.has_goals() { format!(" {} |", line.goals_text()) } else { String::new() };
+            let cells: Vec<String> = self.cell_texts(line).map(|cell| format!(" {cell} |")).collect();
+            let _ = writeln!(text, "| {} |{goals}{}", line.scenario_name.replace('|', "\\|"), cells.concat());
+        }
+        let _ = writeln!(text, "\n{}", self.note());
+        text
+    }
+
+    /// The table for LaTeX; it needs the package `booktabs`.
+    pub fn latex(&self) -> String {
+        let mut text = String::new();
+        let goals = usize::from(self.has_goals());
+        let alignment = format!("l{}{}", "c".repeat(goals), "r".repeat(self.columns.len()));
+        let goal_head = if goals == 1 { " & $|G_{\\mathrm{IK}}|$/solved" } else { "" };
+        let names: Vec<String> =
+            self.columns.iter().map(|column| format!(" & {}", latex_text(column.planner_name))).collect();
+        let _ = writeln!(text, "% {}", self.note());
+        let _ = writeln!(text, "\\begin{{tabular}}{{{alignment}}}\n\\toprule");
+        let _ = writeln!(text, "scenario{goal_head}{} \\\\\n\\midrule", names.concat());
+        for line in &self.lines {
+            let goals =
+                if goals == 1 { format!(" & {}", latex_text(&line.goals_text())) } else { String::new() };
+            let cells: Vec<String> =
+                self.cell_texts(line).map(|cell| format!(" & {}", latex_text(&cell))).collect();
+            let _ = writeln!(text, "{}{goals}{} \\\\", latex_text(line.scenario_name), cells.concat());
+        }
+        text.push_str("\\bottomrule\n\\end{tabular}\n");
+        text
+    }
+
+    /// The figures of the table with all their digits, a line a cell, with the header
+    /// `criterion,scenario,goals,goals_solved,planner,goal,runs,solved,success_percent,mean_s,std_s,time_limit_s`.
+    pub fn csv_lines(&self) -> String {
+        let mut text = String::new();
+        let number = |count: Option<usize>| count.map_or_else(String::new, |count| count.to_string());
+        for line in &self.lines {
+            for (column, cell) in self.columns.iter().zip(&line.cells) {
+                let Some((_, row)) = cell else { continue };
+                let fields = [
+                    self.criterion.to_owned(),
+                    line.scenario_name.to_owned(),
+                    number(line.goals),
+                    number(line.goals_solved),
+                    column.planner_name.to_owned(),
+                    number(row.goal),
+                    row.runs.to_string(),
+                    row.solved.to_string(),
+                    (row.success_rate * 100.0).to_string(),
+                    row.mean_s.to_string(),
+                    row.std_s.map_or_else(String::new, |std_s| std_s.to_string()),
+                    row.time_limit_s.to_string(),
+                ];
+                let fields: Vec<String> = fields.iter().map(|field| csv_field(field)).collect();
+                let _ = writeln!(text, "{}", fields.join(","));
+            }
+        }
+        text
+    }
+
+    /// What each cell says: `91: 10.53/33.90`.
+    fn cell_texts<'b>(&'b self, line: &'b Line) -> impl Iterator<Item = String> + 'b {
+        self.columns.iter().zip(&line.cells).map(|(column, cell)| match cell {
+            Some((_, row)) if shown(row) => {
+                let std_s = row.std_s.map_or_else(|| "–".to_owned(), table_seconds);
+                format!(
+                    "{}: {}/{std_s}{}",
+                    percent(row.success_rate),
+                    table_seconds(row.mean_s),
+                    column.other_limit(row)
+                )
+            }
+            _ => "–".to_owned(),
+        })
+    }
+
+    /// What the table's heading says: what the cells hold, runs and limits.
+    pub fn note(&self) -> String {
+        let column = |column: &Column| {
+            let runs = match column.runs {
+                (least, most) if least == most => format!("{least} runs"),
+                (least, most) => format!("{least} to {most} runs"),
+            };
+            format!("{}: {runs}, limit {} s", column.planner_name, column.time_limit_s)
+        };
+        let columns: Vec<String> = self.columns.iter().map(column).collect();
+        let goals = if self.has_goals() { " Goals: |G_IK| / ever solved." } else { "" };
+        format!(
+            "Criterion {}. Success %: mean/standard deviation of the time in s, a failure counted as the limit.{goals} {}.",
+            self.criterion,
+            columns.join("; ")
+        )
+    }
+}
+
+impl<'a> Column<'a> {
+    fn of(planner_name: &'a str, rows: &[&Row]) -> Self {
+        let mut limits_s: Vec<f64> = rows.iter().map(|row| row.time_limit_s).collect();
+        limits_s.sort_by(f64::total_cmp);
+        let runs = || rows.iter().map(|row| row.runs);
+        Self {
+            planner_name,
+            // The middle of the sorted limits is that of most.
+            time_limit_s: limits_s.get(limits_s.len() / 2).copied().unwrap_or(0.0),
+            runs: (runs().min().unwrap_or(0), runs().max().unwrap_or(0)),
+        }
+    }
+
+    /// ` (limit 900 s)` where a cell's limit is another than the column's.
+    pub fn other_limit(&self, row: &Row) -> String {
+        if row.time_limit_s.total_cmp(&self.time_limit_s).is_eq() {
+            String::new()
+        } else {
+            format!(" (limit {} s)", row.time_limit_s)
+        }
+    }
+}
+
+impl Line<'_> {
+    /// `8/0`: goals and how many were ever solved.
+    pub fn goals_text(&self) -> String {
+        let number = |count: Option<usize>| count.map_or_else(|| "–".to_owned(), |count| count.to_string());
+        if self.goals.is_none() {
+            "–".to_owned()
+        } else {
+            format!("{}/{}", number(self.goals), number(self.goals_solved))
+        }
+    }
+}
+
+/// Whether a row stands in the table: not where no goal was ever solved, as in the paper.
+pub fn shown(row: &Row) -> bool {
+    row.goals_solved != Some(0)
+}
+
+/// The header of [`PaperTable::csv_lines`].
+pub const CSV_HEADER: &str = "criterion,scenario,goals,goals_solved,planner,goal,runs,solved,success_percent,mean_s,std_s,\
+                              time_limit_s";
+
+fn csv_field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+fn latex_text(text: &str) -> String {
+    let letter = |letter: char| match letter {
+        '\\' => "\\textbackslash{}".to_owned(),
+        '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{letter}"),
+        '~' => "\\textasciitilde{}".to_owned(),
+        '^' => "\\textasciicircum{}".to_owned(),
+        '–' => "--".to_owned(),
+        '⁺' => "$^{+}$".to_owned(),
+        other => other.to_string(),
+    };
+    text.chars().map(letter).collect()
+}
+
+impl Summary {
+    /// The paper's tables, one a criterion, in Markdown.
+    pub fn markdown(&self) -> String {
+        self.tables().iter().map(PaperTable::markdown).collect::<Vec<_>>().join("\n")
+    }
+
+    /// The same in LaTeX.
+    pub fn latex(&self) -> String {
+        self.tables().iter().map(PaperTable::latex).collect::<Vec<_>>().join("\n")
+    }
+
+    /// The same as CSV, all in one table.
+    pub fn csv(&self) -> String {
+        let lines: Vec<String> = self.tables().iter().map(PaperTable::csv_lines).collect();
+        format!("{CSV_HEADER}\n{}", lines.concat())
+    }
+
+    fn tables(&self) -> Vec<PaperTable<'_>> {
+        self.criteria().into_iter().map(|criterion| PaperTable::of(self, criterion)).collect()
+    }
+}

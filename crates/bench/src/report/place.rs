@@ -1,0 +1,62 @@
+use cranny_scenario::{Family, catalogue};
+
+/// Where a scenario stands among others, told from its id alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The environment, family or set that it belongs to.
+    pub environment: String,
+    /// The value of its dial in metres (how wide the gap is, how far back the object lies), if it has one.
+    pub dial_m: Option<f64>,
+    /// What that dial is, where it is known.
+    pub dial: Option<&'static str>,
+}
+
+/// The environment of scenarios whose id says nothing.
+const OTHERS: &str = "other scenarios";
+
+impl Place {
+    /// That of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
+    /// (`gap-00017`), or of any whose ids differ in their last digits (`bookshelf0012`).
+    pub fn of(scenario: &str) -> Self {
+        if let Some(entry) = catalogue().iter().find(|entry| entry.id == scenario) {
+            let environment = format!("{}x: {}", &entry.id[..2], entry.environment);
+            return Self {
+                environment,
+                dial_m: Some(entry.parameter_m),
+                dial: Some(entry.family.parameter()),
+            };
+        }
+        if let Some((name, dial)) = scenario.rsplit_once('-')
+            && dial.contains('.')
+            && let Ok(dial_m) = dial.parse::<f64>()
+            && dial_m.is_finite()
+        {
+            let dial = Family::of_name(name).ok().map(Family::parameter);
+            return Self { environment: format!("{name} sweep"), dial_m: Some(dial_m), dial };
+        }
+        let name = scenario.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches(['-', '_']);
+        let known = !name.is_empty() && name.len() < scenario.len();
+        Self { environment: if known { name } else { OTHERS }.to_owned(), dial_m: None, dial: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_of_id_finds_its_environment() {
+        for (id, environment, dial_m, dial) in [
+            ("034", "03x: box behind a gap", Some(0.40), Some("gap")),
+            ("gap-0.3200", "gap sweep", Some(0.32), Some("gap")),
+            ("corridor-1.5", "corridor sweep", Some(1.5), None),
+            ("gap-00017", "gap", None, None),
+            ("bookshelf_tall0012", "bookshelf_tall", None, None),
+            ("my shelf", "other scenarios", None, None),
+            ("0999", "other scenarios", None, None),
+            ("", "other scenarios", None, None),
+        ] {
+            assert_eq!(Place::of(id), Place { environment: environment.to_owned(), dial_m, dial }, "{id}");
+        }
+    }
+}

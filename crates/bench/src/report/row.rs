@@ -1,0 +1,300 @@
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::report::configuration::{Configuration, Names};
+use crate::report::follow_up;
+use crate::report::place::Place;
+use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, wilson};
+use crate::{StoredTrial, TrialRecord};
+
+/// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. Where
+/// each run aims at one goal, the figures are those of the best goal, as in the paper's table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Id of the scenario.
+    pub scenario: String,
+    /// The same, with a part of the hash where two scenarios have one id.
+    pub scenario_name: String,
+    /// SHA-256 over the files of the scenario.
+    pub scenario_hash: String,
+    /// The environment, family or set of the scenario.
+    pub environment: String,
+    /// What the dial of that environment is, where it is known.
+    pub dial: Option<&'static str>,
+    /// The value of its dial, in metres.
+    pub dial_m: Option<f64>,
+    /// The planner.
+    pub planner: String,
+    /// The same, with what tells it from others of that name.
+    pub planner_name: String,
+    /// Its settings.
+    pub settings: Value,
+    /// What counts as solved.
+    pub criterion: String,
+    /// Seconds that each run had.
+    pub time_limit_s: f64,
+    /// Iterations that each run had.
+    pub iteration_limit: Option<u64>,
+    /// The best goal, where each run aims at one.
+    pub goal: Option<usize>,
+    /// How many goals were aimed at.
+    pub goals: Option<usize>,
+    /// How many of them were solved at least once.
+    pub goals_solved: Option<usize>,
+    /// How many runs.
+    pub runs: usize,
+    /// How many of them the judge found solved.
+    pub solved: usize,
+    /// How many paths were judged by the other criterion too.
+    pub also_judged: usize,
+    /// How many of those meet it.
+    pub also_solved: usize,
+    /// `solved / runs`.
+    pub success_rate: f64,
+    /// Lower end of its Wilson interval.
+    pub success_low: f64,
+    /// Upper end.
+    pub success_high: f64,
+    /// Mean time in seconds, a failure counted as the limit: the paper's convention.
+    pub mean_s: f64,
+    /// Sample standard deviation of the same; none for one run.
+    pub std_s: Option<f64>,
+    /// When half of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    pub median_s: Option<f64>,
+    /// Lower end of its interval (Brookmeyer–Crowley).
+    pub median_low_s: Option<f64>,
+    /// Upper end; none where it lies past the limit.
+    pub median_high_s: Option<f64>,
+    /// Restricted mean time, in seconds.
+    pub restricted_mean_s: Option<f64>,
+    /// Its standard error.
+    pub restricted_mean_error_s: Option<f64>,
+    /// What it is restricted to.
+    pub restricted_to_s: f64,
+    /// After how many iterations half of the runs are solved (Kaplan–Meier); none if they never are, or if
+    /// the planner counts none.
+    pub median_iterations: Option<f64>,
+    /// Lower end of its interval.
+    pub median_iterations_low: Option<f64>,
+    /// Upper end.
+    pub median_iterations_high: Option<f64>,
+    /// How many runs ended in which way.
+    pub outcomes: BTreeMap<&'static str, usize>,
+    /// Times in seconds, a failure counted as the limit.
+    pub time_s: Option<Spread>,
+    /// Iterations of the solved runs.
+    pub iterations: Option<Spread>,
+    /// Nodes of the search trees of the solved runs.
+    pub nodes: Option<Spread>,
+    /// Lengths of the paths.
+    pub path_length: Option<Spread>,
+    /// Proven clearances of the paths, in metres.
+    pub clearance_m: Option<Spread>,
+    /// Scores of the grasps that the paths end at.
+    pub grasp_score: Option<Spread>,
+}
+
+/// All runs of one planner that aim at one goal of a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GoalRow {
+    /// As in [`Row::scenario_name`].
+    pub scenario_name: String,
+    /// As in [`Row::planner_name`].
+    pub planner_name: String,
+    /// What counts as solved.
+    pub criterion: String,
+    /// The goal.
+    pub goal: usize,
+    /// Whether it is the one whose figures the row shows.
+    pub best: bool,
+    /// How many runs.
+    pub runs: usize,
+    /// How many of them were solved.
+    pub solved: usize,
+    /// `solved / runs`.
+    pub success_rate: f64,
+    /// Lower end of its Wilson interval.
+    pub success_low: f64,
+    /// Upper end.
+    pub success_high: f64,
+    /// Mean time in seconds, a failure counted as the limit.
+    pub mean_s: f64,
+    /// Sample standard deviation of the same.
+    pub std_s: Option<f64>,
+}
+
+/// A row with the runs behind it, which curves and comparisons are made from.
+pub struct Group<'a> {
+    pub row: Row,
+    pub goals: Vec<GoalRow>,
+    /// The runs that the row is about.
+    pub runs: Vec<&'a StoredTrial>,
+}
+
+/// What a rate and the paper's times say of some runs.
+struct Figures {
+    solved: usize,
+    success_low: f64,
+    success_high: f64,
+    mean_s: f64,
+    std_s: Option<f64>,
+}
+
+impl Figures {
+    /// `runs` is not empty.
+    fn of(runs: &[&StoredTrial]) -> Self {
+        let solved = runs.iter().filter(|run| run.record.is_solved()).count();
+        let times: Vec<f64> = runs.iter().map(|run| follow_up::paper_time_s(&run.record)).collect();
+        let interval = wilson(solved, runs.len());
+        let moments = SampleMoments::of(&times);
+        Self {
+            solved,
+            success_low: interval.map_or(0.0, |interval| interval.low),
+            success_high: interval.map_or(1.0, |interval| interval.high),
+            mean_s: moments.map_or(0.0, |moments| moments.mean),
+            std_s: moments.and_then(|moments| moments.standard_deviation),
+        }
+    }
+}
+
+impl<'a> Group<'a> {
+    /// `runs` are all those of `configuration`, at least one.
+    pub fn of(configuration: &Configuration, names: &Names, runs: Vec<&'a StoredTrial>) -> Self {
+        let goals = goal_rows(configuration, names, &runs);
+        let best = goals.iter().find(|row| row.best).map(|row| row.goal);
+        let runs = match best {
+            Some(best) => runs.into_iter().filter(|run| run.record.trial.goal == Some(best)).collect(),
+            None => runs,
+        };
+        Self { row: row(configuration, names, &goals, &runs), goals, runs }
+    }
+
+    pub fn over_time(&self) -> Vec<Followed> {
+        self.runs.iter().map(|run| follow_up::over_time(&run.record)).collect()
+    }
+
+    /// Empty where the planner counts no iterations.
+    pub fn over_iterations(&self) -> Vec<Followed> {
+        over_iterations(&self.runs)
+    }
+}
+
+fn over_iterations(runs: &[&StoredTrial]) -> Vec<Followed> {
+    let most = runs.iter().map(|run| run.record.statistics.iterations).max().unwrap_or(0);
+    if most == 0 {
+        return Vec::new();
+    }
+    runs.iter().map(|run| follow_up::over_iterations(&run.record, most)).collect()
+}
+
+/// One row a goal, the best marked: most often solved, then fastest, then first.
+fn goal_rows(configuration: &Configuration, names: &Names, runs: &[&StoredTrial]) -> Vec<GoalRow> {
+    let mut by_goal: BTreeMap<usize, Vec<&StoredTrial>> = BTreeMap::new();
+    for &run in runs {
+        if let Some(goal) = run.record.trial.goal {
+            by_goal.entry(goal).or_default().push(run);
+        }
+    }
+    let row = |(goal, runs): (usize, Vec<&StoredTrial>)| {
+        let figures = Figures::of(&runs);
+        GoalRow {
+            scenario_name: names.scenario(configuration).to_owned(),
+            planner_name: names.planner(configuration).to_owned(),
+            criterion: configuration.criterion.to_owned(),
+            goal,
+            best: false,
+            runs: runs.len(),
+            solved: figures.solved,
+            success_rate: figures.solved as f64 / runs.len() as f64,
+            success_low: figures.success_low,
+            success_high: figures.success_high,
+            mean_s: figures.mean_s,
+            std_s: figures.std_s,
+        }
+    };
+    let mut rows: Vec<GoalRow> = by_goal.into_iter().map(row).collect();
+    let rank = |row: &GoalRow| (-row.success_rate, row.mean_s);
+    if let Some(best) = rows.iter_mut().min_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    }) {
+        best.best = true;
+    }
+    rows
+}
+
+fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[&StoredTrial]) -> Row {
+    let figures = Figures::of(runs);
+    let place = Place::of(&configuration.scenario);
+    let followed: Vec<Followed> = runs.iter().map(|run| follow_up::over_time(&run.record)).collect();
+    let time = KaplanMeier::of(&followed);
+    let iterations = KaplanMeier::of(&over_iterations(runs));
+    let (median_low_s, median_high_s) = time.median_interval();
+    let (median_iterations_low, median_iterations_high) = iterations.median_interval();
+    let restricted_to_s = horizon_s(&time, configuration.time_limit_s());
+    let restricted_mean = time.restricted_mean(restricted_to_s);
+    let mut outcomes = BTreeMap::new();
+    for run in runs {
+        *outcomes.entry(run.record.outcome.name()).or_default() += 1;
+    }
+    let of_solved = |figure: fn(&TrialRecord) -> Option<f64>| {
+        let solved = runs.iter().map(|run| &run.record).filter(|record| record.is_solved());
+        Spread::of(solved.filter_map(figure))
+    };
+    let goal_count = |count: usize| (!goals.is_empty()).then_some(count);
+    Row {
+        scenario: configuration.scenario.clone(),
+        scenario_name: names.scenario(configuration).to_owned(),
+        scenario_hash: configuration.scenario_hash.clone(),
+        environment: place.environment,
+        dial: place.dial,
+        dial_m: place.dial_m,
+        planner: configuration.planner.clone(),
+        planner_name: names.planner(configuration).to_owned(),
+        settings: serde_json::from_str(&configuration.settings)
+            .unwrap_or_else(|_| Value::String(configuration.settings.clone())),
+        criterion: configuration.criterion.to_owned(),
+        time_limit_s: configuration.time_limit_s(),
+        iteration_limit: configuration.iteration_limit,
+        goal: goals.iter().find(|row| row.best).map(|row| row.goal),
+        goals: goal_count(goals.len()),
+        goals_solved: goal_count(goals.iter().filter(|row| row.solved > 0).count()),
+        runs: runs.len(),
+        solved: figures.solved,
+        also_judged: runs.iter().filter(|run| run.also_solved.is_some()).count(),
+        also_solved: runs.iter().filter(|run| run.also_solved == Some(true)).count(),
+        success_rate: figures.solved as f64 / runs.len() as f64,
+        success_low: figures.success_low,
+        success_high: figures.success_high,
+        mean_s: figures.mean_s,
+        std_s: figures.std_s,
+        median_s: time.median(),
+        median_low_s,
+        median_high_s,
+        restricted_mean_s: restricted_mean.map(|mean| mean.mean),
+        restricted_mean_error_s: restricted_mean.map(|mean| mean.standard_error),
+        restricted_to_s,
+        median_iterations: iterations.median(),
+        median_iterations_low,
+        median_iterations_high,
+        outcomes,
+        time_s: Spread::of(runs.iter().map(|run| follow_up::paper_time_s(&run.record))),
+        iterations: of_solved(|record| told(record.statistics.iterations)),
+        nodes: of_solved(|record| told(record.statistics.nodes)),
+        path_length: of_solved(|record| record.path_length),
+        clearance_m: of_solved(|record| record.clearance_m),
+        grasp_score: of_solved(|record| record.grasp_score),
+    }
+}
+
+/// What a planner does not tell is zero, and a search that found something made an iteration and a node.
+fn told(count: u64) -> Option<f64> {
+    (count > 0).then_some(count as f64)
+}
+
+/// The limit, or how far the last run was followed where iterations ended all of them before.
+pub fn horizon_s(curve: &KaplanMeier, limit_s: f64) -> f64 {
+    if curve.restricted_mean(limit_s).is_some() { limit_s } else { curve.last() }
+}

@@ -1,0 +1,188 @@
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::report::comparison::{Comparison, comparisons};
+use crate::report::configuration::{Configuration, Names};
+use crate::report::row::{GoalRow, Group, Row};
+use crate::report::success_curve::{SuccessCurve, success_curves};
+use crate::report::worst_trial::{WorstTrial, worst_trials};
+use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
+
+/// Every figure of a report. Pages, tables and plots are made from it alone, so that they cannot disagree;
+/// the same trials give the same summary in whatever order they come.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the results, as the commands that replay a trial take it.
+    pub results: String,
+    /// Version of Cranny that made the summary.
+    pub version: &'static str,
+    /// How many trials.
+    pub trials: usize,
+    /// On what the trials ran.
+    pub runs: Vec<RunOrigin>,
+    /// One row for each planner on each scenario, by criterion.
+    pub rows: Vec<Row>,
+    /// One row for each goal, of planners that aim at one.
+    pub goals: Vec<GoalRow>,
+    /// How many goals are known for each scenario (`|G_IK|`), by its name, where somebody asked.
+    pub known_goals: BTreeMap<String, usize>,
+    /// Planners beside each other.
+    pub comparisons: Vec<Comparison>,
+    /// Which share of runs was solved when.
+    pub curves: Vec<SuccessCurve>,
+    /// What to look at first.
+    pub worst: Vec<WorstTrial>,
+}
+
+/// A run of a campaign: where its times were taken.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RunOrigin {
+    /// Name of the machine.
+    pub machine: String,
+    /// Its processor.
+    pub processor: String,
+    /// How many trials ran at a time; times are true where it is one.
+    pub workers: usize,
+    /// Version of Cranny.
+    pub version: String,
+    /// The commit that it was built from, if known.
+    pub commit: Option<String>,
+    /// The command.
+    pub command: String,
+    /// When it began: UTC, ISO 8601.
+    pub began: String,
+    /// How many of the trials it gave.
+    pub trials: usize,
+}
+
+/// What a summary is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct SummarySource<'a> {
+    /// Name of the results, as the commands that replay a trial take it.
+    pub results: &'a str,
+    /// All trials, in any order.
+    pub trials: &'a [StoredTrial],
+    /// The runs that they were part of, as far as known.
+    pub runs: &'a [Run],
+    /// What is known of the scenarios.
+    pub scenarios: &'a [ScenarioSource],
+}
+
+impl Summary {
+    /// The summary of everything in `results`.
+    ///
+    /// # Errors
+    /// Those of reading the results, and those of [`Self::of`].
+    pub fn of_results(results: &Results) -> Result<Self, BenchError> {
+        Self::of(&SummarySource {
+            results: &results.path().display().to_string(),
+            trials: &results.trials()?,
+            runs: &results.runs()?,
+            scenarios: &results.scenarios()?,
+        })
+    }
+
+    /// The summary of `source`.
+    ///
+    /// # Errors
+    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not
+    /// finite.
+    pub fn of(source: &SummarySource) -> Result<Self, BenchError> {
+        if source.trials.is_empty() {
+            return Err(BenchError::NoTrials { results: source.results.to_owned() });
+        }
+        source.trials.iter().try_for_each(check)?;
+        let mut configurations: BTreeMap<Configuration, Vec<&StoredTrial>> = BTreeMap::new();
+        for trial in source.trials {
+            configurations.entry(Configuration::of(&trial.record.trial)).or_default().push(trial);
+        }
+        // Sums do not depend on the order of the trials.
+        for runs in configurations.values_mut() {
+            runs.sort_by_key(|run| run.id);
+        }
+        let names = Names::of(configurations.keys());
+        let groups: Vec<Group> = configurations
+            .iter()
+            .map(|(configuration, runs)| Group::of(configuration, &names, runs.clone()))
+            .collect();
+        Ok(Self {
+            results: source.results.to_owned(),
+            version: env!("CARGO_PKG_VERSION"),
+            trials: source.trials.len(),
+            runs: source.runs.iter().filter_map(|run| run_origin(run, source.trials)).collect(),
+            known_goals: known_goals(configurations.keys(), &names, source.scenarios),
+            comparisons: comparisons(&groups),
+            curves: success_curves(&groups),
+            worst: worst_trials(&groups, source.results),
+            goals: groups.iter().flat_map(|group| group.goals.clone()).collect(),
+            rows: groups.into_iter().map(|group| group.row).collect(),
+        })
+    }
+
+    /// The criteria that the trials were judged by, in order.
+    pub fn criteria(&self) -> Vec<&str> {
+        let mut criteria: Vec<&str> = self.rows.iter().map(|row| row.criterion.as_str()).collect();
+        criteria.dedup();
+        criteria
+    }
+
+    /// All planners by the names that rows have, in order: the index of one is that of its colour.
+    pub fn planner_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.rows.iter().map(|row| row.planner_name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+}
+
+/// A run that gave trials.
+fn run_origin(run: &Run, trials: &[StoredTrial]) -> Option<RunOrigin> {
+    let count = trials.iter().filter(|trial| trial.run == run.id).count();
+    let information = run.information.clone();
+    (count > 0).then_some(RunOrigin {
+        machine: information.machine,
+        processor: information.processor,
+        workers: information.workers,
+        version: information.version,
+        commit: information.commit,
+        command: information.command,
+        began: run.began.clone(),
+        trials: count,
+    })
+}
+
+fn known_goals<'a>(
+    configurations: impl Iterator<Item = &'a Configuration>,
+    names: &Names,
+    scenarios: &[ScenarioSource],
+) -> BTreeMap<String, usize> {
+    let goals = |configuration: &Configuration| {
+        let same = |source: &&ScenarioSource| {
+            (&source.scenario, &source.scenario_hash)
+                == (&configuration.scenario, &configuration.scenario_hash)
+        };
+        Some((names.scenario(configuration).to_owned(), scenarios.iter().find(same)?.goals?))
+    };
+    configurations.filter_map(goals).collect()
+}
+
+fn check(trial: &StoredTrial) -> Result<(), BenchError> {
+    let record = &trial.record;
+    let figures = [
+        ("planning time", Some(record.statistics.planning_time_s)),
+        ("time limit", Some(record.trial.time_limit_s)),
+        ("path length", record.path_length),
+        ("score", record.grasp_score),
+        // Under the paper's criterion a path may lie within an obstacle.
+        ("clearance", record.clearance_m.map(f64::abs)),
+    ];
+    for (figure, value) in figures {
+        if let Some(value) = value
+            && !(value.is_finite() && value >= 0.0)
+        {
+            return Err(BenchError::Figure { trial: trial.id, figure, value });
+        }
+    }
+    Ok(())
+}

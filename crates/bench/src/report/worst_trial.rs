@@ -1,0 +1,101 @@
+use serde::Serialize;
+
+use crate::report::row::Group;
+use crate::{StoredTrial, TrialOutcome};
+
+/// A trial worth a look, and how to run it again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorstTrial {
+    /// Its number in the results.
+    pub trial: u64,
+    /// As in [`Row::scenario_name`](crate::report::Row).
+    pub scenario_name: String,
+    /// As in [`Row::planner_name`](crate::report::Row).
+    pub planner_name: String,
+    /// What counts as solved.
+    pub criterion: String,
+    /// The goal that it aimed at.
+    pub goal: Option<usize>,
+    /// Its seed.
+    pub seed: u64,
+    /// How it ended.
+    pub outcome: &'static str,
+    /// What a person should know of it.
+    pub detail: Option<String>,
+    /// Seconds that it took.
+    pub planning_time_s: f64,
+    /// Iterations that it took.
+    pub iterations: u64,
+    /// The command that runs it again.
+    pub replay: String,
+}
+
+/// Of each row the few worst, and not more than a page of all.
+const MOST_OF_A_ROW: usize = 2;
+const MOST: usize = 40;
+
+/// The worst trials of all groups, the worst first: what should never happen, then what was not solved, then
+/// what took longest. `results` is the file's name.
+pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
+    let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
+    for group in groups {
+        let mut runs = group.runs.clone();
+        runs.sort_by(|a, b| badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id)));
+        worst.extend(runs.into_iter().take(MOST_OF_A_ROW).map(|run| (run, group)));
+    }
+    worst.sort_by(|(a, _), (b, _)| badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id)));
+    worst.truncate(MOST);
+    worst.into_iter().map(|(run, group)| worst_trial(run, group, results)).collect()
+}
+
+/// Kinds of outcome first, then seconds: no limit is as long as the distance between two kinds.
+fn badness(run: &StoredTrial) -> f64 {
+    let record = &run.record;
+    let kind = match record.outcome {
+        TrialOutcome::Crashed => 8.0,
+        TrialOutcome::Hung => 7.0,
+        TrialOutcome::OutOfMemory => 6.0,
+        TrialOutcome::Garbled => 5.0,
+        TrialOutcome::Rejected => 4.0,
+        TrialOutcome::StartInvalid => 3.0,
+        TrialOutcome::NoReachableGrasp => 2.0,
+        TrialOutcome::BudgetExhausted => 1.0,
+        TrialOutcome::Solved => 0.0,
+    };
+    kind * 1e9 + record.statistics.planning_time_s
+}
+
+fn worst_trial(run: &StoredTrial, group: &Group, results: &str) -> WorstTrial {
+    let record = &run.record;
+    WorstTrial {
+        trial: run.id,
+        scenario_name: group.row.scenario_name.clone(),
+        planner_name: group.row.planner_name.clone(),
+        criterion: group.row.criterion.clone(),
+        goal: record.trial.goal,
+        seed: record.trial.seed,
+        outcome: record.outcome.name(),
+        detail: record.detail.clone(),
+        planning_time_s: record.statistics.planning_time_s,
+        iterations: record.statistics.iterations,
+        replay: format!("cranny bench replay {} {}", shell_word(results), run.id),
+    }
+}
+
+/// A word as a shell takes it for one.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "._-/:\\".contains(c);
+    if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_with_spaces_is_one_word() {
+        assert_eq!(shell_word("runs/results.db"), "runs/results.db");
+        assert_eq!(shell_word("my results.db"), "'my results.db'");
+        assert_eq!(shell_word("it's.db"), r"'it'\''s.db'");
+    }
+}

@@ -1,0 +1,148 @@
+//! A trial as a row of the results.
+
+use std::path::Path;
+
+use cranny_plan::{Criterion, Statistics};
+use rusqlite::{Connection, Row, Rows, params};
+
+use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
+
+/// What [`read`] reads, in its order.
+pub const COLUMNS: &str = "id, run, scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
+    iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
+    planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
+    grasp_score, also_solved";
+
+/// What makes up a row but its number and its run.
+const CONTENT: &str = "scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
+    iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
+    planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
+    grasp_score, also_solved, path";
+
+/// Adds a row unless its trial is there; how many were added.
+pub fn insert(
+    connection: &Connection,
+    run: u64,
+    record: &TrialRecord,
+    also_solved: Option<bool>,
+    path: &[Vec<f64>],
+) -> rusqlite::Result<usize> {
+    let sql = format!(
+        "INSERT OR IGNORE INTO trials (run, {CONTENT}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
+         ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28)"
+    );
+    let (trial, statistics) = (&record.trial, &record.statistics);
+    connection.prepare_cached(&sql)?.execute(params![
+        run,
+        trial.scenario,
+        trial.scenario_hash,
+        trial.planner,
+        trial.settings,
+        trial.criterion.name(),
+        trial.seed,
+        trial.time_limit_s,
+        trial.iteration_limit,
+        trial.goal,
+        record.outcome.name(),
+        record.detail,
+        statistics.iterations,
+        statistics.nodes,
+        statistics.collision_checks,
+        statistics.ik_attempts,
+        statistics.goals_tried,
+        statistics.planning_time_s,
+        statistics.ik_time_s,
+        statistics.collision_time_s,
+        statistics.proof_time_s,
+        statistics.nearest_time_s,
+        record.path_length,
+        record.clearance_m,
+        record.grasp,
+        record.grasp_score,
+        also_solved,
+        (!path.is_empty()).then(|| bytes_of_path(path)),
+    ])
+}
+
+/// Takes the trials of the attached database `others` up, with their runs, which are there already.
+pub fn take_up_trials() -> String {
+    format!(
+        "INSERT OR IGNORE INTO trials (run, {CONTENT}) SELECT mine.id, {CONTENT} FROM others.trials AS trial \
+         JOIN others.runs AS theirs ON theirs.id = trial.run JOIN main.runs AS mine USING (identity) \
+         ORDER BY trial.id"
+    )
+}
+
+/// All rows of a selection of [`COLUMNS`].
+pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError> {
+    let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
+    let mut trials = Vec::new();
+    while let Some(row) = rows.next().map_err(fault)? {
+        let criterion: String = row.get(6).map_err(fault)?;
+        let outcome: String = row.get(11).map_err(fault)?;
+        let id = row.get(0).map_err(fault)?;
+        let no =
+            |what, text: &str| BenchError::Row { path: path.to_owned(), id, what, text: text.to_owned() };
+        let criterion = [Criterion::Exact, Criterion::Paper]
+            .into_iter()
+            .find(|known| known.name() == criterion)
+            .ok_or_else(|| no("criterion", &criterion))?;
+        let outcome = TrialOutcome::of_name(&outcome).ok_or_else(|| no("outcome", &outcome))?;
+        trials.push(stored(row, criterion, outcome).map_err(fault)?);
+    }
+    Ok(trials)
+}
+
+fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::Result<StoredTrial> {
+    let trial = Trial {
+        scenario: row.get(2)?,
+        scenario_hash: row.get(3)?,
+        planner: row.get(4)?,
+        settings: row.get(5)?,
+        criterion,
+        seed: row.get(7)?,
+        time_limit_s: row.get(8)?,
+        iteration_limit: row.get(9)?,
+        goal: row.get(10)?,
+    };
+    let statistics = Statistics {
+        iterations: row.get(13)?,
+        nodes: row.get(14)?,
+        collision_checks: row.get(15)?,
+        ik_attempts: row.get(16)?,
+        goals_tried: row.get(17)?,
+        planning_time_s: row.get(18)?,
+        ik_time_s: row.get(19)?,
+        collision_time_s: row.get(20)?,
+        proof_time_s: row.get(21)?,
+        nearest_time_s: row.get(22)?,
+    };
+    let record = TrialRecord {
+        trial,
+        outcome,
+        detail: row.get(12)?,
+        statistics,
+        path_length: row.get(23)?,
+        clearance_m: row.get(24)?,
+        grasp: row.get(25)?,
+        grasp_score: row.get(26)?,
+    };
+    Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record, also_solved: row.get(27)? })
+}
+
+/// The number of joints (4 bytes), then every value of every way point (8 bytes each), little-endian.
+pub fn bytes_of_path(path: &[Vec<f64>]) -> Vec<u8> {
+    let joints = path.first().map_or(0, Vec::len);
+    let mut bytes = u32::try_from(joints).unwrap_or(u32::MAX).to_le_bytes().to_vec();
+    bytes.extend(path.iter().flatten().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+/// Inverse of [`bytes_of_path`]; nothing where the bytes are none of its.
+pub fn path_of_bytes(bytes: &[u8]) -> Vec<Vec<f64>> {
+    let Some((joints, values)) = bytes.split_first_chunk::<4>() else { return Vec::new() };
+    let joints = u32::from_le_bytes(*joints) as usize;
+    let (values, _) = values.as_chunks::<8>();
+    let values: Vec<f64> = values.iter().map(|value| f64::from_le_bytes(*value)).collect();
+    if joints == 0 { Vec::new() } else { values.chunks_exact(joints).map(<[f64]>::to_vec).collect() }
+}

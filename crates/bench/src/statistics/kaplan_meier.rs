@@ -1,0 +1,127 @@
+use crate::statistics::{Interval, Z_95};
+
+/// How far one trial was followed, in seconds or in iterations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Followed {
+    /// Until then; not negative.
+    pub until: f64,
+    /// Whether it was solved then; if not, it is censored there.
+    pub solved: bool,
+}
+
+/// What changes at a time at which trials were solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurvivalStep {
+    /// The time.
+    pub at: f64,
+    /// How many trials were neither solved nor censored before.
+    pub at_risk: usize,
+    /// How many were solved at that time.
+    pub solved: usize,
+    /// The share that is not solved yet, from this time on.
+    pub survival: f64,
+    /// `Σ dᵢ / (nᵢ (nᵢ − dᵢ))` up to here: Greenwood's variance of `survival`, over its square. Infinite once
+    /// all are solved.
+    pub greenwood: f64,
+    /// Where the true share lies.
+    pub band: Interval,
+}
+
+/// Which share of trials is not yet solved at each time, estimated from trials of which some were cut short.
+///
+/// `S(t) = Π over tᵢ ≤ t of (1 − dᵢ/nᵢ)`, with `dᵢ` solved at `tᵢ` and `nᵢ` at risk just before; trials that
+/// are cut short at `tᵢ` are still at risk there. Without censoring this is the share of times above `t`.
+///
+/// Source: Kaplan & Meier 1958, "Nonparametric estimation from incomplete observations", eq. (2b); variance
+/// from Greenwood 1926; band symmetric in `log(−log S)`, so that it stays in [0, 1]: Kalbfleisch & Prentice
+/// 2002, "The Statistical Analysis of Failure Time Data", §1.4.1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KaplanMeier {
+    steps: Vec<SurvivalStep>,
+    count: usize,
+    last: f64,
+}
+
+/// Products of exact fractions miss a half by a few units in the last place.
+const HALF: f64 = 0.5 + 1e-12;
+
+impl KaplanMeier {
+    /// The estimate from `trials`.
+    ///
+    /// # Panics
+    /// If a time is negative or not finite.
+    pub fn of(trials: &[Followed]) -> Self {
+        assert!(
+            trials.iter().all(|trial| trial.until.is_finite() && trial.until >= 0.0),
+            "times are finite and not negative"
+        );
+        let mut sorted = trials.to_vec();
+        sorted.sort_by(|a, b| a.until.total_cmp(&b.until));
+        let mut steps: Vec<SurvivalStep> = Vec::new();
+        let (mut survival, mut greenwood, mut before) = (1.0, 0.0, 0);
+        for same in sorted.chunk_by(|a, b| a.until.total_cmp(&b.until).is_eq()) {
+            let at_risk = sorted.len() - before;
+            before += same.len();
+            let solved = same.iter().filter(|trial| trial.solved).count();
+            if solved == 0 {
+                continue;
+            }
+            let (n, d) = (at_risk as f64, solved as f64);
+            survival *= 1.0 - d / n;
+            greenwood += d / (n * (n - d));
+            let band = band(survival, greenwood, steps.last().map(|step| step.band));
+            steps.push(SurvivalStep { at: same[0].until, at_risk, solved, survival, greenwood, band });
+        }
+        Self { steps, count: sorted.len(), last: sorted.last().map_or(0.0, |trial| trial.until) }
+    }
+
+    /// The times at which trials were solved, rising.
+    pub fn steps(&self) -> &[SurvivalStep] {
+        &self.steps
+    }
+
+    /// How many trials there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// How far the last trial was followed; 0 without trials.
+    pub fn last(&self) -> f64 {
+        self.last
+    }
+
+    /// The share that is not solved at `time` or before.
+    pub fn survival_at(&self, time: f64) -> f64 {
+        let steps = self.steps.partition_point(|step| step.at <= time);
+        if steps == 0 { 1.0 } else { self.steps[steps - 1].survival }
+    }
+
+    /// When half of the trials are solved: the least `t` with `S(t) ≤ ½`; `None` if that was never seen.
+    pub fn median(&self) -> Option<f64> {
+        self.first_below(|step| step.survival)
+    }
+
+    /// From when to when the median lies: the times at which a test at level 5 % would not reject `S = ½`,
+    /// which are those where the band contains it. An end that was never seen is `None`.
+    ///
+    /// Source: Brookmeyer & Crowley 1982, "A confidence interval for the median survival time", with the band
+    /// of this estimate.
+    pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {
+        (self.first_below(|step| step.band.low), self.first_below(|step| step.band.high))
+    }
+
+    fn first_below(&self, share: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
+        self.steps.iter().find(|step| share(step) <= HALF).map(|step| step.at)
+    }
+}
+
+/// `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though the next trial might
+/// still take longer: the upper end stays where it was.
+fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
+    if greenwood.is_infinite() {
+        return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };
+    }
+    let reach = Z_95 * greenwood.sqrt() / libm::log(survival).abs();
+    let end = |sign: f64| libm::pow(survival, libm::exp(sign * reach));
+    Interval { low: end(1.0), high: end(-1.0) }
+}

@@ -1,0 +1,22 @@
+/// Mean and standard deviation of a sample, as the paper's tables have them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleMoments {
+    /// The mean.
+    pub mean: f64,
+    /// The sample standard deviation, with `n − 1` below the sum; `None` for a single value.
+    pub standard_deviation: Option<f64>,
+}
+
+impl SampleMoments {
+    /// Those of `values`; `None` if there are none.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        if values.is_empty() {
+            return None;
+        }
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+        let standard_deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
+        Some(Self { mean, standard_deviation })
+    }
+}

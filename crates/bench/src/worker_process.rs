@@ -1,0 +1,198 @@
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use cranny_plan::Statistics;
+
+use crate::foreign_process::LOOK_EVERY;
+use crate::process_group;
+use crate::worker_message::{Message, Request, TrialAnswer};
+use crate::{BenchError, TrialOutcome};
+
+/// The program that serves trials: `cranny bench worker`, or whatever else calls [`serve`](crate::serve).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WorkerProgram {
+    /// The program.
+    pub program: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+}
+
+/// A process that serves trials one after the other, and may end at any of them.
+pub struct WorkerProcess {
+    child: Child,
+    requests: Option<ChildStdin>,
+    lines: Receiver<String>,
+    complaint: Arc<Mutex<String>>,
+}
+
+/// What became of a request.
+pub enum Served {
+    /// The worker answered, and serves on.
+    Answered(TrialAnswer),
+    /// The question is wrong; the worker serves on.
+    Refused(String),
+    /// The worker is gone, with the trial.
+    Lost(TrialAnswer),
+    /// Somebody stopped the campaign; the worker is gone.
+    Stopped,
+}
+
+/// Opening a scenario and judging a path take no longer than so.
+const PATIENCE: Duration = Duration::from_mins(5);
+
+/// A search that goes on past its limit by more than so has hung. A built-in planner looks at the clock every few
+/// iterations, between which it may look for a hundred solutions of inverse kinematics, for seconds on a busy
+/// machine; the program of others is ended by the worker itself, earlier than this.
+const GRACE: Duration = Duration::from_secs(10);
+
+/// A worker that is told to go may take so long, in which it ends what it started.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+impl WorkerProcess {
+    /// Starts a worker.
+    pub fn start(worker: &WorkerProgram) -> Result<Self, BenchError> {
+        let fault = |reason: std::io::Error| BenchError::NotRunnable {
+            program: worker.program.display().to_string(),
+            reason: reason.to_string(),
+        };
+        let mut command = Command::new(&worker.program);
+        command.args(&worker.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = process_group::lead(&mut command).spawn().map_err(fault)?;
+        let (sender, lines) = mpsc::channel();
+        if let Some(stdout) = child.stdout.take() {
+            thread::spawn(move || {
+                for line in BufReader::new(stdout).split(b'\n').map_while(Result::ok) {
+                    if sender.send(String::from_utf8_lossy(&line).into_owned()).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        let complaint = Arc::new(Mutex::new(String::new()));
+        if let Some(stderr) = child.stderr.take() {
+            let complaint = complaint.clone();
+            thread::spawn(move || {
+                // Of a panic the first line says most, of other ends the last.
+                for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
+                    let line = String::from_utf8_lossy(&line).trim().to_owned();
+                    let mut kept = complaint.lock().unwrap_or_else(PoisonError::into_inner);
+                    if !line.is_empty() && !line.starts_with("note:") {
+                        *kept = if kept.contains("panicked at") { format!("{kept} {line}") } else { line };
+                    }
+                }
+            });
+        }
+        let requests = child.stdin.take();
+        Ok(Self { child, requests, lines, complaint })
+    }
+
+    /// Asks for a trial and waits for the answer, at most as long as the trial may take.
+    pub fn serve(&mut self, request: &Request, stop: &AtomicBool) -> Served {
+        let asked = serde_json::to_string(request).map_err(std::io::Error::other).and_then(|line| {
+            let requests = self.requests.as_mut().ok_or(std::io::ErrorKind::BrokenPipe)?;
+            requests.write_all(line.as_bytes())?;
+            requests.write_all(b"\n")?;
+            requests.flush()
+        });
+        if asked.is_err() {
+            return self.lost(Instant::now());
+        }
+        let limit = Duration::try_from_secs_f64(request.question.trial.time_limit_s).unwrap_or(Duration::MAX);
+        let mut begin = Instant::now();
+        let mut deadline = begin.checked_add(PATIENCE);
+        // What the worker holds before the search is not the planner's.
+        let mut memory_bytes = None;
+        loop {
+            match self.lines.recv_timeout(LOOK_EVERY) {
+                Ok(line) => match serde_json::from_str(&line) {
+                    Ok(Message::Opened) => {
+                        begin = Instant::now();
+                        deadline = begin.checked_add(limit.saturating_add(GRACE));
+                        let held = process_group::resident_bytes(self.child.id());
+                        memory_bytes = held.map(|held| held + request.memory_limit_bytes);
+                    }
+                    Ok(Message::Planned) => deadline = Instant::now().checked_add(PATIENCE),
+                    Ok(Message::Answered(answer)) => return Served::Answered(*answer),
+                    Ok(Message::Refused(reason)) => return Served::Refused(reason),
+                    Err(reason) => {
+                        let detail = format!("the worker's answer is none: {reason}");
+                        return self.ended(TrialOutcome::Garbled, detail, begin);
+                    }
+                },
+                Err(RecvTimeoutError::Disconnected) => return self.lost(begin),
+                Err(RecvTimeoutError::Timeout) => {
+                    if stop.load(Ordering::Relaxed) {
+                        self.end();
+                        return Served::Stopped;
+                    }
+                    if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                        let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
+                        return self.ended(TrialOutcome::Hung, detail, begin);
+                    }
+                    let held = process_group::resident_bytes(self.child.id());
+                    if let (Some(held), Some(most)) = (held, memory_bytes)
+                        && held > most
+                    {
+                        let detail = format!("held {} MiB", held >> 20);
+                        return self.ended(TrialOutcome::OutOfMemory, detail, begin);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Ends the worker for what it does; the trial has that outcome.
+    fn ended(&mut self, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
+        let answer = lost(outcome, Some(detail), begin);
+        self.end();
+        Served::Lost(answer)
+    }
+
+    /// The trial of a worker that ended by itself.
+    fn lost(&mut self, begin: Instant) -> Served {
+        let mut detail = self.end().map_or_else(|| "ended".to_owned(), process_group::ending);
+        let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner);
+        if !complaint.is_empty() {
+            detail = format!("{detail}: {complaint}");
+        }
+        Served::Lost(lost(TrialOutcome::Crashed, Some(detail), begin))
+    }
+
+    /// Ends the worker, and what it started: told so first, then by force.
+    fn end(&mut self) -> Option<std::process::ExitStatus> {
+        self.requests = None;
+        let begin = Instant::now();
+        while begin.elapsed() < FAREWELL {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Some(status);
+            }
+            thread::sleep(Duration::from_millis(5));
+        }
+        process_group::kill(self.child.id());
+        // Where there are no groups, the worker alone; that it is gone already is what is wanted.
+        let _ = self.child.kill();
+        self.child.wait().ok()
+    }
+
+    /// Whether it can be asked.
+    pub fn is_alive(&mut self) -> bool {
+        matches!(self.child.try_wait(), Ok(None))
+    }
+}
+
+impl Drop for WorkerProcess {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+fn lost(outcome: TrialOutcome, detail: Option<String>, begin: Instant) -> TrialAnswer {
+    let planning_time_s = begin.elapsed().as_secs_f64();
+    TrialAnswer::without_path(outcome, detail, Statistics { planning_time_s, ..Statistics::default() })
+}

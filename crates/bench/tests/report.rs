@@ -1,0 +1,356 @@
+//! Reports: what a summary says of trials whose figures can be worked out by hand, and that pages, tables and
+//! plots say the same.
+
+// Figures that are copied must be the same to the last bit.
+#![allow(clippy::float_cmp)]
+
+mod synthetic;
+
+use cranny_bench::report::{Measure, Place, Summary, plots};
+use cranny_bench::{BenchError, StoredTrial, TrialOutcome};
+use cranny_plan::Criterion;
+use proptest::prelude::*;
+use serde_json::Value;
+
+use synthetic::{Campaign, Manner, add, campaign, empty};
+
+/// Twenty runs of one planner on 021 with a limit of 10 s, to be changed.
+fn plain() -> Campaign {
+    let (mut campaign, mut draw) = empty();
+    let manner = Manner {
+        planner: "reach",
+        criterion: Criterion::Exact,
+        mean_s: 1.0,
+        limit_s: 10.0,
+        runs: 20,
+        goal: None,
+    };
+    add(&mut campaign, &mut draw, "021", &manner);
+    campaign
+}
+
+fn end(trial: &mut StoredTrial, outcome: TrialOutcome, time_s: f64) {
+    trial.record.outcome = outcome;
+    trial.record.statistics.planning_time_s = time_s;
+}
+
+fn summary(campaign: &Campaign) -> Summary {
+    Summary::of(&campaign.source()).expect("sound trials")
+}
+
+#[track_caller]
+fn assert_near(actual: f64, expected: f64) {
+    assert!((actual - expected).abs() < 1e-9, "{actual} is not {expected}");
+}
+
+#[test]
+fn a_failure_counts_as_the_limit_in_the_papers_convention() {
+    let mut campaign = plain();
+    campaign.trials.truncate(4);
+    for (trial, time_s) in campaign.trials.iter_mut().zip([1.0, 2.0, 3.0]) {
+        end(trial, TrialOutcome::Solved, time_s);
+    }
+    end(&mut campaign.trials[3], TrialOutcome::NoReachableGrasp, 0.1);
+    let row = &summary(&campaign).rows[0];
+    assert_eq!((row.runs, row.solved), (4, 3));
+    assert_near(row.success_rate, 0.75);
+    assert_near(row.mean_s, 4.0);
+    assert_near(row.std_s.unwrap(), (50.0_f64 / 3.0).sqrt());
+    assert_eq!(row.median_s, Some(2.0));
+    assert_near(row.restricted_mean_s.unwrap(), 4.0);
+    assert_eq!(row.outcomes["no-reachable-grasp"], 1);
+}
+
+#[test]
+fn a_planner_gains_nothing_by_giving_up_early() {
+    let mut slow = plain();
+    for (index, trial) in slow.trials.iter_mut().enumerate() {
+        let outcome = if index < 10 { TrialOutcome::Solved } else { TrialOutcome::BudgetExhausted };
+        end(trial, outcome, if index < 10 { 5.0 } else { 10.0 });
+    }
+    let mut quitter = plain();
+    for (index, trial) in quitter.trials.iter_mut().enumerate() {
+        let outcome = if index < 10 { TrialOutcome::Solved } else { TrialOutcome::Crashed };
+        end(trial, outcome, if index < 10 { 5.0 } else { 0.5 });
+    }
+    let (slow, quitter) = (summary(&slow), summary(&quitter));
+    assert_eq!(slow.curves[0].success, quitter.curves[0].success);
+    assert_eq!(slow.rows[0].restricted_mean_s, quitter.rows[0].restricted_mean_s);
+    assert_eq!(slow.rows[0].mean_s, quitter.rows[0].mean_s);
+}
+
+#[test]
+fn a_search_that_iterations_cut_short_is_censored_where_it_stopped() {
+    let mut campaign = plain();
+    campaign.trials.truncate(4);
+    for (trial, time_s) in campaign.trials.iter_mut().zip([1.0, 1.0, 3.0, 3.0]) {
+        let solved = time_s > 2.0;
+        end(trial, if solved { TrialOutcome::Solved } else { TrialOutcome::BudgetExhausted }, time_s);
+        trial.record.trial.iteration_limit = Some(100);
+        trial.record.statistics.iterations = if solved { 40 } else { 100 };
+    }
+    let row = &summary(&campaign).rows[0];
+    // Of the two still searching at 3 s both were solved then.
+    assert_eq!(row.median_s, Some(3.0));
+    assert_near(row.success_rate, 0.5);
+    assert_eq!(row.median_iterations, Some(40.0));
+}
+
+#[test]
+fn a_planner_that_counts_no_iterations_has_no_curve_over_them() {
+    let mut campaign = plain();
+    campaign.trials.iter_mut().for_each(|trial| trial.record.statistics.iterations = 0);
+    let summary = summary(&campaign);
+    assert_eq!(summary.rows[0].median_iterations, None);
+    assert!(summary.curves.iter().all(|curve| curve.over == Measure::Time));
+    assert!(summary.rows[0].iterations.is_none());
+}
+
+#[test]
+fn the_best_goal_stands_in_the_row_and_all_goals_below() {
+    let summary = summary(&campaign());
+    let row = summary.rows.iter().find(|row| row.planner == "ik-rrt" && row.scenario == "023").unwrap();
+    assert_eq!((row.goals, row.goal, row.runs), (Some(3), Some(0), 5));
+    let goals: Vec<_> = summary.goals.iter().filter(|goal| goal.scenario_name == "023").collect();
+    assert_eq!(goals.len(), 3);
+    assert_eq!(goals.iter().filter(|goal| goal.best).count(), 1);
+    assert_eq!(row.mean_s, goals[0].mean_s);
+    assert!(goals.iter().all(|goal| goal.success_rate <= row.success_rate));
+    let unsolved = summary.rows.iter().find(|row| row.planner == "ik-rrt" && row.scenario == "024").unwrap();
+    assert_eq!((unsolved.goals, unsolved.goals_solved), (Some(4), Some(0)));
+}
+
+#[test]
+fn the_papers_table_has_the_papers_layout() {
+    let summary = summary(&campaign());
+    let markdown = summary.markdown();
+    let paper = markdown.split("\n\n").find(|table| table.contains("| goals |")).expect("a table with goals");
+    let lines: Vec<&str> = paper.lines().collect();
+    assert_eq!(lines[0], "| scenario | goals | ik-rrt (best goal) | j-plus-rrt |");
+    // None of its goals was ever solved; it has none; it has another limit.
+    let line = |id: &str| *lines.iter().find(|line| line.starts_with(&format!("| {id} |"))).unwrap();
+    assert!(line("024").starts_with("| 024 | 4/0 | – | "), "{}", line("024"));
+    assert!(line("041").starts_with("| 041 | 0/0 | – | "), "{}", line("041"));
+    assert!(line("045").ends_with("(limit 90 s) |"), "{}", line("045"));
+
+    let latex = summary.latex();
+    assert_eq!(latex.matches("\\begin{tabular}").count(), 2);
+    assert!(latex.contains("$|G_{\\mathrm{IK}}|$/solved & ik-rrt (best goal) & j-plus-rrt \\\\"), "{latex}");
+    assert!(latex.lines().all(|line| line.starts_with('%') || !line.contains("0%")));
+
+    let csv = summary.csv();
+    let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    assert!(csv.lines().all(|line| line.split(',').count() == header.len()));
+    let row = summary.rows.iter().find(|row| row.criterion == "paper" && row.scenario == "021").unwrap();
+    assert!(
+        csv.contains(&format!(",{},{},10\n", row.mean_s, row.std_s.unwrap()))
+            || csv.contains(&row.mean_s.to_string())
+    );
+    assert_eq!(csv.lines().count(), 1 + summary.rows.len());
+}
+
+#[test]
+fn comparisons_are_adjusted_over_the_scenarios_of_a_pair() {
+    let summary = summary(&campaign());
+    let family: Vec<_> = summary
+        .comparisons
+        .iter()
+        .filter(|comparison| (&*comparison.first, &*comparison.second) == ("j-plus-rrt", "reach"))
+        .collect();
+    assert_eq!(family.len(), 8 + 12);
+    for comparison in &family {
+        assert_eq!(comparison.family, family.len());
+        assert!(comparison.log_rank_p <= comparison.log_rank_p_holm);
+        assert!(comparison.difference_low_s <= comparison.difference_s);
+        assert!(comparison.difference_s <= comparison.difference_high_s);
+    }
+    let hard = family.iter().find(|comparison| comparison.scenario_name == "025").unwrap();
+    assert_eq!(hard.faster(), Some("reach"));
+    assert!(hard.difference_s.unwrap() > 0.0, "the first minus the second");
+    assert!(summary.comparisons.iter().all(|comparison| !comparison.first.contains("best goal")));
+    assert!(summary.comparisons.iter().all(|comparison| !comparison.second.contains("best goal")));
+}
+
+#[test]
+fn what_should_never_happen_stands_first_with_its_replay() {
+    let summary = summary(&campaign());
+    let outcomes: Vec<&str> = summary.worst.iter().map(|trial| trial.outcome).collect();
+    assert_eq!(outcomes[..2], ["crashed", "hung"]);
+    for trial in &summary.worst {
+        assert_eq!(trial.replay, format!("cranny bench replay results.db {}", trial.trial));
+    }
+}
+
+#[test]
+fn a_large_set_is_one_curve_a_planner_and_a_small_one_a_curve_a_scenario() {
+    let summary = summary(&campaign());
+    let sweep: Vec<_> =
+        summary.curves.iter().filter(|curve| curve.environment == Place::of("gap-0.3").environment).collect();
+    assert_eq!(sweep.len(), 4, "two planners, over time and over iterations");
+    assert!(sweep.iter().all(|curve| curve.scenario_name.is_none() && curve.runs == 240));
+    assert!(summary.curves.iter().any(|curve| curve.scenario_name.as_deref() == Some("021")));
+}
+
+#[test]
+fn plots_have_names_of_their_own_and_both_formats() {
+    let plots = plots(&summary(&campaign()));
+    let mut names: Vec<&str> = plots.iter().map(|plot| plot.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), plots.len());
+    assert!(
+        names
+            .iter()
+            .all(|name| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'))
+    );
+    for wanted in ["02x-ball-under-a-table-j-plus-rrt-iterations-paper", "gap-sweep-difficulty-success-exact"]
+    {
+        assert!(names.contains(&wanted), "{wanted} is not among {names:?}");
+    }
+    let plot = &plots[0];
+    assert!(plot.svg().starts_with("<svg xmlns") && plot.svg().ends_with("</svg>"));
+    assert!(plot.png().expect("it can be drawn").starts_with(b"\x89PNG"));
+}
+
+/// The figures of a page: path in the document, exact value, what a person reads, and its scale.
+fn figures(page: &str) -> Vec<(String, f64, String, f64)> {
+    let attribute = |tag: &str, name: &str| {
+        let start = tag.find(&format!("{name}=\""))? + name.len() + 2;
+        Some(tag[start..start + tag[start..].find('"')?].to_owned())
+    };
+    let figure = |part: &str| {
+        let (tag, rest) = part.split_once('>').expect("a tag ends");
+        let text = rest.split("</data>").next().expect("an element ends").to_owned();
+        let scale = attribute(tag, "data-scale").map_or(1.0, |scale| scale.parse().expect("a scale"));
+        let value = attribute(tag, "value").expect("a value").parse().expect("a number");
+        (attribute(tag, "data-path").expect("a path"), value, text, scale)
+    };
+    page.split("<data ").skip(1).map(figure).collect()
+}
+
+/// The JSON document within a page.
+fn document(page: &str) -> Value {
+    let start = page.find("id=\"summary\">").expect("the page holds the document") + "id=\"summary\">".len();
+    serde_json::from_str(&page[start..start + page[start..].find("</script>").unwrap()]).expect("JSON")
+}
+
+#[test]
+fn the_pages_figures_are_those_of_the_json() {
+    let summary = summary(&campaign());
+    let page = summary.html();
+    let json = serde_json::to_value(&summary).expect("a summary is JSON");
+    assert_eq!(document(&page), json);
+    let figures = figures(&page);
+    for (path, value, text, scale) in &figures {
+        let pointer = format!("/{}", path.replace('.', "/"));
+        let expected = json.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+        assert_eq!(*value, expected, "{path}");
+        if text == "&lt; 0.001" {
+            assert!(expected < 1e-3, "{path}: {expected}");
+            continue;
+        }
+        let shown: f64 = text.parse().unwrap_or_else(|_| panic!("{path} shows '{text}'"));
+        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let half = 0.5 * 10.0_f64.powi(-i32::try_from(decimals).unwrap()) * (1.0 + 1e-9);
+        assert!((shown - expected * scale).abs() <= half, "{path} shows '{text}' for {expected}");
+    }
+    // Every row shows every figure that the format promises.
+    for index in 0..summary.rows.len() {
+        for key in
+            ["runs", "solved", "success_rate", "success_low", "success_high", "median_s", "median_iterations"]
+        {
+            let path = format!("rows.{index}.{key}");
+            let shown = figures.iter().any(|figure| figure.0 == path);
+            assert_eq!(shown, !json.pointer(&format!("/rows/{index}/{key}")).unwrap().is_null(), "{path}");
+        }
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere_and_escapes_what_it_is_told() {
+    let page = summary(&campaign()).html();
+    for foreign in ["http://", "https://", "src=", "@import", "<link", "url("] {
+        assert!(!page.contains(foreign), "the page holds '{foreign}'");
+    }
+    assert!(page.contains("what a &lt;judge&gt; &amp; &quot;others&quot; say of crashed"));
+    assert!(!page.contains("<judge>"));
+    assert!(page.contains("prefers-color-scheme: dark") && page.contains("@media print"));
+}
+
+#[test]
+fn rows_have_the_promised_keys() {
+    let json = serde_json::to_value(summary(&plain())).expect("JSON");
+    for key in [
+        "scenario",
+        "planner",
+        "criterion",
+        "runs",
+        "solved",
+        "success_rate",
+        "success_low",
+        "success_high",
+        "mean_s",
+        "std_s",
+        "median_s",
+        "median_iterations",
+    ] {
+        assert!(json["rows"][0].get(key).is_some(), "no key '{key}'");
+    }
+}
+
+#[test]
+fn no_trials_and_impossible_figures_are_refused_by_name() {
+    let (nothing, _) = empty();
+    assert!(matches!(Summary::of(&nothing.source()), Err(BenchError::NoTrials { .. })));
+    let mut campaign = plain();
+    for value in [f64::NAN, f64::INFINITY, -1.0] {
+        campaign.trials[7].record.statistics.planning_time_s = value;
+        let message = Summary::of(&campaign.source()).expect_err("no trial has it").to_string();
+        assert!(message.starts_with("trial 8: its planning time is "), "{message}");
+    }
+}
+
+#[test]
+fn settings_and_limits_are_never_mixed() {
+    let mut campaign = plain();
+    campaign.trials[3].record.trial.settings = r#"{"goal_bias":0.5}"#.to_owned();
+    campaign.trials[4].record.trial.time_limit_s = 20.0;
+    campaign.trials[5].record.trial.scenario_hash = "f".repeat(64);
+    campaign.trials[6].record.trial.criterion = Criterion::Paper;
+    let summary = summary(&campaign);
+    assert_eq!(summary.rows.len(), 5);
+    assert_eq!(summary.rows.iter().map(|row| row.runs).sum::<usize>(), 20);
+    let mut names: Vec<_> =
+        summary.rows.iter().map(|row| (&*row.criterion, &*row.scenario_name, &*row.planner_name)).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 5, "no two rows have one name: {names:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn the_order_of_the_trials_changes_nothing(order in Just((0..40_usize).collect::<Vec<_>>()).prop_shuffle()) {
+        let mut campaign = campaign();
+        campaign.trials.truncate(40);
+        let ordered = summary(&campaign);
+        let shuffled = order.into_iter().map(|index| campaign.trials[index].clone()).collect();
+        campaign.trials = shuffled;
+        prop_assert_eq!(summary(&campaign), ordered);
+    }
+
+    #[test]
+    fn the_curve_ends_at_the_success_rate_where_nothing_is_cut_short_by_iterations(
+        ends in prop::collection::vec((0_usize..9, 0.0..10.0_f64), 20),
+    ) {
+        let mut campaign = plain();
+        for (trial, (outcome, time_s)) in campaign.trials.iter_mut().zip(ends) {
+            end(trial, TrialOutcome::ALL[outcome], time_s);
+        }
+        let summary = summary(&campaign);
+        let curve = summary.curves.iter().find(|curve| curve.over == Measure::Time).expect("a curve over time");
+        let end = curve.success.last().copied().unwrap_or(0.0);
+        prop_assert!((end - summary.rows[0].success_rate).abs() < 1e-9);
+    }
+}

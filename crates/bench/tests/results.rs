@@ -1,0 +1,159 @@
+//! Results: what is written is read back bit by bit, nothing is there twice, and no fault is silent.
+
+mod fixture;
+
+use std::path::Path;
+
+use cranny_bench::{BenchError, Merged, Results, ScenarioSource, Trial, TrialOutcome, TrialRecord};
+use cranny_plan::Criterion;
+use fixture::{information, record, trial};
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+/// Results with one run and a trial for each seed.
+fn results(path: &Path, machine: &str, seeds: impl Iterator<Item = u64>) -> Results {
+    let mut results = Results::create(path).expect("results");
+    let run = results.begin_run(&information(machine)).expect("a run");
+    for seed in seeds {
+        assert!(results.append(run, &record(trial(seed)), None, &[]).expect("appended"));
+    }
+    results
+}
+
+#[test]
+fn a_trial_is_read_back_bit_by_bit() {
+    let folder = folder();
+    let path = folder.path().join("results.db");
+    let whole = TrialRecord {
+        detail: Some("edge 3 at 0.5: hand is deep in table".into()),
+        outcome: TrialOutcome::Rejected,
+        clearance_m: Some(5e-324),
+        ..record(Trial { criterion: Criterion::Paper, goal: Some(3), iteration_limit: Some(0), ..trial(5) })
+    };
+    let way = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-300]];
+    let mut written = results(&path, "a", 0..1);
+    assert!(written.append(1, &whole, Some(false), &way).expect("appended"));
+    written.end_run(1).expect("ended");
+    drop(written);
+
+    let read = Results::open(&path).expect("results");
+    assert_eq!(read.records().expect("records"), [record(trial(0)), whole.clone()]);
+    let stored = read.trial(2).expect("the second");
+    assert_eq!((stored.id, stored.run, stored.also_solved), (2, 1, Some(false)));
+    let bits = |path: &[Vec<f64>]| path.concat().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&read.path_of(2).expect("a path")), bits(&way));
+    assert_eq!(read.path_of(1).expect("no path"), Vec::<Vec<f64>>::new());
+    let runs = read.runs().expect("runs");
+    assert_eq!(runs[0].information, information("a"));
+    assert!(runs[0].began.ends_with('Z') && runs[0].ended.is_some());
+}
+
+#[test]
+fn every_outcome_has_a_name_of_its_own_that_finds_it() {
+    for outcome in TrialOutcome::ALL {
+        assert_eq!(TrialOutcome::of_name(outcome.name()), Some(outcome));
+    }
+    assert_eq!(TrialOutcome::of_name("solvd"), None);
+}
+
+#[test]
+fn a_trial_is_never_there_twice_and_every_part_of_it_tells_it_apart() {
+    let folder = folder();
+    let mut results = results(&folder.path().join("results.db"), "a", 0..1);
+    let slower = TrialRecord { outcome: TrialOutcome::Hung, ..record(trial(0)) };
+    assert!(!results.append(1, &slower, None, &[]).expect("no fault"));
+    assert_eq!(results.records().expect("records"), [record(trial(0))]);
+    let others = [
+        Trial { scenario: "022".into(), ..trial(0) },
+        Trial { scenario_hash: "cd".repeat(32), ..trial(0) },
+        Trial { planner: "ik-rrt".into(), ..trial(0) },
+        Trial { settings: "{\"step\":0.5}".into(), ..trial(0) },
+        Trial { criterion: Criterion::Paper, ..trial(0) },
+        Trial { seed: 1, ..trial(0) },
+        Trial { time_limit_s: 30.0, ..trial(0) },
+        Trial { iteration_limit: Some(9), ..trial(0) },
+        Trial { goal: Some(0), ..trial(0) },
+    ];
+    for other in others {
+        assert!(results.append(1, &record(other.clone()), None, &[]).expect("appended"), "{other:?}");
+        assert!(!results.append(1, &record(other.clone()), None, &[]).expect("no fault"), "{other:?}");
+    }
+    assert_eq!(results.known().expect("trials").len(), 10);
+}
+
+#[test]
+fn merging_takes_up_what_is_new_with_its_run_and_does_nothing_the_second_time() {
+    let folder = folder();
+    let (a, b) = (folder.path().join("a.db"), folder.path().join("b.db"));
+    let mut first = results(&a, "first", 0..5);
+    let mut second = results(&b, "second", 3..9);
+    let place = ScenarioSource {
+        scenario: "021".into(),
+        scenario_hash: "ab".repeat(32),
+        source: "021".into(),
+        goals: Some(4),
+    };
+    second.note_scenario(&place).expect("noted");
+    second.note_planner("reach", "{}", "[]").expect("noted");
+    drop(second);
+    assert_eq!(first.merge(&b).expect("merged"), Merged { added: 4, known: 2 });
+    assert_eq!(first.merge(&b).expect("merged"), Merged { added: 0, known: 6 });
+    let trials = first.trials().expect("trials");
+    let runs = first.runs().expect("runs");
+    let machine = |id: u64| runs.iter().find(|run| run.id == id).map(|run| run.information.machine.as_str());
+    let origins: Vec<_> = trials.iter().map(|t| (t.record.trial.seed, machine(t.run))).collect();
+    for (seed, origin) in origins {
+        assert_eq!(origin, Some(if seed < 5 { "first" } else { "second" }));
+    }
+    assert_eq!(first.scenarios().expect("scenarios"), [place]);
+    assert_eq!(first.planner_source("reach", "{}").expect("a planner").as_deref(), Some("[]"));
+    assert_eq!(first.planner_source("reach", "{ }").expect("none"), None);
+}
+
+#[test]
+fn what_is_no_results_is_refused_and_left_as_it_is() {
+    let folder = folder();
+    let file = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).expect("written");
+        path
+    };
+    let text = file(
+        "notes.db",
+        b"these are notes, long enough to have a header of a hundred bytes, which \
+        they do not have, because they are notes and nothing but notes",
+    );
+    assert!(matches!(Results::create(&text), Err(BenchError::NotResults { .. })));
+    assert!(std::fs::read(&text).expect("still there").starts_with(b"these are notes"));
+    let missing = folder.path().join("missing.db");
+    assert!(matches!(Results::open(&missing), Err(BenchError::NoResults { .. })));
+    assert!(!missing.exists());
+    let nowhere = folder.path().join("no/such/folder/results.db");
+    assert!(matches!(Results::create(&nowhere), Err(BenchError::Database { .. })));
+
+    let foreign = folder.path().join("foreign.db");
+    let connection = rusqlite::Connection::open(&foreign).expect("a database");
+    connection.execute_batch("CREATE TABLE runs (id INTEGER)").expect("a table");
+    assert!(matches!(Results::create(&foreign), Err(BenchError::NotResults { .. })));
+    let later = folder.path().join("later.db");
+    results(&later, "a", 0..1);
+    rusqlite::Connection::open(&later)
+        .expect("a database")
+        .pragma_update(None, "user_version", 2)
+        .expect("set");
+    assert!(matches!(Results::open(&later), Err(BenchError::ResultsVersion { actual: 2, .. })));
+}
+
+#[test]
+fn a_row_that_says_what_it_cannot_is_an_error_that_names_it() {
+    let folder = folder();
+    let path = folder.path().join("results.db");
+    let results = results(&path, "a", 0..2);
+    let connection = rusqlite::Connection::open(&path).expect("a database");
+    connection.execute("UPDATE trials SET outcome = 'solvd' WHERE id = 2", []).expect("updated");
+    let message = results.records().expect_err("a fault").to_string();
+    assert!(message.contains("trial 2: 'solvd' is no outcome"), "{message}");
+    assert!(matches!(results.trial(9), Err(BenchError::NoTrial { last: 2, .. })));
+}

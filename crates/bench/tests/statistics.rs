@@ -1,0 +1,281 @@
+//! The statistics against published examples, against other programs, and against their laws.
+
+// Figures that are copied or counted must be the same to the last bit.
+#![allow(clippy::float_cmp)]
+
+use cranny_bench::statistics::{
+    Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, two_sided_p, wilson,
+};
+use proptest::prelude::*;
+use serde_json::Value;
+
+/// Made by `fixtures/survival.py`; the file says with which versions.
+fn fixture() -> Value {
+    serde_json::from_str(include_str!("fixtures/survival.json")).expect("the fixture is JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is a number"))
+}
+
+fn followed(group: &Value) -> Vec<Followed> {
+    let (times, solved) = (group["times"].as_array().unwrap(), group["solved"].as_array().unwrap());
+    let trial = |(time, solved): (&Value, &Value)| Followed {
+        until: number(time),
+        solved: solved.as_bool().expect("solved or not"),
+    };
+    times.iter().zip(solved).map(trial).collect()
+}
+
+#[track_caller]
+fn assert_near(actual: f64, expected: f64, tolerance: f64) {
+    assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected} within {tolerance}");
+}
+
+/// Remission of acute leukaemia in weeks: Freireich et al. 1963, "The effect of 6-mercaptopurine on the
+/// duration of steroid-induced remissions in acute leukemia"; a negative number is censored.
+const MERCAPTOPURINE: [i32; 21] =
+    [6, 6, 6, -6, 7, -9, 10, -10, -11, 13, 16, -17, -19, -20, 22, 23, -25, -32, -32, -34, -35];
+const PLACEBO: [i32; 21] = [1, 1, 2, 2, 3, 4, 4, 5, 5, 8, 8, 8, 8, 11, 11, 12, 12, 15, 17, 22, 23];
+
+fn weeks(weeks: &[i32]) -> Vec<Followed> {
+    weeks.iter().map(|&week| Followed { until: f64::from(week.abs()), solved: week > 0 }).collect()
+}
+
+#[test]
+fn the_leukaemia_trial_has_its_published_curve() {
+    // Survival and Greenwood's standard error: Kleinbaum & Klein 2012, "Survival Analysis", chapter 2; Klein
+    // & Moeschberger 2003, table 4.1A.
+    let published = [
+        (6.0, 0.857, 0.0764),
+        (7.0, 0.807, 0.0869),
+        (10.0, 0.753, 0.0963),
+        (13.0, 0.690, 0.1068),
+        (16.0, 0.627, 0.1141),
+        (22.0, 0.538, 0.1282),
+        (23.0, 0.448, 0.1346),
+    ];
+    let curve = KaplanMeier::of(&weeks(&MERCAPTOPURINE));
+    assert_eq!(curve.steps().len(), published.len());
+    for (step, (at, survival, error)) in curve.steps().iter().zip(published) {
+        assert_eq!(step.at, at);
+        assert_near(step.survival, survival, 5e-4);
+        assert_near(step.survival * step.greenwood.sqrt(), error, 5e-5);
+    }
+    assert_eq!(curve.median(), Some(23.0));
+    assert_eq!(KaplanMeier::of(&weeks(&PLACEBO)).median(), Some(8.0));
+}
+
+#[test]
+fn the_leukaemia_trial_has_its_published_restricted_means_and_log_rank_test() {
+    // Klein & Moeschberger 2003, example 4.2 (means to 35 weeks), and chi-square 16.79 of the many textbooks.
+    let treated = KaplanMeier::of(&weeks(&MERCAPTOPURINE)).restricted_mean(35.0).unwrap();
+    assert_near(treated.mean, 23.29, 5e-3);
+    assert_near(treated.standard_error, 2.83, 5e-3);
+    let control = KaplanMeier::of(&weeks(&PLACEBO)).restricted_mean(35.0).unwrap();
+    assert_near(control.mean, 8.67, 5e-3);
+    assert_near(control.standard_error, 1.38, 5e-3);
+    let difference = treated.minus(&control);
+    assert_near(difference.difference, 14.62, 5e-3);
+    let test = log_rank(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO)).unwrap();
+    assert_near(test.chi_square, 16.79, 5e-3);
+    assert_near(test.observed, 9.0, 0.0);
+    assert_near(test.expected, 19.25, 5e-3);
+}
+
+#[test]
+fn curves_medians_and_tests_are_those_of_lifelines() {
+    for case in fixture()["survival"].as_array().unwrap() {
+        for group in [&case["first"], &case["second"]] {
+            let curve = KaplanMeier::of(&followed(group));
+            let expected = group["steps"].as_array().unwrap();
+            assert_eq!(curve.steps().len(), expected.len(), "{}", case["name"]);
+            for (step, expected) in curve.steps().iter().zip(expected) {
+                assert_near(step.at, number(&expected[0]), 0.0);
+                assert_eq!(step.at_risk as u64, expected[1].as_u64().unwrap());
+                assert_eq!(step.solved as u64, expected[2].as_u64().unwrap());
+                assert_near(step.survival, number(&expected[3]), 1e-12);
+                // lifelines gives the band no width where all are solved; this one keeps its upper end.
+                if step.survival > 0.0 {
+                    assert_near(step.band.low, number(&expected[4]), 1e-9);
+                    assert_near(step.band.high, number(&expected[5]), 1e-9);
+                }
+            }
+            assert_eq!(curve.median(), group["median"].as_f64());
+            let (low, high) = curve.median_interval();
+            assert_eq!(low, group["median_low"].as_f64());
+            // Where only that step without width lies below a half, this one has seen no upper end.
+            let all_solved = curve.steps().iter().find(|step| step.survival == 0.0).map(|step| step.at);
+            let expected = group["median_high"].as_f64().filter(|&high| Some(high) != all_solved);
+            assert_eq!(high, expected);
+            let mean = curve.restricted_mean(number(&group["tau"])).unwrap();
+            assert_near(mean.mean, number(&group["restricted_mean"]), 1e-9);
+        }
+        let test = log_rank(&followed(&case["first"]), &followed(&case["second"])).unwrap();
+        assert_near(test.chi_square, number(&case["chi_square"]), 1e-9);
+        assert_near(test.p, number(&case["p"]), 1e-12);
+    }
+}
+
+#[test]
+fn wilson_intervals_are_newcombes_and_scipys() {
+    // Newcombe 1998, table I, method 3.
+    for (successes, trials, low, high) in
+        [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+    {
+        let interval = wilson(successes, trials).unwrap();
+        assert_near(interval.low, low, 5e-5);
+        assert_near(interval.high, high, 5e-5);
+    }
+    for expected in fixture()["wilson"].as_array().unwrap() {
+        let count = |index: usize| usize::try_from(expected[index].as_u64().unwrap()).unwrap();
+        let interval = wilson(count(0), count(1)).unwrap();
+        assert_near(interval.low, number(&expected[2]), 1e-12);
+        assert_near(interval.high, number(&expected[3]), 1e-12);
+    }
+    assert_eq!(wilson(0, 0), None);
+}
+
+#[test]
+fn holm_adjusts_as_statsmodels_does() {
+    let numbers = |value: &Value| value.as_array().unwrap().iter().map(number).collect::<Vec<_>>();
+    for case in fixture()["holm"].as_array().unwrap() {
+        for (actual, expected) in holm(&numbers(&case["p"])).into_iter().zip(numbers(&case["adjusted"])) {
+            assert_near(actual, expected, 1e-12);
+        }
+    }
+    assert!(holm(&[]).is_empty());
+}
+
+#[test]
+fn tails_of_the_normal_distribution_are_scipys() {
+    for case in fixture()["two_sided"].as_array().unwrap() {
+        let expected = number(&case[1]);
+        assert_near(two_sided_p(number(&case[0])), expected, 1e-12 * expected);
+    }
+}
+
+#[test]
+fn moments_and_quartiles_of_a_known_sample() {
+    // NumPy: std(ddof=1) and quantile of [2, 4, 4, 4, 5, 5, 7, 9].
+    let sample = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
+    let moments = SampleMoments::of(&sample).unwrap();
+    assert_near(moments.mean, 5.0, 0.0);
+    assert_near(moments.standard_deviation.unwrap(), 2.138089935299395, 1e-12);
+    let spread = Spread::of(sample).unwrap();
+    assert_eq!((spread.lower_quartile, spread.median, spread.upper_quartile), (4.0, 4.5, 5.5));
+    assert_eq!(SampleMoments::of(&[3.0]).unwrap().standard_deviation, None);
+    assert_eq!(SampleMoments::of(&[]), None);
+    assert_eq!(Spread::of([]), None);
+}
+
+#[test]
+fn what_was_never_seen_has_no_figure() {
+    let unsolved = [Followed { until: 3.0, solved: false }; 4];
+    let curve = KaplanMeier::of(&unsolved);
+    assert_eq!(curve.median(), None);
+    assert_eq!(curve.median_interval(), (None, None));
+    assert_eq!(curve.restricted_mean(3.0).unwrap().mean, 3.0);
+    assert_eq!(curve.restricted_mean(3.1), None, "nobody knows what comes after the limit");
+    assert_eq!(log_rank(&unsolved, &unsolved), None);
+    assert_eq!(log_rank(&[], &unsolved), None);
+    assert_eq!(KaplanMeier::of(&[]).restricted_mean(0.0), None);
+    let all_solved = [Followed { until: 1.0, solved: true }; 4];
+    assert_eq!(KaplanMeier::of(&all_solved).restricted_mean(9.0).unwrap().mean, 1.0);
+}
+
+#[test]
+#[should_panic(expected = "times are finite")]
+fn a_time_that_is_no_number_is_refused() {
+    KaplanMeier::of(&[Followed { until: f64::NAN, solved: true }]);
+}
+
+#[test]
+#[should_panic(expected = "3 successes in 2 trials")]
+fn more_successes_than_trials_are_refused() {
+    wilson(3, 2);
+}
+
+fn trials() -> impl Strategy<Value = Vec<Followed>> {
+    // Few distinct times, so that ties are many.
+    let trial =
+        (0_u32..20, any::<bool>()).prop_map(|(time, solved)| Followed { until: f64::from(time), solved });
+    prop::collection::vec(trial, 1..40)
+}
+
+proptest! {
+    #[test]
+    fn without_censoring_the_curve_is_the_share_of_later_times(
+        times in prop::collection::vec(0_u32..30, 1..40),
+        at in 0_u32..30,
+    ) {
+        let solved = |&time: &u32| Followed { until: f64::from(time), solved: true };
+        let curve = KaplanMeier::of(&times.iter().map(solved).collect::<Vec<_>>());
+        let later = times.iter().filter(|&&time| time > at).count() as f64 / times.len() as f64;
+        prop_assert!((curve.survival_at(f64::from(at)) - later).abs() < 1e-12);
+    }
+
+    #[test]
+    fn with_one_limit_for_all_the_restricted_mean_is_the_mean_of_times_cut_at_it(
+        times in prop::collection::vec(0.0..10.0_f64, 1..40),
+        limit in 1.0..10.0_f64,
+    ) {
+        let cut = |&time: &f64| Followed { until: time.min(limit), solved: time <= limit };
+        let followed: Vec<Followed> = times.iter().map(cut).collect();
+        prop_assume!(followed.iter().any(|trial| !trial.solved));
+        let mean = KaplanMeier::of(&followed).restricted_mean(limit).unwrap();
+        let n = times.len() as f64;
+        let expected = followed.iter().map(|trial| trial.until).sum::<f64>() / n;
+        let variance = followed.iter().map(|trial| (trial.until - expected).powi(2)).sum::<f64>() / n;
+        prop_assert!((mean.mean - expected).abs() < 1e-9);
+        prop_assert!((mean.standard_error - (variance / n).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_band_holds_the_curve_and_lies_between_zero_and_one(trials in trials()) {
+        let curve = KaplanMeier::of(&trials);
+        for step in curve.steps() {
+            prop_assert!(0.0 <= step.band.low && step.band.low <= step.survival + 1e-12);
+            prop_assert!(step.survival <= step.band.high + 1e-12 && step.band.high <= 1.0);
+        }
+        if let (Some(low), Some(median)) = (curve.median_interval().0, curve.median()) {
+            prop_assert!(low <= median);
+        }
+    }
+
+    #[test]
+    fn exchanging_the_groups_changes_no_log_rank_test(first in trials(), second in trials()) {
+        match (log_rank(&first, &second), log_rank(&second, &first)) {
+            (Some(test), Some(exchanged)) => {
+                prop_assert!((test.chi_square - exchanged.chi_square).abs() <= 1e-9 * (1.0 + test.chi_square));
+                prop_assert!((0.0..=1.0).contains(&test.p));
+            }
+            (test, exchanged) => prop_assert_eq!(test, exchanged),
+        }
+        // Where both have the same times there is nothing to tell them apart.
+        if let Some(same) = log_rank(&first, &first) {
+            prop_assert!(same.chi_square < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_wilson_interval_contains_the_rate_and_mirrors(trials in 1_usize..500, share in 0.0..=1.0_f64) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let successes = (share * trials as f64).round() as usize;
+        let (interval, rate) = (wilson(successes, trials).unwrap(), successes as f64 / trials as f64);
+        prop_assert!(0.0 <= interval.low && interval.low <= rate && rate <= interval.high && interval.high <= 1.0);
+        let mirrored = wilson(trials - successes, trials).unwrap();
+        prop_assert!((1.0 - interval.low - mirrored.high).abs() < 1e-12);
+    }
+
+    #[test]
+    fn holm_keeps_the_order_and_stays_below_bonferroni(p in prop::collection::vec(0.0..=1.0_f64, 1..20)) {
+        let adjusted = holm(&p);
+        for (i, (&a, &raw)) in adjusted.iter().zip(&p).enumerate() {
+            prop_assert!(raw <= a && a <= (p.len() as f64 * raw).min(1.0) + 1e-15);
+            for (&b, &other) in adjusted.iter().zip(&p).take(i) {
+                prop_assert!(raw == other || (raw < other) == (a < b) || a == b);
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Whatever a worker does is an outcome of its trial, and the campaign goes on. The workers here are scripts.
+#![cfg(unix)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use cranny_bench::{
+    BenchError, Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results,
+    RunInformation, Schedule, TrialOutcome, TrialRecord, Unheard, WorkerProgram, run_campaign,
+};
+
+/// A campaign of so many short trials.
+fn schedule(runs: u64) -> Schedule {
+    let campaign = Campaign {
+        scenarios: vec!["021".into()],
+        planners: vec![CampaignPlanner::new(PlannerCall::parse("reach").expect("a planner"))],
+        runs,
+        time_limit_s: 0.5,
+        ..Campaign::default()
+    };
+    campaign.schedule().expect("a schedule")
+}
+
+/// Workers that a shell runs.
+fn settings(script: &str) -> CampaignSettings {
+    CampaignSettings {
+        worker: WorkerProgram { program: "/bin/sh".into(), arguments: vec!["-c".into(), script.into()] },
+        workers: 1,
+        memory_limit_bytes: 100 << 20,
+        information: RunInformation::here(None, "cranny bench run", 1),
+    }
+}
+
+fn results(folder: &Path) -> Results {
+    Results::create(&folder.join("results.db")).expect("results")
+}
+
+/// The outcomes and details of two trials served by `script`.
+fn outcomes(script: &str) -> Vec<(TrialOutcome, String)> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut results = results(folder.path());
+    let ended =
+        run_campaign(&schedule(2), &settings(script), &mut results, &mut Unheard, &AtomicBool::new(false));
+    assert_eq!(ended.expect("a campaign").run, 2);
+    let told = |record: TrialRecord| (record.outcome, record.detail.unwrap_or_default());
+    results.records().expect("records").into_iter().map(told).collect()
+}
+
+#[test]
+fn a_worker_that_crashes_takes_one_trial_with_it_and_is_replaced() {
+    for (outcome, detail) in outcomes("read line; echo out of luck >&2; exit 3") {
+        assert_eq!(outcome, TrialOutcome::Crashed);
+        assert_eq!(detail, "ended with exit code 3: out of luck");
+    }
+    for (outcome, detail) in outcomes("read line; echo '\"opened\"'; kill -9 $$") {
+        assert_eq!(outcome, TrialOutcome::Crashed);
+        assert_eq!(detail, "ended by signal 9");
+    }
+}
+
+#[test]
+fn a_worker_that_hangs_is_ended() {
+    for (outcome, detail) in outcomes("read line; echo '\"opened\"'; sleep 1000") {
+        assert_eq!(outcome, TrialOutcome::Hung, "{detail}");
+        assert!(detail.starts_with("ended after 10."), "{detail}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_worker_that_eats_memory_is_ended() {
+    for (outcome, detail) in outcomes(
+        "read line; echo '\"opened\"'; exec awk 'BEGIN {s = \"xxxxxxxxxxxxxxxx\"; while (1) s = s s}'",
+    ) {
+        assert_eq!(outcome, TrialOutcome::OutOfMemory, "{detail}");
+    }
+}
+
+#[test]
+fn a_worker_that_talks_nonsense_is_ended() {
+    for (outcome, detail) in outcomes("read line; echo hello; sleep 1000") {
+        assert_eq!(outcome, TrialOutcome::Garbled);
+        assert!(detail.contains("the worker's answer is none"), "{detail}");
+    }
+}
+
+#[test]
+fn a_question_that_makes_no_sense_ends_the_campaign_and_leaves_what_is_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut results = results(folder.path());
+    let refusal = "read line; echo '{\"refused\": \"no such planet\"}'; sleep 1000";
+    let ended =
+        run_campaign(&schedule(2), &settings(refusal), &mut results, &mut Unheard, &AtomicBool::new(false));
+    let message = ended.expect_err("a fault").to_string();
+    assert!(message.contains("scenario 021, planner reach: no such planet"), "{message}");
+    assert_eq!(results.records().expect("records"), []);
+    let ended = run_campaign(
+        &schedule(1),
+        &CampaignSettings {
+            worker: WorkerProgram { program: "/no/such/program".into(), arguments: Vec::new() },
+            ..settings("")
+        },
+        &mut results,
+        &mut Unheard,
+        &AtomicBool::new(false),
+    );
+    assert!(matches!(ended, Err(BenchError::NotRunnable { .. })));
+}
+
+#[test]
+fn a_stop_ends_the_campaign_without_the_trial_under_way() {
+    /// Stops after the first trial.
+    struct Impatient<'a>(&'a AtomicBool);
+    impl CampaignObserver for Impatient<'_> {
+        fn trial_ended(&mut self, _: &TrialRecord) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut results = results(folder.path());
+    let stop = AtomicBool::new(false);
+    let script = "read line; exit 3";
+    let ended = run_campaign(&schedule(50), &settings(script), &mut results, &mut Impatient(&stop), &stop)
+        .expect("ended");
+    assert!(ended.is_stopped && ended.run < 50, "{ended:?}");
+    let stored = results.records().expect("records").len();
+    assert_eq!(stored, ended.run);
+    let again =
+        run_campaign(&schedule(50), &settings(script), &mut results, &mut Unheard, &AtomicBool::new(false))
+            .expect("a campaign");
+    assert_eq!((again.known, again.run, again.is_stopped), (stored, 50 - stored, false));
+}

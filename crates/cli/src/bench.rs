@@ -1,0 +1,62 @@
+//! `cranny bench`: one module a subcommand.
+
+use std::io::{BufReader, stdin, stdout};
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use cranny_bench::WorkerProgram;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::bench_export::{self, ExportArguments};
+use crate::bench_merge::{self, MergeArguments};
+use crate::bench_replay::{self, ReplayArguments};
+use crate::bench_report::{self, ReportArguments};
+use crate::bench_run::{self, RunArguments};
+use crate::failure::Failure;
+
+#[derive(Clone, Debug, Args)]
+pub struct BenchArguments {
+    #[command(subcommand)]
+    command: BenchCommand,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum BenchCommand {
+    /// Run a campaign: scenarios by planners by seeds, or go on with one
+    Run(Box<RunArguments>),
+    /// Join the results of several machines in one file
+    Merge(MergeArguments),
+    /// Tables, curves and comparisons of results, as a page, JSON, LaTeX, Markdown or CSV
+    Report(ReportArguments),
+    /// Write results for other programs: the benchmark log of OMPL, for Planner Arena
+    Export(ExportArguments),
+    /// Run a trial again, exactly
+    Replay(ReplayArguments),
+    /// Serve the trials of a campaign (what `bench run` starts)
+    #[command(hide = true)]
+    Worker,
+}
+
+pub fn run(arguments: &BenchArguments, output: Output) -> Result<Answer, Failure> {
+    match &arguments.command {
+        BenchCommand::Run(arguments) => bench_run::run(arguments, output),
+        BenchCommand::Merge(arguments) => bench_merge::run(arguments, output),
+        BenchCommand::Report(arguments) => bench_report::run(arguments, output),
+        BenchCommand::Export(arguments) => bench_export::run(arguments, output),
+        BenchCommand::Replay(arguments) => bench_replay::run(arguments, output),
+        BenchCommand::Worker => {
+            cranny_bench::serve(BufReader::new(stdin()), &mut stdout())?;
+            Ok(Answer::Done)
+        }
+    }
+}
+
+/// The commit that this program was built from.
+pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
+
+/// This program, as a worker.
+pub fn worker() -> Result<WorkerProgram, Failure> {
+    let program: PathBuf = std::env::current_exe()?;
+    Ok(WorkerProgram { program, arguments: vec!["bench".to_owned(), "worker".to_owned()] })
+}

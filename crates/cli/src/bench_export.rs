@@ -1,0 +1,76 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use cranny_bench::report::SummarySource;
+use cranny_bench::{OmplLog, Results};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::{text, whole_file};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny bench export results.db -o results.log      all trials as one experiment
+  cranny bench export results.db -o logs/            one experiment for each scenario and criterion
+  ompl_benchmark_statistics -d arena.db logs/*.log   the database that Planner Arena shows
+
+`ompl_benchmark_statistics` comes with the Python package ompl.")]
+pub struct ExportArguments {
+    /// Results of campaigns, as `cranny bench run` wrote them
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+    /// What to write
+    #[arg(long, value_enum, default_value_t = ExportFormat::Ompl)]
+    format: ExportFormat,
+    /// Where to write it: a file, or a folder (it is one, or ends with /) for one file an experiment
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ExportFormat {
+    /// The benchmark log of OMPL
+    Ompl,
+}
+
+/// What `bench export --json` prints.
+#[derive(Serialize)]
+struct Exported {
+    files: Vec<PathBuf>,
+    trials: usize,
+}
+
+pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failure> {
+    let results = Results::open(&arguments.results)?;
+    let (trials, runs, scenarios) = (results.trials()?, results.runs()?, results.scenarios()?);
+    let name = arguments.results.display().to_string();
+    let source = SummarySource { results: &name, trials: &trials, runs: &runs, scenarios: &scenarios };
+    let ExportFormat::Ompl = arguments.format;
+    let mut files = Vec::new();
+    if is_folder(&arguments.output) {
+        whole_file::make_folder(&arguments.output)?;
+        for log in OmplLog::of_each(&source)? {
+            let file = arguments.output.join(format!("{}.log", log.name));
+            whole_file::write(&file, log.text.as_bytes())?;
+            files.push(file);
+        }
+    } else {
+        whole_file::write(&arguments.output, OmplLog::of_all(&source)?.text.as_bytes())?;
+        files.push(arguments.output.clone());
+    }
+    let exported = Exported { files, trials: trials.len() };
+    if output.json {
+        text::print_json(&exported)?;
+    } else if !output.quiet {
+        let lines: Vec<String> =
+            exported.files.iter().map(|file| format!("  {}\n", file.display())).collect();
+        text::print(&format!("{} trials:\n{}", exported.trials, lines.concat()))?;
+    }
+    Ok(Answer::Done)
+}
+
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
+}

@@ -1,0 +1,72 @@
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use cranny_bench::Results;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny bench merge A.db B.db               A.db takes up what B.db has and A.db has not
+  cranny bench merge A.db B.db -o all.db     A.db stays as it is
+
+A trial is never there twice: of one that is in several files the first stays.")]
+pub struct MergeArguments {
+    /// Results, the first of which takes up the others
+    #[arg(value_name = "RESULTS", required = true, num_args = 2..)]
+    results: Vec<PathBuf>,
+    /// Join them in another file, which may be there already, and leave all of them as they are
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// What `bench merge --json` prints.
+#[derive(Serialize)]
+struct Answered {
+    file: PathBuf,
+    trials: usize,
+    merged: Vec<Taken>,
+}
+
+#[derive(Serialize)]
+struct Taken {
+    file: PathBuf,
+    added: u64,
+    known: u64,
+}
+
+pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure> {
+    let (first, rest) = arguments.results.split_first().ok_or_else(|| Failure::Flag {
+        flag: "output",
+        problem: "give at least two files of results".to_owned(),
+    })?;
+    // All of them are looked at before any is changed.
+    for file in &arguments.results {
+        Results::open(file)?;
+    }
+    let (mut into, others) = match &arguments.output {
+        Some(file) => (Results::create(file)?, &arguments.results[..]),
+        None => (Results::open(first)?, rest),
+    };
+    let mut merged = Vec::new();
+    for file in others {
+        let taken = into.merge(file)?;
+        merged.push(Taken { file: file.clone(), added: taken.added, known: taken.known });
+    }
+    let answered = Answered { file: into.path().to_owned(), trials: into.trials()?.len(), merged };
+    if output.json {
+        text::print_json(&answered)?;
+    } else if !output.quiet {
+        let mut page = format!("{}: {} trials\n", answered.file.display(), answered.trials);
+        for Taken { file, added, known } in &answered.merged {
+            let _ = writeln!(page, "  {}: {added} added, {known} there already", file.display());
+        }
+        text::print(&page)?;
+    }
+    Ok(Answer::Done)
+}

@@ -1,0 +1,242 @@
+use std::fmt::Write as _;
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use cranny_bench::{
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results, RunInformation,
+    RunSummary, TrialRecord, run_campaign,
+};
+use cranny_plan::Criterion;
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::{CriterionArgument, Output, seconds};
+use crate::bench;
+use crate::failure::Failure;
+use crate::progress::{bar, spinner, stop_on_interrupt};
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny bench run --scenarios 01x,045 --planners j-plus-rrt,ik-rrt,reach --runs 100 -o results.db
+  cranny bench run --scenarios all --planners reach --planner \"exec:python3 plain_rrt.py\" --time-limit 10
+  cranny bench run campaign.yaml -o results.db
+  cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
+  cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
+
+The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
+Flags go before what the campaign file or the preset says. How a planner of your own is called:
+docs/exec_protocol.md.")]
+pub struct RunArguments {
+    /// A campaign file (YAML)
+    #[arg(value_name = "CAMPAIGN", conflicts_with = "preset")]
+    campaign: Option<PathBuf>,
+    /// A campaign that comes along: `paper` is the paper's Table I
+    #[arg(long, value_enum)]
+    preset: Option<PresetArgument>,
+    /// Built-in ids (x stands for any digit: 01x), `all`, folders, archives; comma-separated
+    #[arg(long, value_name = "IDS", value_delimiter = ',', num_args = 1..)]
+    scenarios: Vec<String>,
+    /// Built-in planners, comma-separated; of a file or a preset, only those of its planners
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    planners: Vec<String>,
+    /// A planner, built in or anybody's: `exec:PROGRAM ARGUMENT…`, `released:PROGRAM ARGUMENT…`, with `NAME=`
+    /// before it for a name of its own; may be given several times
+    #[arg(long, value_name = "PLANNER")]
+    planner: Vec<String>,
+    /// What counts as solved, comma-separated [default: exact]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    criterion: Vec<CriterionArgument>,
+    /// Seeds for each planner in each scenario [default: 100]
+    #[arg(long, value_name = "N")]
+    runs: Option<NonZeroU64>,
+    /// The first of the seeds [default: 0]
+    #[arg(long, value_name = "N")]
+    first_seed: Option<u64>,
+    /// Seconds after which a search ends [default: 120]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    time_limit: Option<Duration>,
+    /// Iterations after which a search ends [default: no limit]
+    #[arg(long, value_name = "N")]
+    iterations: Option<u64>,
+    /// Memory that a search may take, in MB [default: 4096]
+    #[arg(long, value_name = "MB")]
+    memory_limit: Option<NonZeroU64>,
+    /// Aim at each known goal configuration of a scenario by itself, as the paper's table of IK-RRT does
+    #[arg(long)]
+    each_goal: bool,
+    /// Judge every path under the other criterion too
+    #[arg(long)]
+    judge_both: bool,
+    /// Measure the least clearance along every path: some milliseconds for each of its edges
+    #[arg(long)]
+    clearance: bool,
+    /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
+    #[arg(long, value_name = "N", default_value = "1")]
+    workers: NonZeroUsize,
+    /// Where the results are, or shall be
+    #[arg(long, short, value_name = "FILE", default_value = "results.db")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PresetArgument {
+    /// J⁺-RRT and IK-RRT in the twenty scenarios under the paper criterion, 100 runs of 120 s
+    Paper,
+}
+
+/// What `bench run --json` prints.
+#[derive(Serialize)]
+struct Answered {
+    file: PathBuf,
+    trials: usize,
+    known: usize,
+    run: usize,
+    solved: usize,
+    stopped: bool,
+}
+
+pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> {
+    let campaign = campaign(arguments)?;
+    let stop = stop_on_interrupt()?;
+    let spinner = spinner("opening the scenarios", output.quiet);
+    let schedule = campaign.schedule();
+    spinner.finish_and_clear();
+    let schedule = schedule?;
+    let mut results = Results::create(&arguments.output)?;
+    let command = std::env::args().collect::<Vec<_>>().join(" ");
+    let workers = arguments.workers.get();
+    let settings = CampaignSettings {
+        worker: bench::worker()?,
+        workers,
+        memory_limit_bytes: campaign.memory_limit_bytes,
+        information: RunInformation::here(bench::COMMIT, &command, workers),
+    };
+    let mut progress = CampaignProgress::new(output.quiet);
+    let ended = run_campaign(&schedule, &settings, &mut results, &mut progress, &stop);
+    progress.finish();
+    let summary = ended?;
+    let RunSummary { trials, known, run, solved, is_stopped } = summary;
+    let file = arguments.output.clone();
+    if output.json {
+        text::print_json(&Answered { file, trials, known, run, solved, stopped: is_stopped })?;
+    } else if !output.quiet {
+        let mut page = format!("{}: {} of {trials} trials", file.display(), known + run);
+        if run > 0 {
+            let _ = write!(page, ", {run} of them run now, {solved} of those solved");
+        }
+        page.push('\n');
+        if is_stopped {
+            page.push_str("stopped; the same command goes on from here\n");
+        }
+        text::print(&page)?;
+    }
+    Ok(if is_stopped { Answer::No } else { Answer::Done })
+}
+
+/// What file, preset and flags say together.
+fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
+    let mut campaign = match (&arguments.campaign, arguments.preset) {
+        (Some(file), _) => Campaign::read(file)?,
+        (None, Some(PresetArgument::Paper)) => Campaign::paper()?,
+        (None, None) => Campaign::default(),
+    };
+    if !arguments.scenarios.is_empty() {
+        campaign.scenarios.clone_from(&arguments.scenarios);
+    }
+    choose_planners(&mut campaign, arguments)?;
+    if !arguments.criterion.is_empty() {
+        campaign.criteria = arguments.criterion.iter().map(|criterion| Criterion::from(*criterion)).collect();
+        campaign.criteria.dedup();
+    }
+    for planner in &mut campaign.planners {
+        planner.each_goal |= arguments.each_goal;
+        planner.runs = planner.runs.filter(|_| arguments.runs.is_none());
+        planner.time_limit_s = planner.time_limit_s.filter(|_| arguments.time_limit.is_none());
+    }
+    if let Some(runs) = arguments.runs {
+        campaign.runs = runs.get();
+    }
+    if let Some(limit) = arguments.time_limit {
+        campaign.time_limit_s = limit.as_secs_f64();
+        campaign.exceptions.clear();
+    }
+    campaign.first_seed = arguments.first_seed.unwrap_or(campaign.first_seed);
+    campaign.iteration_limit = arguments.iterations.or(campaign.iteration_limit);
+    if let Some(limit) = arguments.memory_limit {
+        campaign.memory_limit_bytes = limit.get() << 20;
+    }
+    campaign.judge_both |= arguments.judge_both;
+    campaign.measure_clearance |= arguments.clearance;
+    if campaign.scenarios.is_empty() {
+        let problem =
+            "say which, or give a campaign file or a --preset (`--scenarios all`: all built-in ones)";
+        return Err(Failure::Flag { flag: "scenarios", problem: problem.to_owned() });
+    }
+    if campaign.planners.is_empty() {
+        let problem = format!("say which (built in: {})", cranny_plan::planner_names().join(", "));
+        return Err(Failure::Flag { flag: "planners", problem });
+    }
+    Ok(campaign)
+}
+
+/// Of the planners of a file or a preset those that flags name; others are added.
+fn choose_planners(campaign: &mut Campaign, arguments: &RunArguments) -> Result<(), Failure> {
+    if arguments.planners.is_empty() && arguments.planner.is_empty() {
+        return Ok(());
+    }
+    let known = std::mem::take(&mut campaign.planners);
+    for word in arguments.planners.iter().chain(&arguments.planner) {
+        let planner = match known.iter().find(|planner| planner.name == *word) {
+            Some(planner) => planner.clone(),
+            None => planner_of(word)?,
+        };
+        campaign.planners.push(planner);
+    }
+    Ok(())
+}
+
+/// `reach`, `exec:…`, `released:…`, or one of them after `NAME=`.
+fn planner_of(word: &str) -> Result<CampaignPlanner, Failure> {
+    let (name, call) = match word.split_once('=') {
+        Some((name, call)) if !name.contains([':', ' ']) && !name.is_empty() => (Some(name), call),
+        _ => (None, word),
+    };
+    let planner = CampaignPlanner::new(PlannerCall::parse(call)?);
+    Ok(CampaignPlanner { name: name.map_or(planner.name.clone(), str::to_owned), ..planner })
+}
+
+/// A bar with the running success rate.
+struct CampaignProgress {
+    bar: ProgressBar,
+    quiet: bool,
+    ended: usize,
+    solved: usize,
+}
+
+impl CampaignProgress {
+    fn new(quiet: bool) -> Self {
+        Self { bar: ProgressBar::hidden(), quiet, ended: 0, solved: 0 }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl CampaignObserver for CampaignProgress {
+    fn begins(&mut self, to_run: usize, _known: usize) {
+        self.bar = bar(to_run as u64, self.quiet);
+    }
+
+    fn trial_ended(&mut self, record: &TrialRecord) {
+        self.ended += 1;
+        self.solved += usize::from(record.is_solved());
+        let percent = 100.0 * self.solved as f64 / self.ended as f64;
+        self.bar.set_message(format!("{percent:.0} % solved"));
+        self.bar.inc(1);
+    }
+}

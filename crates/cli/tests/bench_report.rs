@@ -1,0 +1,168 @@
+//! `cranny bench report` and `cranny bench export` as their users meet them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use cranny_bench::{Results, RunInformation, Trial, TrialOutcome, TrialRecord};
+use cranny_plan::{Criterion, Statistics};
+use serde_json::Value;
+
+fn cranny(folder: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("cranny")
+        .expect("the program")
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Two planners on two scenarios, ten runs each, one in five not solved.
+fn results(folder: &Path) {
+    let mut results = Results::create(&folder.join("results.db")).expect("results");
+    let run = results.begin_run(&RunInformation::here(None, "cranny bench run", 1)).expect("a run");
+    for scenario in ["021", "022"] {
+        for planner in ["reach", "j-plus-rrt"] {
+            for seed in 0..10 {
+                let solved = seed % 5 != 0;
+                let time_s = if planner == "reach" { 0.01 } else { 1.0 } * (1.0 + seed as f64);
+                let record = TrialRecord {
+                    trial: Trial {
+                        scenario: scenario.to_owned(),
+                        scenario_hash: scenario.repeat(10),
+                        planner: planner.to_owned(),
+                        settings: "{}".to_owned(),
+                        criterion: Criterion::Exact,
+                        seed,
+                        time_limit_s: 30.0,
+                        iteration_limit: None,
+                        goal: None,
+                    },
+                    outcome: if solved { TrialOutcome::Solved } else { TrialOutcome::BudgetExhausted },
+                    detail: None,
+                    statistics: Statistics {
+                        iterations: 10 + seed,
+                        planning_time_s: if solved { time_s } else { 30.0 },
+                        ..Statistics::default()
+                    },
+                    path_length: solved.then_some(4.0),
+                    clearance_m: solved.then_some(0.01),
+                    grasp: None,
+                    grasp_score: None,
+                };
+                results.append(run, &record, None, &[]).expect("a trial");
+            }
+        }
+    }
+}
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    results(folder.path());
+    folder
+}
+
+#[test]
+fn a_report_is_a_page_beside_you_whose_figures_are_those_of_json() {
+    let folder = folder();
+    let made = cranny(folder.path(), &["bench", "report", "results.db"]);
+    assert_eq!(made.status.code(), Some(0), "{}", said(&made.stderr));
+    assert!(said(&made.stdout).contains("results.html: 40 trials in 4 rows"), "{}", said(&made.stdout));
+    let page = fs::read_to_string(folder.path().join("results.html")).expect("the page");
+    let listed = cranny(folder.path(), &["bench", "report", "results.db", "--format", "json"]);
+    let document: Value = serde_json::from_slice(&listed.stdout).expect("one JSON document");
+    let start = page.find("id=\"summary\">").expect("the document") + "id=\"summary\">".len();
+    let end = start + page[start..].find("</script>").expect("its end");
+    assert_eq!(serde_json::from_str::<Value>(&page[start..end]).expect("JSON"), document);
+    let row = &document["rows"][0];
+    assert_eq!((row["planner"].as_str(), row["runs"].as_u64()), (Some("j-plus-rrt"), Some(10)));
+    assert_eq!(row["success_rate"].as_f64(), Some(0.8));
+    assert!(page.contains("cranny bench replay results.db "));
+}
+
+#[test]
+fn json_is_one_document_on_standard_output_and_writes_nothing_unasked() {
+    let folder = folder();
+    let listed = cranny(folder.path(), &["bench", "report", "results.db", "--json"]);
+    assert_eq!(listed.status.code(), Some(0));
+    let document: Value = serde_json::from_slice(&listed.stdout).expect("one JSON document");
+    assert_eq!(document["trials"].as_u64(), Some(40));
+    assert!(!folder.path().join("results.html").exists());
+}
+
+#[test]
+fn the_papers_table_comes_in_three_formats() {
+    let folder = folder();
+    let table = |format: &str| {
+        let output = cranny(folder.path(), &["bench", "report", "results.db", "--format", format]);
+        assert_eq!(output.status.code(), Some(0));
+        said(&output.stdout)
+    };
+    assert!(
+        table("markdown").contains("| 021 | 80: 10.80/10.44 | 80: 6.05/12.62 |"),
+        "{}",
+        table("markdown")
+    );
+    assert!(table("latex").contains("021 & 80: 10.80/10.44 & 80: 6.05/12.62 \\\\"), "{}", table("latex"));
+    assert!(table("csv").starts_with("criterion,scenario,goals,goals_solved,planner,"));
+    // The ending of the file says the same.
+    let written = cranny(folder.path(), &["bench", "report", "results.db", "-o", "table.tex"]);
+    assert_eq!(written.status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.path().join("table.tex")).expect("the table"), table("latex"));
+}
+
+#[test]
+fn plots_are_written_as_svg_and_png() {
+    let folder = folder();
+    let made = cranny(folder.path(), &["bench", "report", "results.db", "--plots", "plots", "--quiet"]);
+    assert_eq!(made.status.code(), Some(0), "{}", said(&made.stderr));
+    let names: Vec<String> = fs::read_dir(folder.path().join("plots"))
+        .expect("the folder")
+        .map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned())
+        .collect();
+    let ending = |ending: &str| names.iter().filter(|name| name.ends_with(ending)).count();
+    assert!(ending(".svg") >= 8, "{names:?}");
+    assert_eq!((ending(".svg"), ending(".svg") + ending(".png")), (ending(".png"), names.len()));
+}
+
+#[test]
+fn trials_are_exported_as_one_log_or_one_a_scenario() {
+    let folder = folder();
+    let one = cranny(folder.path(), &["bench", "export", "results.db", "--format", "ompl", "-o", "all.log"]);
+    assert_eq!(one.status.code(), Some(0), "{}", said(&one.stderr));
+    let log = fs::read_to_string(folder.path().join("all.log")).expect("the log");
+    assert!(log.contains("\n4 planners\n") && log.contains("\nreach @ 021 exact\n"), "{log}");
+    let each = cranny(folder.path(), &["bench", "export", "results.db", "-o", "logs/", "--json"]);
+    let document: Value = serde_json::from_slice(&each.stdout).expect("one JSON document");
+    assert_eq!(document["files"], serde_json::json!(["logs/021-exact.log", "logs/022-exact.log"]));
+    assert!(folder.path().join("logs/021-exact.log").is_file());
+}
+
+#[test]
+fn bad_input_is_said_once_and_leaves_what_was_there() {
+    let folder = folder();
+    fs::write(folder.path().join("page.html"), "earlier").expect("written");
+    fs::write(folder.path().join("no.db"), "no database at all, but long enough to look like one")
+        .expect("written");
+    Results::create(&folder.path().join("empty.db")).expect("results");
+    for (arguments, wanted) in [
+        (&["report", "missing.db", "-o", "page.html"][..], "missing.db: there are no results"),
+        (&["report", "no.db", "-o", "page.html"], "no.db: the file holds no results"),
+        (&["report", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
+        (&["report", "results.db", "-o", "nowhere/page.html"], "nowhere/page.html: cannot be written"),
+        (&["report", "results.db", "--format", "pdf"], "invalid value 'pdf'"),
+        (&["export", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
+        (&["export", "results.db"], "--output <FILE>"),
+    ] {
+        let arguments: Vec<&str> = ["bench"].into_iter().chain(arguments.iter().copied()).collect();
+        let output = cranny(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(said(&output.stderr).contains(wanted), "{arguments:?}: {}", said(&output.stderr));
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("page.html")).expect("still there"), "earlier");
+}
