@@ -1,0 +1,109 @@
+use cranny_spatial::Pose;
+
+use crate::Colour;
+use crate::draw_list::{DrawPoint, DrawVector, Lens};
+use crate::light::{Light, Lit};
+
+/// The floor and what is behind everything: a light page with a grid that fades into it, on which shadows fall.
+pub(crate) struct Ground {
+    /// None where there is no floor.
+    plane: Option<Plane>,
+    page: DrawVector,
+    line: DrawVector,
+    /// The grid is clear up to here from the middle of things, and gone at twice as far, in metres.
+    reach_m: f32,
+    middle: DrawPoint,
+    /// What an open place of the floor gets.
+    open_light: f32,
+}
+
+struct Plane {
+    normal: DrawVector,
+    along: [DrawVector; 2],
+    origin: DrawPoint,
+}
+
+/// The page, and the lines of the grid on it.
+const PAGE: u32 = 0x00ed_f0f3;
+const LINE: u32 = 0x00a3_aebb;
+
+/// Lines of the grid are this far apart, in metres, and every fourth is stronger.
+const SPACING_M: f32 = 0.25;
+
+/// How wide they are drawn, in points of the picture.
+const LINE_POINTS: f32 = 1.0;
+
+impl Ground {
+    pub fn new(world_from_floor: Option<&Pose>, middle: DrawPoint, reach_m: f32, light: &Light) -> Self {
+        let plane = world_from_floor.map(|pose| {
+            let pose = pose.cast::<f32>();
+            Plane {
+                normal: pose.rotation * DrawVector::z(),
+                along: [pose.rotation * DrawVector::x(), pose.rotation * DrawVector::y()],
+                origin: pose.translation.vector.into(),
+            }
+        });
+        let open_light = plane.as_ref().map_or(1.0, |plane| {
+            let far = plane.origin + plane.normal * 1e4;
+            brightness(&light.at(&far, &plane.normal))
+        });
+        let color = |hex: u32| DrawVector::from(Colour::hex(hex).0);
+        Self { plane, page: color(PAGE), line: color(LINE), reach_m, middle, open_light }
+    }
+
+    /// How near the floor is at places of the picture, the reciprocal of how far ahead: at the first place, and
+    /// per point to the right and down. It is negative where no floor is seen.
+    pub fn nearness(&self, lens: &Lens) -> Option<[f32; 3]> {
+        let plane = self.plane.as_ref()?;
+        let height_m = (lens.eye - plane.origin).dot(&plane.normal);
+        let down = |ray: DrawVector| -ray.dot(&plane.normal) / height_m;
+        let first = down(lens.ray(0.0, 0.0));
+        (height_m > 0.0).then(|| [first, down(lens.ray(1.0, 0.0)) - first, down(lens.ray(0.0, 1.0)) - first])
+    }
+
+    /// What is seen where no thing is.
+    pub fn colour(&self, lens: &Lens, x: f32, y: f32, light: &Light) -> DrawVector {
+        let Some((plane, place)) = self.place(lens, x, y) else { return self.page };
+        let distance_m = (place - self.middle).norm();
+        let fade = smooth_step((2.0 * self.reach_m - distance_m) / self.reach_m);
+        if fade <= 0.0 {
+            return self.page;
+        }
+        let shadow = 1.0 - brightness(&light.at(&place, &plane.normal)) / self.open_light;
+        let mut colour = self.page;
+        let right = self.place(lens, x + 1.0, y).map_or(place, |(_, place)| place);
+        let below = self.place(lens, x, y + 1.0).map_or(place, |(_, place)| place);
+        for along in &plane.along {
+            let at = |p: &DrawPoint| (p - plane.origin).dot(along);
+            let point_m = (at(&right) - at(&place)).abs() + (at(&below) - at(&place)).abs();
+            for (spacing_m, strength) in [(SPACING_M, 0.28), (4.0 * SPACING_M, 0.5)] {
+                let cover = line_cover(at(&place), spacing_m, point_m) * strength * fade;
+                colour = colour.lerp(&self.line, cover);
+            }
+        }
+        colour * (1.0 - (shadow * fade).clamp(0.0, 0.9))
+    }
+
+    fn place(&self, lens: &Lens, x: f32, y: f32) -> Option<(&Plane, DrawPoint)> {
+        let plane = self.plane.as_ref()?;
+        let ray = lens.ray(x, y);
+        let distance = (plane.origin - lens.eye).dot(&plane.normal) / ray.dot(&plane.normal);
+        (distance > 0.0 && distance.is_finite()).then(|| (plane, lens.eye + ray * distance))
+    }
+}
+
+/// How much of a point of the picture a line of the grid covers; lines that come closer than a few points fade.
+fn line_cover(at_m: f32, spacing_m: f32, point_m: f32) -> f32 {
+    let from_line_m = (at_m / spacing_m - (at_m / spacing_m).round()).abs() * spacing_m;
+    let cover = (0.5 + 0.5 * LINE_POINTS - from_line_m / point_m.max(1e-9)).clamp(0.0, 1.0);
+    cover * smooth_step(spacing_m / point_m.max(1e-9) / 6.0 - 0.5)
+}
+
+fn brightness(lit: &Lit) -> f32 {
+    (lit.sky.x + lit.sky.y + lit.sky.z) / 3.0 + 0.62 * lit.sun
+}
+
+fn smooth_step(share: f32) -> f32 {
+    let share = share.clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}

@@ -1,0 +1,52 @@
+//! What a task looks like: one scene, from which pictures, animations and glTF files are made without a
+//! graphics card or a browser.
+//!
+//! ```
+//! use cranny_scenario::{OpenOptions, Scenario};
+//! use cranny_view::{Camera, Picture, PictureSettings, Scene, SceneSettings, StandardView};
+//!
+//! let scenario = Scenario::open("021", &OpenOptions::default())?;
+//! let scene = Scene::of_task(&scenario, None, &SceneSettings::default())?;
+//! let settings = PictureSettings { width: 160, height: 120, ..PictureSettings::default() };
+//! let picture = Picture::of(&scene, StandardView::Side, &settings)?;
+//! assert_eq!(picture.pixels().len(), 160 * 120);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Scene`] is plain data in the planning frame. Pictures have the same bytes on every machine.
+//!
+//! ## Limits
+//! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
+//! light that bounces from thing to thing. What can be seen through casts no shadow, and of things that can be seen
+//! through the nearer one hides nothing of the farther one but its share of light.
+
+mod camera;
+mod colour;
+mod draw_list;
+mod error;
+mod framing;
+mod ground;
+mod light;
+mod melted_body;
+mod mesh;
+mod paint;
+mod painter;
+mod picture;
+mod picture_file;
+mod robot_look;
+mod sample_buffer;
+mod scan;
+mod scene;
+mod shown_path;
+mod stroke;
+mod task_scene;
+
+pub use camera::{Camera, StandardView};
+pub use colour::Colour;
+pub use error::ViewError;
+pub use mesh::{Mesh, MeshPiece};
+pub use picture::{Picture, PictureSettings, SeeThrough};
+pub use picture_file::Animation;
+pub use scene::{Material, Node, Role, Scene, SceneMotion, Track};
+pub use shown_path::ShownPath;
+pub use task_scene::SceneSettings;
