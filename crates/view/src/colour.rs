@@ -62,9 +62,10 @@ impl ScreenTable {
 }
 
 /// A score between 0 and 1 as a colour from violet over green to yellow, which colour-blind people can tell
-/// apart and grey print keeps in order (viridis; Smith & van der Walt 2015). Grey for no score.
+/// apart and grey print keeps in order, after viridis (Smith & van der Walt 2015) but lighter at its low end. Grey
+/// for no score.
 pub(crate) fn of_score(score: Option<f64>) -> Colour {
-    const STOPS: [u32; 6] = [0x0044_0154, 0x0041_4487, 0x002a_788e, 0x0022_a884, 0x007a_d151, 0x00fd_e725];
+    const STOPS: [u32; 6] = [0x004b_3ca8, 0x003a_6fd0, 0x002f_a1c4, 0x003c_c88f, 0x00a6_e04a, 0x00ff_e52b];
     let Some(score) = score else { return Colour::hex(0x9a_9a9a) };
     let place = score.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     // At most the number of stops.

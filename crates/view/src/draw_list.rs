@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use cranny_spatial::Pose;
 use cranny_spatial::nalgebra::{Point3, Vector3};
 
@@ -75,6 +77,34 @@ impl DrawList {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let step = |x: f32| ((x + 1.0) * 3.0 + 0.5) as u16;
         step(normal.x) * 49 + step(normal.y) * 7 + step(normal.z)
+    }
+
+    /// The same with all corners in one cube of a grid taken for one (Rossignac & Borrel 1993): fewer triangles that
+    /// cover the same, with neither colours nor surfaces.
+    pub fn coarse(&self, cell_m: f32) -> Self {
+        // Things are metres away and cells millimetres large.
+        #[allow(clippy::cast_possible_truncation)]
+        let cell = |p: &DrawPoint| [p.x, p.y, p.z].map(|x| (x / cell_m).floor() as i32);
+        let mut known: HashMap<[i32; 3], u32> = HashMap::new();
+        let mut coarse = Self::default();
+        let moved: Vec<u32> = self
+            .positions
+            .iter()
+            .map(|place| {
+                *known.entry(cell(place)).or_insert_with(|| {
+                    coarse.positions.push(*place);
+                    u32::try_from(coarse.positions.len() - 1).unwrap_or(u32::MAX)
+                })
+            })
+            .collect();
+        for triangle in &self.triangles {
+            let corners = triangle.corners.map(|corner| moved[corner as usize]);
+            let [a, b, c] = corners;
+            if a != b && b != c && c != a {
+                coarse.triangles.push(DrawTriangle { corners, ..*triangle });
+            }
+        }
+        coarse
     }
 
     /// A ball around all corners; None if there is none.

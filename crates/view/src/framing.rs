@@ -14,11 +14,37 @@ impl Scene {
 
     /// The same from any direction, in degrees: turned about z from x, and above the ground.
     pub fn camera_from(&self, direction_deg: (f64, f64), aspect: f64) -> Camera {
-        Camera::framing(direction_deg, &self.outline(), aspect)
+        Camera::framing(direction_deg, &self.focus(), aspect)
     }
 
-    /// Corners of boxes around everything, wherever it moves.
-    fn outline(&self) -> Vec<Point> {
+    /// Corners of boxes around robot and target, wherever they move, and around what of the obstacles is near.
+    fn focus(&self) -> Vec<Point> {
+        let matters = |role| !matches!(role, Role::Obstacle(_));
+        let mut points = self.outline(matters);
+        if points.is_empty() {
+            return self.outline(|_| true);
+        }
+        let near = Aabb::around(&points, NEAR_M);
+        let obstacles = self.outline(|role| matches!(role, Role::Obstacle(_)));
+        points.extend(
+            obstacles
+                .chunks_exact(8)
+                .filter_map(|corners| {
+                    let around = Aabb::around(corners, 0.0);
+                    let (low, high) = (around.low().sup(&near.low()), around.high().inf(&near.high()));
+                    ((high - low).min() > 0.0).then(|| {
+                        let part = [low, high];
+                        (0..8_usize)
+                            .map(move |i| Point::new(part[i & 1].x, part[i >> 1 & 1].y, part[i >> 2].z))
+                    })
+                })
+                .flatten(),
+        );
+        points
+    }
+
+    /// Corners of boxes around everything of some roles, wherever it moves, eight for each.
+    fn outline(&self, counts: impl Fn(Role) -> bool) -> Vec<Point> {
         let last = self.last_frame();
         let instants =
             [None, last.map(|_| 0), last.map(|last| last / 3), last.map(|last| 2 * last / 3), last];
@@ -27,7 +53,7 @@ impl Scene {
         for instant in instants {
             let poses = self.world_from_nodes(instant);
             for (node, pose) in self.nodes.iter().zip(&poses) {
-                if matches!(node.role, Role::Grasp { .. }) {
+                if matches!(node.role, Role::Grasp { .. }) || !counts(node.role) {
                     continue;
                 }
                 let Some(around) = node.mesh.and_then(|mesh| boxes[mesh]) else { continue };
@@ -43,7 +69,7 @@ impl Scene {
 
     /// The middle of everything on the ground, and how far it reaches from there, in metres.
     pub(crate) fn middle(&self) -> (DrawPoint, f32) {
-        let points = self.outline();
+        let points = self.outline(|_| true);
         if points.is_empty() {
             return (DrawPoint::origin(), 1.0);
         }
@@ -62,7 +88,13 @@ impl Scene {
             if node.role == Role::Target
                 && let Some(around) = node.mesh.and_then(|mesh| mesh_box(&self.meshes[mesh]))
             {
-                wanted.push(pose * around.center);
+                // Its upper half: what it lies on does not hide it.
+                let around = around.transformed(pose);
+                let (low, high) = (around.low(), around.high());
+                wanted.push(around.center);
+                wanted.extend([low.x, high.x].iter().flat_map(|&x| {
+                    [low.y, high.y].map(|y| Point::new(x, y, 0.3 * around.center.z + 0.7 * high.z))
+                }));
             }
         }
         if let Some(motion) = &self.motion {
@@ -101,6 +133,10 @@ impl Scene {
         mesh.pieces.iter().map(|piece| self.materials[piece.material].opacity).fold(1.0, f32::min)
     }
 }
+
+/// Of obstacles that reach farther away from robot and target than this, in metres, the rest may lie outside
+/// the picture.
+const NEAR_M: f64 = 0.3;
 
 /// Points of the gripper's way that should be seen.
 const PATH_POINTS: usize = 12;

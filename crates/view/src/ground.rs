@@ -2,7 +2,7 @@ use cranny_spatial::Pose;
 
 use crate::Colour;
 use crate::draw_list::{DrawPoint, DrawVector, Lens};
-use crate::light::{Light, Lit};
+use crate::light::{Light, SkyShare};
 
 /// The floor and what is behind everything: a light page with a grid that fades into it, on which shadows fall.
 pub(crate) struct Ground {
@@ -13,8 +13,8 @@ pub(crate) struct Ground {
     /// The grid is clear up to here from the middle of things, and gone at twice as far, in metres.
     reach_m: f32,
     middle: DrawPoint,
-    /// What an open place of the floor gets.
-    open_light: f32,
+    /// The sun on an open place of the floor.
+    open_sun: f32,
 }
 
 struct Plane {
@@ -24,11 +24,14 @@ struct Plane {
 }
 
 /// The page, and the lines of the grid on it.
-const PAGE: u32 = 0x00ed_f0f3;
+const PAGE: u32 = 0x00fb_fcfd;
 const LINE: u32 = 0x00a3_aebb;
 
 /// Lines of the grid are this far apart, in metres, and every fourth is stronger.
 const SPACING_M: f32 = 0.25;
+
+/// How much of the floor's light is the sky's.
+const SKY_WEIGHT: f32 = 0.62;
 
 /// How wide they are drawn, in points of the picture.
 const LINE_POINTS: f32 = 1.0;
@@ -43,12 +46,11 @@ impl Ground {
                 origin: pose.translation.vector.into(),
             }
         });
-        let open_light = plane.as_ref().map_or(1.0, |plane| {
-            let far = plane.origin + plane.normal * 1e4;
-            brightness(&light.at(&far, &plane.normal))
-        });
+        let open_sun = plane
+            .as_ref()
+            .map_or(1.0, |plane| light.sun_share(&(plane.origin + plane.normal * 1e4), &plane.normal));
         let color = |hex: u32| DrawVector::from(Colour::hex(hex).0);
-        Self { plane, page: color(PAGE), line: color(LINE), reach_m, middle, open_light }
+        Self { plane, page: color(PAGE), line: color(LINE), reach_m, middle, open_sun }
     }
 
     /// How near the floor is at places of the picture, the reciprocal of how far ahead: at the first place, and
@@ -61,18 +63,30 @@ impl Ground {
         (height_m > 0.0).then(|| [first, down(lens.ray(1.0, 0.0)) - first, down(lens.ray(0.0, 1.0)) - first])
     }
 
-    /// What is seen where no thing is.
-    pub fn colour(&self, lens: &Lens, x: f32, y: f32, light: &Light) -> DrawVector {
-        let Some((plane, place)) = self.place(lens, x, y) else { return self.page };
-        let distance_m = (place - self.middle).norm();
-        let fade = smooth_step((2.0 * self.reach_m - distance_m) / self.reach_m);
-        if fade <= 0.0 {
-            return self.page;
-        }
-        let shadow = 1.0 - brightness(&light.at(&place, &plane.normal)) / self.open_light;
+    /// Where the floor is seen at a place of the picture, and its normal; None where it is not, or has faded.
+    pub fn place(&self, lens: &Lens, x: f32, y: f32) -> Option<(DrawPoint, DrawVector)> {
+        let (plane, place) = self.meet(lens, x, y)?;
+        (self.fade(&place) > 0.0).then_some((place, plane.normal))
+    }
+
+    fn fade(&self, place: &DrawPoint) -> f32 {
+        smooth_step((2.0 * self.reach_m - (place - self.middle).norm()) / self.reach_m)
+    }
+
+    /// What is seen where nothing is.
+    pub fn page(&self) -> DrawVector {
+        self.page
+    }
+
+    /// What is seen of the floor.
+    pub fn colour(&self, lens: &Lens, x: f32, y: f32, light: &Light, share: SkyShare) -> DrawVector {
+        let Some((plane, place)) = self.meet(lens, x, y) else { return self.page };
+        let fade = self.fade(&place);
+        let sun = light.sun_share(&place, &plane.normal) / self.open_sun.max(1e-3);
+        let shadow = 1.0 - (SKY_WEIGHT * share.arriving + (1.0 - SKY_WEIGHT) * sun);
         let mut colour = self.page;
-        let right = self.place(lens, x + 1.0, y).map_or(place, |(_, place)| place);
-        let below = self.place(lens, x, y + 1.0).map_or(place, |(_, place)| place);
+        let right = self.meet(lens, x + 1.0, y).map_or(place, |(_, place)| place);
+        let below = self.meet(lens, x, y + 1.0).map_or(place, |(_, place)| place);
         for along in &plane.along {
             let at = |p: &DrawPoint| (p - plane.origin).dot(along);
             let point_m = (at(&right) - at(&place)).abs() + (at(&below) - at(&place)).abs();
@@ -84,7 +98,7 @@ impl Ground {
         colour * (1.0 - (shadow * fade).clamp(0.0, 0.9))
     }
 
-    fn place(&self, lens: &Lens, x: f32, y: f32) -> Option<(&Plane, DrawPoint)> {
+    fn meet(&self, lens: &Lens, x: f32, y: f32) -> Option<(&Plane, DrawPoint)> {
         let plane = self.plane.as_ref()?;
         let ray = lens.ray(x, y);
         let distance = (plane.origin - lens.eye).dot(&plane.normal) / ray.dot(&plane.normal);
@@ -97,10 +111,6 @@ fn line_cover(at_m: f32, spacing_m: f32, point_m: f32) -> f32 {
     let from_line_m = (at_m / spacing_m - (at_m / spacing_m).round()).abs() * spacing_m;
     let cover = (0.5 + 0.5 * LINE_POINTS - from_line_m / point_m.max(1e-9)).clamp(0.0, 1.0);
     cover * smooth_step(spacing_m / point_m.max(1e-9) / 6.0 - 0.5)
-}
-
-fn brightness(lit: &Lit) -> f32 {
-    (lit.sky.x + lit.sky.y + lit.sky.z) / 3.0 + 0.62 * lit.sun
 }
 
 fn smooth_step(share: f32) -> f32 {

@@ -34,6 +34,7 @@ mod painter;
 mod picture;
 mod picture_file;
 mod robot_look;
+mod rounded;
 mod sample_buffer;
 mod scan;
 mod scene;

@@ -9,22 +9,36 @@ use crate::scan::{SampleGrid, spans};
 pub(crate) struct Light {
     sun: DepthMap,
     sky: Vec<SkyPatch>,
+    /// What an open sky gives, by how far up a surface faces: from −1 to 1.
+    open: Vec<DrawVector>,
 }
 
 /// A piece of the sky.
 struct SkyPatch {
     map: DepthMap,
-    /// Its light.
-    light: DrawVector,
 }
 
-/// What reaches a place.
-pub(crate) struct Lit {
-    /// From the sky, as if all came straight: at most the sky's own light.
-    pub sky: DrawVector,
-    /// The share of the sky above that is open, whatever the surface faces.
+/// How much of the sky reaches a place.
+#[derive(Clone, Copy)]
+pub(crate) struct SkyShare {
+    /// Of the light that an open sky would give a surface that faces as this one, the share that arrives.
+    pub arriving: f32,
+    /// The share of the sky that is seen from there at all.
     pub openness: f32,
-    /// The share of the sun that is not in shadow, times the cosine at which it falls in.
+}
+
+impl SkyShare {
+    /// Where nothing is in the way.
+    pub const OPEN: Self = Self { arriving: 1.0, openness: 1.0 };
+}
+
+/// A place of a surface that is seen.
+pub(crate) struct Seen {
+    /// A unit vector.
+    pub normal: DrawVector,
+    /// A unit vector.
+    pub to_eye: DrawVector,
+    /// The share of the sun that arrives, times the cosine at which it falls in.
     pub sun: f32,
 }
 
@@ -33,7 +47,7 @@ pub(crate) struct Lit {
 const SUN_DEG: (f64, f64) = (-152.0, 52.0);
 
 /// Warm, and for a surface that faces it about as strong as the whole sky.
-const SUN: [f32; 3] = [0.74, 0.69, 0.62];
+const SUN: [f32; 3] = [0.80, 0.75, 0.67];
 
 /// Of the sky overhead and at the horizon.
 const ZENITH: [f32; 3] = [0.80, 0.84, 0.90];
@@ -43,9 +57,15 @@ const HORIZON: [f32; 3] = [0.60, 0.60, 0.61];
 const GROUND: [f32; 3] = [0.33, 0.32, 0.31];
 
 /// Pieces of the sky, and points along a side of their maps: steps between shadows that are too faint to see.
-const SKY_PATCHES: u32 = 36;
-const SKY_SIDE: usize = 384;
+const SKY_PATCHES: u32 = 48;
+const SKY_SIDE: usize = 160;
 const SUN_SIDE: usize = 2048;
+
+/// Things are simplified for the sky to this share of their whole size: a third of a texel of its maps.
+const COARSE_SHARE: f32 = 0.004;
+
+/// Steps of the table of the open sky, over the height that a surface faces.
+const TABLE_STEPS: usize = 64;
 
 /// How far from its surface a place is asked about, in texels: a surface does not shadow itself.
 const LIFT_TEXELS: f32 = 1.6;
@@ -57,52 +77,72 @@ impl Light {
     /// The light on what `casters` throw shadows, which may be nothing.
     pub fn new(casters: &DrawList) -> Self {
         let (center, radius_m) = casters.ball().unwrap_or((DrawPoint::origin(), 1.0));
-        let map = |direction: DrawVector, side: usize| {
+        let map = |direction: DrawVector, side: usize, casters: &DrawList| {
             let mut map = DepthMap::new(direction, center, radius_m * 1.02, side);
             map.draw(casters);
             map
         };
-        let sky = (0..SKY_PATCHES).map(|index| {
-            let direction = sky_direction(index);
-            let share = direction.z;
-            let light = DrawVector::from(HORIZON) * (1.0 - share) + DrawVector::from(ZENITH) * share;
-            SkyPatch { map: map(direction, SKY_SIDE), light }
-        });
-        Self { sun: map(direction(SUN_DEG), SUN_SIDE), sky: sky.collect() }
+        let coarse = casters.coarse(radius_m * COARSE_SHARE);
+        let sky =
+            (0..SKY_PATCHES).map(|index| SkyPatch { map: map(sky_direction(index), SKY_SIDE, &coarse) });
+        let open = (0..TABLE_STEPS).map(|step| open_sky(2.0 * step as f32 / (TABLE_STEPS - 1) as f32 - 1.0));
+        Self { sun: map(direction(SUN_DEG), SUN_SIDE, casters), sky: sky.collect(), open: open.collect() }
     }
 
-    pub fn sun_direction(&self) -> &DrawVector {
-        &self.sun.towards
-    }
-
-    /// What reaches a surface.
-    pub fn at(&self, place: &DrawPoint, normal: &DrawVector) -> Lit {
-        let (mut light, mut open) = (DrawVector::zeros(), 0.0);
+    /// How much of the sky reaches a surface. It changes slowly across one.
+    pub fn sky_share(&self, place: &DrawPoint, normal: &DrawVector) -> SkyShare {
+        let (mut arriving, mut full, mut open, mut faced) = (0.0, 0.0, 0.0, 0.0);
         for patch in &self.sky {
-            let is_open = patch.map.is_open(place, normal);
-            open += is_open;
-            light += patch.light * (normal.dot(&patch.map.towards).max(0.0) * is_open);
+            let cosine = normal.dot(&patch.map.towards);
+            // What lies behind the surface counts for neither.
+            if cosine > 0.0 {
+                let is_open = patch.map.is_open(place, normal);
+                open += is_open;
+                faced += 1.0;
+                full += cosine;
+                arriving += cosine * is_open;
+            }
         }
-        let share = 1.0 / self.sky.len() as f32;
-        let cosine = normal.dot(&self.sun.towards).max(0.0);
-        let sun = if cosine > 0.0 { cosine * self.sun.share_open(place, normal) } else { 0.0 };
-        // The cosine's mean over half a sphere is ½: an open sky gives its own light to what faces up.
-        Lit { sky: light * (2.0 * share), openness: open * share, sun }
+        if faced == 0.0 {
+            // Seen from below: what light there is comes from the ground.
+            let up = place + DrawVector::z() * (2.0 / self.sun.texels_per_m);
+            return SkyShare { arriving: 0.0, openness: 0.5 * self.sky[0].map.is_open(&up, normal) };
+        }
+        SkyShare { arriving: arriving / full, openness: open / faced }
     }
 
-    /// The light that a surface sends to the eye; `to_eye` is a unit vector.
+    /// The share of the sun that reaches a surface, times the cosine at which it falls in.
+    pub fn sun_share(&self, place: &DrawPoint, normal: &DrawVector) -> f32 {
+        let cosine = normal.dot(&self.sun.towards).max(0.0);
+        if cosine > 0.0 { cosine * self.sun.share_open(place, normal) } else { 0.0 }
+    }
+
+    /// The same where nothing throws a shadow.
+    pub fn open_sun(&self, normal: &DrawVector) -> f32 {
+        normal.dot(&self.sun.towards).max(0.0)
+    }
+
+    /// What an open sky gives a surface: only how far up it faces counts.
+    fn open_sky(&self, normal: &DrawVector) -> DrawVector {
+        let step = (normal.z.clamp(-1.0, 1.0) + 1.0) * 0.5 * (TABLE_STEPS - 1) as f32;
+        // Between 0 and the number of steps.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let below = (step as usize).min(TABLE_STEPS - 2);
+        self.open[below].lerp(&self.open[below + 1], step - below as f32)
+    }
+
+    /// The light that a surface sends to the eye.
     pub fn shade(
         &self,
-        place: &DrawPoint,
-        normal: &DrawVector,
-        to_eye: &DrawVector,
+        seen: &Seen,
+        share: SkyShare,
         albedo: &DrawVector,
         material: &Material,
     ) -> DrawVector {
-        let lit = self.at(place, normal);
-        let sun = DrawVector::from(SUN);
-        let below = (0.5 - 0.5 * normal.z) * lit.openness.sqrt();
-        let arriving = lit.sky + sun * lit.sun + DrawVector::from(GROUND) * below;
+        let Seen { normal, to_eye, sun } = seen;
+        let sun = DrawVector::from(SUN) * *sun;
+        let below = (0.5 - 0.5 * normal.z) * share.openness.sqrt();
+        let arriving = self.open_sky(normal) * share.arriving + sun + DrawVector::from(GROUND) * below;
         let diffuse = albedo.component_mul(&arriving) * (1.0 - 0.85 * material.metallic);
         // The sun's highlight (Blinn 1977), and the sky mirrored at grazing angles (Schlick 1994).
         let cos_eye = normal.dot(to_eye).clamp(0.0, 1.0);
@@ -116,11 +156,11 @@ impl Light {
         } else {
             DrawVector::from(HORIZON).lerp(&DrawVector::from(ZENITH), height) * 1.1
         };
-        let mirror = fresnel.component_mul(&around) * lit.openness;
+        let mirror = fresnel.component_mul(&around) * share.openness;
         let half = (self.sun.towards + to_eye).try_normalize(1e-6).unwrap_or(*normal);
         let sharpness = 2.0 / (material.roughness * material.roughness).max(0.01);
         let lobe = raised(normal.dot(&half).max(0.0), sharpness * sharpness * 0.25 + 2.0);
-        let highlight = fresnel.component_mul(&sun) * (lobe * lit.sun * (sharpness * sharpness * 0.04 + 0.4));
+        let highlight = fresnel.component_mul(&sun) * (lobe * (sharpness * sharpness * 0.04 + 0.4));
         diffuse + mirror + highlight
     }
 }
@@ -149,6 +189,18 @@ fn sky_direction(index: u32) -> DrawVector {
     let across = (1.0 - height * height).sqrt();
     let (sine, cosine) = sin_cos((f64::from(index) * GOLDEN_TURN_DEG).to_radians());
     cranny_spatial::Vector::new(across * cosine, across * sine, height).cast()
+}
+
+/// What the whole sky gives a surface whose normal points so far up: the sum over evenly spread directions, of
+/// which the cosine's mean over half a sphere is ½.
+fn open_sky(height: f32) -> DrawVector {
+    let normal = DrawVector::new((1.0 - height * height).max(0.0).sqrt(), 0.0, height);
+    let light = |index: u32| {
+        let direction = sky_direction(index);
+        let light = DrawVector::from(HORIZON).lerp(&DrawVector::from(ZENITH), direction.z);
+        light * normal.dot(&direction).max(0.0)
+    };
+    (0..SKY_PATCHES).map(light).sum::<DrawVector>() * (2.0 / SKY_PATCHES as f32)
 }
 
 /// How far things are from a light that shines in parallel, seen from it.
@@ -237,6 +289,19 @@ impl DepthMap {
         let (low, high) = (SUN_BLUR, self.side as f32 - 2.0 - SUN_BLUR);
         if !(x >= low && y >= low && x <= high && y <= high) {
             return 1.0;
+        }
+        // Mostly all is open, or nothing.
+        let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 0.0)];
+        // Within the map.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let probe = |(a, b): (f32, f32)| {
+            let (column, row) = ((x + a * SUN_BLUR) as usize, (y + b * SUN_BLUR) as usize);
+            u32::from(self.height_m[row * self.side + column] <= height)
+        };
+        match corners.into_iter().map(probe).sum::<u32>() {
+            0 => return 0.0,
+            5 => return 1.0,
+            _ => {}
         }
         let (mut sum, mut weights) = (0.0, 0.0);
         // Within the map.

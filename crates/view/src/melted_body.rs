@@ -58,15 +58,6 @@ impl Primitive {
         })
     }
 
-    /// Half its least thickness, in metres.
-    fn thickness_m(&self) -> f64 {
-        match self.form {
-            Form::Cuboid { half_extents, .. } => half_extents.min(),
-            Form::Capsule { radius_m, .. } => radius_m,
-            Form::Cylinder { half_length_m, radius_m, .. } => half_length_m.min(radius_m),
-        }
-    }
-
     fn bounds(&self) -> Aabb {
         let half_extents = match self.form {
             Form::Cuboid { half_extents, .. } => half_extents,
@@ -126,22 +117,27 @@ fn gradient(primitives: &[Primitive], point: &Point) -> Vector {
     slopes.try_normalize(0.0).unwrap_or_else(Vector::z)
 }
 
-/// Cells across half the least thickness of a body.
-const CELLS_ACROSS: f64 = 5.5;
+/// Cells on the box around a body, at least and at most: fine enough for what is seen across a room, few enough
+/// for the web.
+const FEWEST_CELLS: f64 = 2200.0;
+const MOST_CELLS: f64 = 5500.0;
 
-/// Bounds on the size of a cell, in metres: a hand's details, and what still looks round at arm's length.
-const FINEST_CELL_M: f64 = 0.0022;
-const COARSEST_CELL_M: f64 = 0.0085;
+/// Cells across a fillet, as far as the bounds above allow.
+const CELLS_ACROSS: f64 = 2.0;
 
 /// The melted body of some primitives; nothing for none.
 pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
-    let thinnest_m = primitives.iter().map(Primitive::thickness_m).fold(f64::INFINITY, f64::min);
     if primitives.is_empty() {
         return MeshPiece::default();
     }
-    let cell_m = (thinnest_m / CELLS_ACROSS).clamp(FINEST_CELL_M, COARSEST_CELL_M);
-    let net = Net::over(primitives, cell_m);
-    net.mesh(primitives, material)
+    let corners: Vec<Point> =
+        primitives.iter().map(Primitive::bounds).flat_map(|bounds| [bounds.low(), bounds.high()]).collect();
+    let whole = Aabb::around(&corners, 0.0);
+    let [x, y, z] = <[f64; 3]>::from(whole.half_extents * 2.0);
+    let cell_of = |count: f64| (2.0 * (x * y + y * z + z * x) / count).sqrt();
+    let finest_blend_m = primitives.iter().map(|primitive| primitive.blend_m).fold(f64::INFINITY, f64::min);
+    let cell_m = (finest_blend_m / CELLS_ACROSS).clamp(cell_of(MOST_CELLS), cell_of(FEWEST_CELLS));
+    Net::over(primitives, &whole, cell_m).mesh(primitives, material)
 }
 
 /// A grid of samples of the distance.
@@ -154,11 +150,9 @@ struct Net {
 }
 
 impl Net {
-    fn over(primitives: &[Primitive], cell_m: f64) -> Self {
+    fn over(primitives: &[Primitive], around: &Aabb, cell_m: f64) -> Self {
         // Fillets lie within the hull, which lies within the bounds; two cells more keep the surface inside.
-        let bounds: Vec<Aabb> = primitives.iter().map(Primitive::bounds).collect();
-        let corners: Vec<Point> = bounds.iter().flat_map(|b| [b.low(), b.high()]).collect();
-        let whole = Aabb::around(&corners, 2.0 * cell_m);
+        let whole = around.grown(2.0 * cell_m);
         // Sizes of links over sizes of cells: small whole numbers.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let counts = [0, 1, 2].map(|axis| (2.0 * whole.half_extents[axis] / cell_m) as usize + 2);

@@ -1,6 +1,6 @@
 use crate::draw_list::{DrawList, DrawVector, Lens};
 use crate::ground::Ground;
-use crate::light::Light;
+use crate::light::{Light, Seen, SkyShare};
 use crate::sample_buffer::{NOTHING, Region, SampleBuffer, meet};
 
 /// Turns samples into light.
@@ -40,16 +40,18 @@ impl Painter<'_> {
     pub fn paint_solid(&self, list: &DrawList, buffer: &SampleBuffer, canvas: &mut [DrawVector]) {
         let things = Things { list, buffer };
         let per_point = buffer.offsets.len();
+        let mut skies = SkyMemory::new(buffer.width);
         for row in 0..buffer.height {
             for column in 0..buffer.width {
+                let sky = skies.block(row, column);
                 let mut light = DrawVector::zeros();
                 for share in things.shares(row, column).iter().filter(|share| share.samples > 0) {
                     let x = column as f32 + buffer.offsets[share.row];
                     let y = row as f32 + (share.row as f32 + 0.5) / per_point as f32;
                     let seen = if share.triangle == NOTHING {
-                        self.ground.colour(self.lens, x, y, self.light)
+                        self.floor(x, y, sky)
                     } else {
-                        self.surface(list, share.triangle as usize, x, y).0
+                        self.surface(list, share, x, y, Some(&mut *sky)).0
                     };
                     light += seen * share.samples as f32;
                 }
@@ -80,7 +82,7 @@ impl Painter<'_> {
                     }
                     let x = column as f32 + buffer.offsets[share.row];
                     let y = row as f32 + (share.row as f32 + 0.5) / per_point as f32;
-                    let (seen, cosine) = self.surface(list, share.triangle as usize, x, y);
+                    let (seen, cosine) = self.surface(list, share, x, y, None);
                     let side = (1.0 - cosine) * (1.0 - cosine);
                     let opacity = (look.opacity * (1.0 - 0.4 * look.rim + 1.8 * look.rim * side)).min(0.95);
                     let opacity = opacity + (0.75 - opacity).max(0.0) * line;
@@ -96,8 +98,24 @@ impl Painter<'_> {
         }
     }
 
-    /// The light from a triangle at a place of the picture, and the cosine at which it is seen.
-    fn surface(&self, list: &DrawList, triangle: usize, x: f32, y: f32) -> (DrawVector, f32) {
+    /// The light from the floor at a place of the picture, or from what is behind everything.
+    fn floor(&self, x: f32, y: f32, sky: &mut SkyBlock) -> DrawVector {
+        let Some((place, normal)) = self.ground.place(self.lens, x, y) else { return self.ground.page() };
+        let share = sky.share(u64::MAX, || self.light.sky_share(&place, &normal));
+        self.ground.colour(self.lens, x, y, self.light, share)
+    }
+
+    /// The light from a triangle at a place of the picture, and the cosine at which it is seen. Without a memory
+    /// of the sky nothing throws shadows on it.
+    fn surface(
+        &self,
+        list: &DrawList,
+        share: &Share,
+        x: f32,
+        y: f32,
+        sky: Option<&mut SkyBlock>,
+    ) -> (DrawVector, f32) {
+        let triangle = share.triangle as usize;
         let ray = self.lens.ray(x, y);
         let Some((distance, v, w)) = meet(&self.lens.eye, &ray, list.corners(triangle)) else {
             return (DrawVector::zeros(), 0.0);
@@ -119,7 +137,56 @@ impl Painter<'_> {
         let material = &list.surfaces[list.triangles[triangle].surface as usize].material;
         let albedo = DrawVector::from(material.colour.0).component_mul(&tint);
         let place = self.lens.eye + ray * distance;
-        (self.light.shade(&place, &normal, &to_eye, &albedo, material), normal.dot(&to_eye))
+        let (sky_share, sun) = match sky {
+            Some(sky) => (
+                sky.share(share.key, || self.light.sky_share(&place, &normal)),
+                self.light.sun_share(&place, &normal),
+            ),
+            None => (SkyShare::OPEN, self.light.open_sun(&normal)),
+        };
+        let seen = Seen { normal, to_eye, sun };
+        (self.light.shade(&seen, sky_share, &albedo, material), normal.dot(&to_eye))
+    }
+}
+
+/// How much of the sky reaches the surfaces in a block of points: it changes so slowly that it is asked once.
+#[derive(Clone, Default)]
+struct SkyBlock {
+    known: Vec<(u64, SkyShare)>,
+}
+
+impl SkyBlock {
+    fn share(&mut self, key: u64, ask: impl FnOnce() -> SkyShare) -> SkyShare {
+        if let Some((_, share)) = self.known.iter().find(|(known, _)| *known == key) {
+            return *share;
+        }
+        let share = ask();
+        self.known.push((key, share));
+        share
+    }
+}
+
+/// The blocks of the rows that are being painted.
+struct SkyMemory {
+    blocks: Vec<SkyBlock>,
+    /// Which row of blocks they are of.
+    row: usize,
+}
+
+/// Points along a side of a block.
+const BLOCK: usize = 2;
+
+impl SkyMemory {
+    fn new(width: usize) -> Self {
+        Self { blocks: vec![SkyBlock::default(); width.div_ceil(BLOCK)], row: usize::MAX }
+    }
+
+    fn block(&mut self, row: usize, column: usize) -> &mut SkyBlock {
+        if self.row != row / BLOCK {
+            self.row = row / BLOCK;
+            self.blocks.iter_mut().for_each(|block| block.known.clear());
+        }
+        &mut self.blocks[column / BLOCK]
     }
 }
 

@@ -28,7 +28,7 @@ pub struct PictureSettings {
     pub samples: usize,
     /// Which instant of the motion is shown. Default: the last, or the start of a scene without motion.
     pub frame: Option<usize>,
-    /// How many translucent poses show the way to that instant. Default 4.
+    /// How many translucent poses show the way to that instant. Default 3.
     pub ghosts: usize,
     /// Where the eye is, instead of the standard view that was asked for.
     pub camera: Option<Camera>,
@@ -53,7 +53,7 @@ impl Default for PictureSettings {
             height: 960,
             samples: 4,
             frame: None,
-            ghosts: 4,
+            ghosts: 3,
             camera: None,
             see_through: SeeThrough::default(),
         }
@@ -69,7 +69,7 @@ const GHOST: u32 = 0x0058_9ad6;
 const GHOST_OPACITY: f32 = 0.34;
 
 /// What can be seen through is glass in the colour of what it is made of.
-const GLASS_OPACITY: f32 = 0.30;
+const GLASS_OPACITY: f32 = 0.36;
 
 impl Picture {
     /// Draws a scene from a standard view.
@@ -88,28 +88,32 @@ impl Picture {
         let frame = settings.frame.or(scene.last_frame());
         // 1. What can and what cannot be seen through.
         let stage = Stage::of(scene, frame, &camera, settings);
+        let t = std::time::Instant::now();
         // 2. Light, floor.
         let light = Light::new(&stage.solid);
         let lens = Lens::new(&camera, width, height);
         let (middle, reach_m) = scene.middle();
         let ground = Ground::new(scene.world_from_floor.as_ref(), middle, reach_m, &light);
+        eprintln!("light {:?}", t.elapsed());
         // 3. Solid things before the floor.
         let mut buffer = SampleBuffer::new(width, height, settings.samples);
         if let Some(nearness) = ground.nearness(&lens) {
             buffer.draw_floor(nearness);
         }
         buffer.draw(&stage.solid, &lens);
+        eprintln!("raster {:?}", t.elapsed());
         let painter = Painter { lens: &lens, light: &light, ground: &ground };
         let mut canvas = vec![DrawVector::zeros(); width * height];
         painter.paint_solid(&stage.solid, &buffer, &mut canvas);
+        eprintln!("paint {:?}", t.elapsed());
         // 4. What can be seen through, from the farthest on; each thing once, however often a ray meets it.
         let depth = buffer.nearness.clone();
         for (list, translucency) in &stage.translucent {
-            buffer.nearness.copy_from_slice(&depth);
-            buffer.forget_triangles();
+            buffer.restart(&depth);
             let region = buffer.draw(list, &lens);
             painter.paint_translucent(list, &buffer, &region, *translucency, &mut canvas);
         }
+        eprintln!("translucent {:?}", t.elapsed());
         // 5. As a screen shows it.
         let table = ScreenTable::new();
         let pixels = canvas.iter().map(|light| [0, 1, 2].map(|i| table.screen(toned(light[i])))).collect();
@@ -194,7 +198,8 @@ impl Stage {
                 solid.add(mesh, pose, thing, &scene.materials, Material::clone);
             }
         }
-        for ghost in scene.ghost_frames(frame, settings.ghosts) {
+        let ghosts = scene.ghost_frames(frame, settings.ghosts);
+        for (index, &ghost) in ghosts.iter().enumerate() {
             let poses = scene.world_from_nodes(Some(ghost));
             let mut list = DrawList::default();
             let mut far = 0.0;
@@ -210,7 +215,9 @@ impl Stage {
                     far = distance(pose);
                 }
             }
-            let translucency = Translucency { opacity: GHOST_OPACITY, rim: 0.9, is_outlined: true };
+            // Later ones are denser.
+            let opacity = GHOST_OPACITY * (0.6 + 0.4 * (index + 1) as f32 / ghosts.len() as f32);
+            let translucency = Translucency { opacity, rim: 0.9, is_outlined: true };
             translucent.push((far, list, translucency));
         }
         translucent.sort_by(|a, b| b.0.total_cmp(&a.0));

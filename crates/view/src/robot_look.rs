@@ -7,7 +7,7 @@ use cranny_spatial::Pose;
 use cranny_spatial::nalgebra::Vector3;
 
 use crate::melted_body::{Primitive, melted};
-use crate::{Colour, Material, MeshPiece, Scene, ViewError};
+use crate::{Colour, Material, MeshPiece, Scene, ViewError, rounded};
 
 /// What a link without a colour looks like.
 const BARE: u32 = 0x00b8_bec6;
@@ -92,9 +92,13 @@ fn visual_pieces(
             files.insert(path.clone(), mesh);
             return Ok(pieces);
         }
-        _ if visual.rounding_m > 0.0 => {
-            let primitive: Vec<Primitive> = Primitive::of(visual).into_iter().collect();
-            return Ok(vec![melted(&primitive, material)]);
+        VisualForm::Cuboid { size } if visual.rounding_m > 0.0 => {
+            let piece = rounded::cuboid(&(size * 0.5), visual.rounding_m, material);
+            return Ok(vec![placed(piece, &visual.link_from_visual)]);
+        }
+        VisualForm::Cylinder { length_m, radius_m } if visual.rounding_m > 0.0 => {
+            let piece = rounded::cylinder(0.5 * length_m, *radius_m, visual.rounding_m, material);
+            return Ok(vec![placed(piece, &visual.link_from_visual)]);
         }
         VisualForm::Cuboid { size } => Solid::cuboid(size * 0.5)?,
         VisualForm::Sphere { radius_m } => Solid::sphere(*radius_m)?,

@@ -33,8 +33,14 @@ impl SampleBuffer {
         Self { width, height, offsets, nearness: vec![0.0; count], triangle: vec![NOTHING; count] }
     }
 
-    /// Everything forgotten but how near things are.
-    pub fn forget_triangles(&mut self) {
+    /// Takes over how near things are from elsewhere, and forgets which they are. They count as a little nearer,
+    /// so that what is drawn in the same place as one of them stays hidden.
+    pub fn restart(&mut self, nearness: &[f32]) {
+        /// 3 mm at 3 m.
+        const NEARER: f32 = 1.001;
+        for (own, given) in self.nearness.iter_mut().zip(nearness) {
+            *own = given * NEARER;
+        }
         self.triangle.fill(NOTHING);
     }
 

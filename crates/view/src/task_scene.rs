@@ -34,8 +34,8 @@ const CHOSEN: u32 = 0x00e8_3f6f;
 
 /// Half the thickness of lines, in metres.
 const PATH_RADIUS_M: f64 = 0.0045;
-const GRASP_RADIUS_M: f64 = 0.0011;
-const CHOSEN_RADIUS_M: f64 = 0.0022;
+const GRASP_RADIUS_M: f64 = 0.0014;
+const CHOSEN_RADIUS_M: f64 = 0.0024;
 
 /// The opening of the small grippers, in metres: half the real one, so that they do not hide what they hold.
 const GRASP_OPENING_M: f64 = 0.044;
