@@ -9,6 +9,7 @@ use cranny_scenario::Geometry;
 
 use crate::grasps::GraspsArguments;
 use crate::object::ObjectArguments;
+use crate::render::RenderArguments;
 use crate::scenario::ScenarioArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
@@ -62,6 +63,8 @@ pub enum Command {
     Grasps(GraspsArguments),
     /// Make objects to grasp from meshes, and show those that there are
     Object(ObjectArguments),
+    /// Draw a scenario or a plan: a picture, a moving picture, animated glTF
+    Render(Box<RenderArguments>),
 }
 
 /// Which task, under which criterion.

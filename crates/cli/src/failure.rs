@@ -9,6 +9,9 @@ pub enum Failure {
     /// The problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// What is drawn, or the file of a picture.
+    #[error(transparent)]
+    View(#[from] cranny_view::ViewError),
     /// A flag that does not fit.
     #[error("--{flag}: {problem}")]
     Flag {

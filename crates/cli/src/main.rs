@@ -13,6 +13,7 @@ mod object;
 mod plan;
 mod plan_task;
 mod progress;
+mod render;
 mod scenario;
 mod start;
 mod task;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Scenario(arguments) => scenario::run(arguments, cli.output),
         Command::Grasps(arguments) => grasps::run(arguments, cli.output),
         Command::Object(arguments) => object::run(arguments, cli.output),
+        Command::Render(arguments) => render::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,

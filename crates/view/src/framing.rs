@@ -81,8 +81,8 @@ impl Scene {
     }
 
     /// The nodes of obstacles that lie between the eye and the target or the gripper on its way.
-    pub(crate) fn hiding(&self, camera: &Camera, frame: Option<usize>) -> Vec<usize> {
-        let poses = self.world_from_nodes(frame);
+    pub(crate) fn hiding(&self, camera: &Camera) -> Vec<usize> {
+        let poses = self.world_from_nodes(None);
         let mut wanted: Vec<Point> = Vec::new();
         for (node, pose) in self.nodes.iter().zip(&poses) {
             if node.role == Role::Target
@@ -98,9 +98,9 @@ impl Scene {
             }
         }
         if let Some(motion) = &self.motion {
-            let until = frame.map_or(motion.gripper_path.len(), |frame| frame + 1);
-            let stride = (until / PATH_POINTS).max(1);
-            wanted.extend(motion.gripper_path[..until].iter().rev().step_by(stride));
+            // All of it, at every instant: things do not turn to glass while one looks.
+            let stride = (motion.gripper_path.len() / PATH_POINTS).max(1);
+            wanted.extend(motion.gripper_path.iter().rev().step_by(stride));
         }
         let hides = |(index, node): &(usize, &Node)| {
             let (Role::Obstacle(_), Some(mesh)) = (node.role, node.mesh) else { return false };

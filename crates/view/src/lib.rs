@@ -22,9 +22,12 @@
 
 mod camera;
 mod colour;
+mod contact_sheet;
 mod draw_list;
 mod error;
 mod framing;
+mod gltf_buffer;
+mod gltf_file;
 mod ground;
 mod light;
 mod melted_body;

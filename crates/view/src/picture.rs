@@ -88,24 +88,20 @@ impl Picture {
         let frame = settings.frame.or(scene.last_frame());
         // 1. What can and what cannot be seen through.
         let stage = Stage::of(scene, frame, &camera, settings);
-        let t = std::time::Instant::now();
         // 2. Light, floor.
         let light = Light::new(&stage.solid);
         let lens = Lens::new(&camera, width, height);
         let (middle, reach_m) = scene.middle();
         let ground = Ground::new(scene.world_from_floor.as_ref(), middle, reach_m, &light);
-        eprintln!("light {:?}", t.elapsed());
         // 3. Solid things before the floor.
         let mut buffer = SampleBuffer::new(width, height, settings.samples);
         if let Some(nearness) = ground.nearness(&lens) {
             buffer.draw_floor(nearness);
         }
         buffer.draw(&stage.solid, &lens);
-        eprintln!("raster {:?}", t.elapsed());
         let painter = Painter { lens: &lens, light: &light, ground: &ground };
         let mut canvas = vec![DrawVector::zeros(); width * height];
         painter.paint_solid(&stage.solid, &buffer, &mut canvas);
-        eprintln!("paint {:?}", t.elapsed());
         // 4. What can be seen through, from the farthest on; each thing once, however often a ray meets it.
         let depth = buffer.nearness.clone();
         for (list, translucency) in &stage.translucent {
@@ -113,7 +109,6 @@ impl Picture {
             let region = buffer.draw(list, &lens);
             painter.paint_translucent(list, &buffer, &region, *translucency, &mut canvas);
         }
-        eprintln!("translucent {:?}", t.elapsed());
         // 5. As a screen shows it.
         let table = ScreenTable::new();
         let pixels = canvas.iter().map(|light| [0, 1, 2].map(|i| table.screen(toned(light[i])))).collect();
@@ -174,7 +169,7 @@ impl Stage {
     fn of(scene: &Scene, frame: Option<usize>, camera: &Camera, settings: &PictureSettings) -> Self {
         let world_from_nodes = scene.world_from_nodes(frame);
         let hiding = match settings.see_through {
-            SeeThrough::WhatHides => scene.hiding(camera, frame),
+            SeeThrough::WhatHides => scene.hiding(camera),
             SeeThrough::Nothing => Vec::new(),
         };
         let mut solid = DrawList::default();

@@ -1,7 +1,9 @@
 use std::io::BufWriter;
 use std::path::Path;
 
-use crate::{Picture, ViewError};
+use rayon::prelude::*;
+
+use crate::{Picture, PictureSettings, Scene, StandardView, ViewError};
 
 impl Picture {
     /// Writes the picture as a PNG file; what stood there before is replaced as a whole or not at all.
@@ -34,6 +36,30 @@ pub struct Animation {
     pub pictures: Vec<Picture>,
     /// How many are shown in a second; at most 50, which players of GIF still obey.
     pub rate_hz: u16,
+}
+
+impl Animation {
+    /// Draws instants of a scene's motion, on all cores; `each` gets every picture with its place in `frames`, in no
+    /// certain order.
+    ///
+    /// # Errors
+    /// As [`Picture::of`], and those of `each`.
+    ///
+    /// # Panics
+    /// As [`Picture::of`].
+    pub fn draw<T: Send>(
+        scene: &Scene,
+        view: StandardView,
+        settings: &PictureSettings,
+        frames: &[usize],
+        each: impl Fn(usize, Picture) -> Result<T, ViewError> + Sync,
+    ) -> Result<Vec<T>, ViewError> {
+        let draw = |(place, &frame): (usize, &usize)| {
+            let settings = PictureSettings { frame: Some(frame), ..settings.clone() };
+            each(place, Picture::of(scene, view, &settings)?)
+        };
+        frames.par_iter().enumerate().map(draw).collect()
+    }
 }
 
 /// How long the last picture stands before it begins anew, in pictures.

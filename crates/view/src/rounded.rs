@@ -7,10 +7,10 @@ use cranny_spatial::{Point, Vector, sin_cos};
 use crate::MeshPiece;
 
 /// Steps of the rounding of an edge.
-const STEPS: u32 = 3;
+const STEPS: u32 = 2;
 
 /// Corners of a full circle.
-const CIRCLE_POINTS: u32 = 44;
+const CIRCLE_POINTS: u32 = 32;
 
 /// A cylinder along z about the origin; the rounding is at most its radius and half its length.
 pub(crate) fn cylinder(half_length_m: f64, radius_m: f64, rounding_m: f64, material: usize) -> MeshPiece {

@@ -120,10 +120,12 @@ impl Scene {
     }
 
     fn add_bodies(&mut self, scenario: &Scenario) {
-        let mut obstacles = 0;
+        let mut kinds: Vec<&str> = Vec::new();
         for (index, body) in scenario.world.bodies().iter().enumerate() {
             let is_target = scenario.target == Some(index);
-            let colour = Colour::hex(OBSTACLES[obstacles % OBSTACLES.len()]);
+            let kind = kind_of(&body.name);
+            let turn = kinds.iter().position(|known| *known == kind).unwrap_or(kinds.len());
+            let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);
             let mut is_solid = false;
             for part in &body.parts {
                 let Some(soup) = part.solid.tessellation() else {
@@ -142,7 +144,9 @@ impl Scene {
                 let parent_from_node = part.world_from_solid;
                 self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
             }
-            obstacles += usize::from(is_solid && !is_target);
+            if is_solid && !is_target && turn == kinds.len() {
+                kinds.push(kind);
+            }
         }
     }
 
@@ -188,6 +192,12 @@ impl Scene {
         let (name, parent_from_node) = ("gripper path".to_owned(), Pose::identity());
         self.nodes.push(Node { name, parent: None, parent_from_node, mesh, role: Role::GripperPath });
     }
+}
+
+/// What a body is, without what tells it from its like: "wall" of "wall 2" and `wall_left`.
+fn kind_of(name: &str) -> &str {
+    let end = name.find(|c: char| !c.is_alphabetic()).filter(|&end| end > 0).unwrap_or(name.len());
+    &name[..end]
 }
 
 /// Grasps of nearly equal score share a material.
