@@ -31,13 +31,15 @@ impl Picture {
     /// Writes digits of a height in points, like those of a clock with seven strokes each.
     fn write_digits(&mut self, text: &str, left: usize, top: usize, height: f32) {
         let thickness = 0.075 * height;
-        for (place, digit) in text.chars().filter_map(|c| c.to_digit(10)).enumerate() {
-            let begin = left as f32 + place as f32 * 0.72 * height;
+        let mut begin = left as f32;
+        for digit in text.chars().filter_map(|c| c.to_digit(10)) {
+            // The strokes of a 1 are those on the right, and nothing is on their left.
+            begin -= if digit == 1 { 0.34 * height } else { 0.0 };
             // Whole points around the digit; small positive numbers.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let (side, tall) = ((0.7 * height) as usize, (1.2 * height) as usize);
             for row in top..(top + tall).min(self.height()) {
-                for column in (begin as usize)..(begin as usize + side).min(self.width()) {
+                for column in (begin.max(0.0) as usize)..(begin.max(0.0) as usize + side).min(self.width()) {
                     let x = (column as f32 + 0.5 - begin) / height - 0.08;
                     let y = (row as f32 + 0.5 - top as f32) / height - 0.08;
                     let beyond = distance_to_digit(digit, x, y) * height - thickness;
@@ -51,6 +53,7 @@ impl Picture {
                     *point = [0, 1, 2].map(|i| mix(point[i], INK[i]));
                 }
             }
+            begin += 0.72 * height;
         }
     }
 }

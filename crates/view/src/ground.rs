@@ -13,6 +13,7 @@ pub(crate) struct Ground {
     /// The grid is clear up to here from the middle of things, and gone at twice as far, in metres.
     reach_m: f32,
     middle: DrawPoint,
+    spacing_m: f32,
     /// The sun on an open place of the floor.
     open_sun: f32,
 }
@@ -27,8 +28,12 @@ struct Plane {
 const PAGE: u32 = 0x00fb_fcfd;
 const LINE: u32 = 0x00a3_aebb;
 
-/// Lines of the grid are this far apart, in metres, and every fourth is stronger.
-const SPACING_M: f32 = 0.25;
+/// How far lines of the grid are apart around things of a room, of a table top and of a hand, in metres; every
+/// fourth is stronger.
+const SPACINGS_M: [f32; 3] = [0.25, 0.05, 0.01];
+
+/// At least so many lines lie between the middle of things and their end.
+const FEWEST_LINES: f32 = 2.0;
 
 /// How much of the floor's light is the sky's.
 const SKY_WEIGHT: f32 = 0.62;
@@ -50,7 +55,9 @@ impl Ground {
             .as_ref()
             .map_or(1.0, |plane| light.sun_share(&(plane.origin + plane.normal * 1e4), &plane.normal));
         let color = |hex: u32| DrawVector::from(Colour::hex(hex).0);
-        Self { plane, page: color(PAGE), line: color(LINE), reach_m, middle, open_sun }
+        let spacing = SPACINGS_M.iter().find(|&spacing_m| spacing_m * FEWEST_LINES < reach_m);
+        let spacing_m = *spacing.unwrap_or(&SPACINGS_M[2]);
+        Self { plane, page: color(PAGE), line: color(LINE), spacing_m, reach_m, middle, open_sun }
     }
 
     /// How near the floor is at places of the picture, the reciprocal of how far ahead: at the first place, and
@@ -90,7 +97,7 @@ impl Ground {
         for along in &plane.along {
             let at = |p: &DrawPoint| (p - plane.origin).dot(along);
             let point_m = (at(&right) - at(&place)).abs() + (at(&below) - at(&place)).abs();
-            for (spacing_m, strength) in [(SPACING_M, 0.28), (4.0 * SPACING_M, 0.5)] {
+            for (spacing_m, strength) in [(self.spacing_m, 0.28), (4.0 * self.spacing_m, 0.5)] {
                 let cover = line_cover(at(&place), spacing_m, point_m) * strength * fade;
                 colour = colour.lerp(&self.line, cover);
             }

@@ -119,8 +119,8 @@ fn gradient(primitives: &[Primitive], point: &Point) -> Vector {
 
 /// Cells on the box around a body, at least and at most: fine enough for what is seen across a room, few enough
 /// for the web.
-const FEWEST_CELLS: f64 = 1900.0;
-const MOST_CELLS: f64 = 3600.0;
+const FEWEST_CELLS: f64 = 1700.0;
+const MOST_CELLS: f64 = 3200.0;
 
 /// Cells across a fillet, as far as the bounds above allow.
 const CELLS_ACROSS: f64 = 2.0;

@@ -38,6 +38,10 @@ const STEEL: u32 = 0x00b9_bec4;
 const BROWN: u32 = 0x005a_4321;
 const BLUE: u32 = 0x0026_5fb0;
 
+/// How far from the middle a band reaches, and ends begin, as shares of the whole length.
+const BAND_SHARE: f64 = 0.2;
+const END_SHARE: f64 = 0.475;
+
 /// A shaft is thinner than this share of the whole.
 const SHAFT_SHARE: f64 = 0.55;
 
@@ -57,9 +61,9 @@ pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec
             Detail::Shaft => is_shaft(&from_middle, &size),
             Detail::DarkEnds => {
                 let long = size.imax();
-                from_middle[long].abs() > 0.475 * size[long]
+                from_middle[long].abs() > END_SHARE * size[long]
             }
-            Detail::Band => from_middle[size.imax()].abs() < 0.2 * size.max(),
+            Detail::Band => from_middle[size.imax()].abs() < BAND_SHARE * size.max(),
         }
     };
     let other = match look.map_or(Detail::None, |look| look.detail) {
@@ -75,11 +79,14 @@ pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec
         }
     };
     let other = scene.material(other);
-    let soup = if matches!(look.map(|look| look.detail), Some(Detail::Band)) {
-        &banded(soup, size.imax(), middle[size.imax()], 0.2 * size.max())
-    } else {
-        soup
+    let cut_at = match look.map(|look| look.detail) {
+        Some(Detail::Band) => Some(BAND_SHARE),
+        Some(Detail::DarkEnds) => Some(END_SHARE),
+        _ => None,
     };
+    let long = size.imax();
+    let cut = cut_at.map(|share| banded(soup, long, middle[long], share * size[long]));
+    let soup = cut.as_ref().unwrap_or(soup);
     let whole = MeshPiece::of_soup(soup, main);
     let mut parts = [whole.clone(), MeshPiece { material: other, ..whole.clone() }];
     for part in &mut parts {

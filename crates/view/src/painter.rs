@@ -1,7 +1,7 @@
-use crate::draw_list::{DrawList, DrawVector, Lens};
+use crate::draw_list::{DrawList, DrawPoint, DrawVector, Lens};
 use crate::ground::Ground;
 use crate::light::{Light, Seen, SkyShare};
-use crate::sample_buffer::{NOTHING, Region, SampleBuffer, meet};
+use crate::sample_buffer::{NOTHING, Region, SampleBuffer, weights};
 
 /// Turns samples into light.
 pub(crate) struct Painter<'a> {
@@ -19,6 +19,9 @@ pub(crate) struct Translucency {
     pub rim: f32,
     pub is_outlined: bool,
 }
+
+/// Things from this number on have no outline: they are lines themselves.
+pub(crate) const UNLINED: u32 = 3_000_000;
 
 /// How much darker the line around a thing is.
 const OUTLINE: f32 = 0.5;
@@ -117,26 +120,27 @@ impl Painter<'_> {
     ) -> (DrawVector, f32) {
         let triangle = share.triangle as usize;
         let ray = self.lens.ray(x, y);
-        let Some((distance, v, w)) = meet(&self.lens.eye, &ray, list.corners(triangle)) else {
-            return (DrawVector::zeros(), 0.0);
-        };
         let corners = list.triangles[triangle].corners.map(|corner| corner as usize);
-        let weights = [1.0 - v - w, v, w];
-        let mut normal = DrawVector::zeros();
-        let mut tint = DrawVector::zeros();
+        let weights = weights(&self.lens.eye, &ray, list.corners(triangle));
+        let (mut place, mut normal, mut tint) =
+            (DrawVector::zeros(), DrawVector::zeros(), DrawVector::zeros());
         for (corner, weight) in corners.into_iter().zip(weights) {
+            place += list.positions[corner].coords * weight;
             normal += list.normals[corner] * weight;
             tint += DrawVector::from(list.colours[corner].0) * weight;
         }
         let to_eye = -ray.normalize();
         let mut normal = normal.try_normalize(0.0).unwrap_or(to_eye);
-        // Faces of a file may be the wrong way round; what is seen faces the eye.
-        if normal.dot(&to_eye) < 0.0 {
+        // Faces of a file may be the wrong way round; what is seen faces the eye. The face decides: a smooth normal
+        // may lean a little away at the edge of a round body.
+        let [a, b, c] = list.corners(triangle);
+        let face = (b - a).cross(&(c - a));
+        if (normal.dot(&face) < 0.0) != (face.dot(&to_eye) < 0.0) {
             normal = -normal;
         }
         let material = &list.surfaces[list.triangles[triangle].surface as usize].material;
         let albedo = DrawVector::from(material.colour.0).component_mul(&tint);
-        let place = self.lens.eye + ray * distance;
+        let place = DrawPoint::from(place);
         let (sky_share, sun) = match sky {
             Some(sky) => (
                 sky.share(share.key, || self.light.sky_share(&place, &normal)),
@@ -145,7 +149,7 @@ impl Painter<'_> {
             None => (SkyShare::OPEN, self.light.open_sun(&normal)),
         };
         let seen = Seen { normal, to_eye, sun };
-        (self.light.shade(&seen, sky_share, &albedo, material), normal.dot(&to_eye))
+        (self.light.shade(&seen, sky_share, &albedo, material), normal.dot(&to_eye).max(0.0))
     }
 }
 
@@ -234,7 +238,9 @@ impl Things<'_> {
                 continue;
             }
             let here = self.thing(here);
-            count += u32::from(here != self.thing(beside) || here != self.thing(under));
+            let is_lined = |thing: u32| thing < UNLINED || thing == NOTHING;
+            let differs = |other: u32| here != other && is_lined(here) && is_lined(other);
+            count += u32::from(differs(self.thing(beside)) || differs(self.thing(under)));
         }
         count as f32 / samples as f32
     }

@@ -4,7 +4,7 @@ use crate::colour::ScreenTable;
 use crate::draw_list::{DrawList, DrawVector, Lens};
 use crate::ground::Ground;
 use crate::light::Light;
-use crate::painter::{Painter, Translucency};
+use crate::painter::{Painter, Translucency, UNLINED};
 use crate::sample_buffer::SampleBuffer;
 use crate::scene::Role;
 use crate::{Camera, Colour, Material, Scene, StandardView, ViewError};
@@ -65,8 +65,8 @@ const MOST_POINTS: usize = 8192;
 const FEWEST_POINTS: usize = 16;
 
 /// Ghosts: a robot of light blue glass.
-const GHOST: u32 = 0x0058_9ad6;
-const GHOST_OPACITY: f32 = 0.34;
+const GHOST: u32 = 0x0046_8ad0;
+const GHOST_OPACITY: f32 = 0.44;
 
 /// What can be seen through is glass in the colour of what it is made of.
 const GLASS_OPACITY: f32 = 0.36;
@@ -226,8 +226,8 @@ fn thing_of(node: usize, role: Role) -> u32 {
     let whole = match role {
         Role::Obstacle(body) => 1_000_000 + body,
         Role::Target => 2_000_000,
-        Role::Grasp { index, .. } => 3_000_000 + index,
-        Role::Link(_) | Role::GripperPath => node,
+        Role::Grasp { .. } | Role::GripperPath => return UNLINED,
+        Role::Link(_) => node,
     };
     u32::try_from(whole).unwrap_or(u32::MAX)
 }

@@ -130,18 +130,18 @@ fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     kept
 }
 
-/// Where a ray meets the plane of a triangle: how far along the ray, and the weights of the second and third
-/// corner (Möller & Trumbore 1997). None for a triangle that is seen from its edge.
-pub(crate) fn meet(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> Option<(f32, f32, f32)> {
+/// Where a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997): the nearest place of the
+/// triangle where it passes by, as a sample at the very edge may, and its middle if it is seen from the edge.
+pub(crate) fn weights(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> [f32; 3] {
     let (e1, e2) = (b - a, c - a);
     let p = ray.cross(&e2);
     let determinant = e1.dot(&p);
-    if determinant == 0.0 {
-        return None;
-    }
     let from_a = eye - a;
-    let q = from_a.cross(&e1);
-    let weights = (from_a.dot(&p) / determinant, ray.dot(&q) / determinant);
-    let distance = e2.dot(&q) / determinant;
-    distance.is_finite().then_some((distance, weights.0, weights.1))
+    let (second, third) = (from_a.dot(&p) / determinant, ray.dot(&from_a.cross(&e1)) / determinant);
+    if !(second.is_finite() && third.is_finite()) {
+        return [1.0 / 3.0; 3];
+    }
+    let second = second.clamp(0.0, 1.0);
+    let third = third.clamp(0.0, 1.0 - second);
+    [1.0 - second - third, second, third]
 }

@@ -27,7 +27,7 @@ impl SceneSettings {
 }
 
 /// Obstacles: greyish blue, which neither robot nor objects are. In turns, so that two that touch differ.
-const OBSTACLES: [u32; 4] = [0x00a9_bac9, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd];
+const OBSTACLES: [u32; 4] = [0x0094_aac0, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd];
 
 /// The colour of the grasp that was taken, and of the gripper's way to it.
 const CHOSEN: u32 = 0x00e8_3f6f;
@@ -194,10 +194,11 @@ impl Scene {
     }
 }
 
-/// What a body is, without what tells it from its like: "wall" of "wall 2" and `wall_left`.
+/// What a body is, without what tells it from its like: the longest word of "left wall", "wall 2", `wall_b`.
 fn kind_of(name: &str) -> &str {
-    let end = name.find(|c: char| !c.is_alphabetic()).filter(|&end| end > 0).unwrap_or(name.len());
-    &name[..end]
+    const SIDES: [&str; 8] = ["left", "right", "front", "back", "upper", "lower", "top", "bottom"];
+    let words = name.split(|c: char| !c.is_alphabetic()).filter(|word| !SIDES.contains(word));
+    words.max_by_key(|word| word.len()).unwrap_or(name)
 }
 
 /// Grasps of nearly equal score share a material.
