@@ -55,7 +55,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
     pub grasps: usize,
     /// Show the robot at so many seconds of the motion instead of its end
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Pictures a second of a moving picture
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]

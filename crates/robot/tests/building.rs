@@ -238,7 +238,7 @@ fn a_link_looks_as_its_visuals_say() {
     let robot = Robot::from_urdf_text(urdf, "r.urdf", None, &RobotOptions::default()).unwrap();
     let [box_, cylinder, mesh] = &robot.links()[0].visuals[..] else { panic!("three visuals") };
     assert_eq!(box_.colour, Some([1.0, 0.0, 0.0, 1.0]));
-    assert_eq!(box_.link_from_visual.translation.z, 1.0);
+    assert!((box_.link_from_visual.translation.z - 1.0).abs() < 1e-12);
     assert_eq!(cylinder.colour, Some([0.0, 0.0, 1.0, 0.5]), "a material is known by its name everywhere");
     assert_eq!((cylinder.rounding_m, cylinder.blend_m), (0.01, 0.02));
     // The file is not needed before somebody looks.

@@ -25,13 +25,13 @@ impl Solid {
             Outline::Cylinder { half_length_m, radius_m } => {
                 Some(turned(&[(-half_length_m, radius_m), (half_length_m, radius_m)]))
             }
-            Outline::Other => match self.kind() {
-                Kind::Mesh(mesh) => TriangleSoup::from_corners(mesh.vertices().copied()).ok(),
-                _ => {
-                    let (points, _) = self.bounding_points()?;
-                    TriangleSoup::convex_hull(&points).ok()
+            Outline::Other => {
+                if let Kind::Mesh(mesh) = self.kind() {
+                    return TriangleSoup::from_corners(mesh.vertices().copied()).ok();
                 }
-            },
+                let (points, _) = self.bounding_points()?;
+                TriangleSoup::convex_hull(&points).ok()
+            }
         }
     }
 }

@@ -38,8 +38,10 @@ impl Picture {
             // Whole points around the digit; small positive numbers.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let (side, tall) = ((0.7 * height) as usize, (1.2 * height) as usize);
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let first = begin.max(0.0) as usize;
             for row in top..(top + tall).min(self.height()) {
-                for column in (begin.max(0.0) as usize)..(begin.max(0.0) as usize + side).min(self.width()) {
+                for column in first..(first + side).min(self.width()) {
                     let x = (column as f32 + 0.5 - begin) / height - 0.08;
                     let y = (row as f32 + 0.5 - top as f32) / height - 0.08;
                     let beyond = distance_to_digit(digit, x, y) * height - thickness;
@@ -93,16 +95,17 @@ mod tests {
 
     #[test]
     fn a_sheet_holds_its_pictures_side_by_side() {
-        let red = Picture::blank(60, 40, [200, 0, 0]);
-        let blue = Picture::blank(60, 40, [0, 0, 200]);
-        let sheet = Picture::sheet(&[("".into(), red.clone()), ("8".into(), blue), ("".into(), red)], 2);
-        assert_eq!((sheet.width(), sheet.height()), (3 * GAP + 120, 3 * GAP + 80));
+        let red = Picture::blank(240, 160, [200, 0, 0]);
+        let blue = Picture::blank(240, 160, [0, 0, 200]);
+        let pictures = [(String::new(), red.clone()), ("8".into(), blue), (String::new(), red)];
+        let sheet = Picture::sheet(&pictures, 2);
+        assert_eq!((sheet.width(), sheet.height()), (3 * GAP + 480, 3 * GAP + 320));
         let at = |x: usize, y: usize| sheet.pixels()[y * sheet.width() + x];
-        assert_eq!(at(GAP + 30, GAP + 20), [200, 0, 0]);
-        assert_eq!(at(2 * GAP + 90, GAP + 20), [0, 0, 200]);
-        assert_eq!(at(GAP + 30, 2 * GAP + 60), [200, 0, 0]);
-        assert_eq!(at(2 * GAP + 90, 2 * GAP + 60), PAPER);
+        assert_eq!(at(GAP + 120, GAP + 80), [200, 0, 0]);
+        assert_eq!(at(2 * GAP + 360, GAP + 80), [0, 0, 200]);
+        assert_eq!(at(GAP + 120, 2 * GAP + 240), [200, 0, 0]);
+        assert_eq!(at(2 * GAP + 360, 2 * GAP + 240), PAPER);
         assert!(sheet.pixels().contains(&INK), "no number");
-        assert_eq!(Picture::sheet(&[], 5).pixels().len(), (2 * GAP).pow(2));
+        assert_eq!(Picture::sheet(&[], 5).pixels().len(), 2 * GAP * GAP);
     }
 }

@@ -28,6 +28,9 @@ pub(crate) struct DrawTriangle {
     pub facing: u16,
 }
 
+/// Things from this number on are lines: without outline and shadow.
+pub(crate) const UNLINED: u32 = 3_000_000;
+
 /// A piece of a mesh at one place.
 pub(crate) struct Surface {
     pub material: Material,
@@ -97,7 +100,7 @@ impl DrawList {
                 })
             })
             .collect();
-        for triangle in &self.triangles {
+        for triangle in self.casters() {
             let corners = triangle.corners.map(|corner| moved[corner as usize]);
             let [a, b, c] = corners;
             if a != b && b != c && c != a {
@@ -105,6 +108,12 @@ impl DrawList {
             }
         }
         coarse
+    }
+
+    /// The triangles that throw shadows: those of lines, which are not there in earnest, do not.
+    pub fn casters(&self) -> impl Iterator<Item = &DrawTriangle> {
+        let is_line = |surface: u32| self.surfaces.get(surface as usize).is_some_and(|s| s.thing >= UNLINED);
+        self.triangles.iter().filter(move |triangle| !is_line(triangle.surface))
     }
 
     /// A ball around all corners; None if there is none.

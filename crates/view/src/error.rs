@@ -73,5 +73,6 @@ fn listed(paths: &[PathBuf]) -> String {
     if paths.is_empty() {
         return " nothing, for the robot has no folder".to_owned();
     }
-    paths.iter().map(|path| format!("\n  {}", path.display())).collect()
+    let lines: Vec<String> = paths.iter().map(|path| format!("\n  {}", path.display())).collect();
+    lines.concat()
 }

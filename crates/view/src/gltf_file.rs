@@ -127,11 +127,11 @@ impl Scene {
                 }
             }
             // What does not change is said by the node alone.
-            if places.iter().any(|place| place != &places[0]) {
+            if varies(&places) {
                 let output = buffer.numbers(root, &places, None);
                 add_channel(&mut animation, input, output, node, Property::Translation);
             }
-            if turns.iter().any(|turn| turn != &turns[0]) {
+            if varies(&turns) {
                 let output = buffer.numbers(root, &turns, None);
                 add_channel(&mut animation, input, output, node, Property::Rotation);
             }
@@ -140,6 +140,12 @@ impl Scene {
             root.animations.push(animation);
         }
     }
+}
+
+/// Whether something changes by more than rounding does.
+fn varies<const N: usize>(rows: &[[f32; N]]) -> bool {
+    const ROUNDING: f32 = 3e-7;
+    rows.iter().any(|row| (0..N).any(|i| (row[i] - rows[0][i]).abs() > ROUNDING))
 }
 
 fn add_channel(

@@ -240,7 +240,7 @@ impl DepthMap {
     fn draw(&mut self, casters: &DrawList) {
         let texels: Vec<[f32; 3]> = casters.positions.iter().map(|place| self.texel(place)).collect();
         let grid = SampleGrid { width: self.side, rows: self.side, offsets: &[0.5] };
-        for triangle in &casters.triangles {
+        for triangle in casters.casters() {
             let corners = triangle.corners.map(|corner| texels[corner as usize]);
             spans(&corners, &grid, |span| {
                 let begin = span.row * self.side;

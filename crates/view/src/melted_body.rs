@@ -14,8 +14,8 @@ use crate::MeshPiece;
 
 /// A primitive of a body.
 pub(crate) struct Primitive {
-    body_from_primitive: Pose,
-    primitive_from_body: Pose,
+    body_from_here: Pose,
+    here_from_body: Pose,
     form: Form,
     blend_m: f64,
 }
@@ -51,8 +51,8 @@ impl Primitive {
             VisualForm::Mesh { .. } => return None,
         };
         Some(Self {
-            body_from_primitive: visual.link_from_visual,
-            primitive_from_body: visual.link_from_visual.inverse(),
+            body_from_here: visual.link_from_visual,
+            here_from_body: visual.link_from_visual.inverse(),
             form,
             blend_m: visual.blend_m,
         })
@@ -66,12 +66,12 @@ impl Primitive {
             }
             Form::Cylinder { half_length_m, radius_m, .. } => Vector::new(radius_m, radius_m, half_length_m),
         };
-        Aabb { center: Point::origin(), half_extents }.transformed(&self.body_from_primitive)
+        Aabb { center: Point::origin(), half_extents }.transformed(&self.body_from_here)
     }
 
     /// Distance from its surface, in metres; negative inside.
     fn distance(&self, point_in_body: &Point) -> f64 {
-        let p = self.primitive_from_body * point_in_body;
+        let p = self.here_from_body * point_in_body;
         match self.form {
             Form::Cuboid { half_extents, rounding_m } => {
                 let beyond = p.coords.abs() - half_extents.add_scalar(-rounding_m);

@@ -1,4 +1,4 @@
-use crate::draw_list::{DrawList, DrawPoint, DrawVector, Lens};
+use crate::draw_list::{DrawList, DrawPoint, DrawVector, Lens, UNLINED};
 use crate::ground::Ground;
 use crate::light::{Light, Seen, SkyShare};
 use crate::sample_buffer::{NOTHING, Region, SampleBuffer, weights};
@@ -19,9 +19,6 @@ pub(crate) struct Translucency {
     pub rim: f32,
     pub is_outlined: bool,
 }
-
-/// Things from this number on have no outline: they are lines themselves.
-pub(crate) const UNLINED: u32 = 3_000_000;
 
 /// How much darker the line around a thing is.
 const OUTLINE: f32 = 0.5;

@@ -1,10 +1,10 @@
 use cranny_spatial::{Point, Pose};
 
 use crate::colour::ScreenTable;
-use crate::draw_list::{DrawList, DrawVector, Lens};
+use crate::draw_list::{DrawList, DrawVector, Lens, UNLINED};
 use crate::ground::Ground;
 use crate::light::Light;
-use crate::painter::{Painter, Translucency, UNLINED};
+use crate::painter::{Painter, Translucency};
 use crate::sample_buffer::SampleBuffer;
 use crate::scene::Role;
 use crate::{Camera, Colour, Material, Scene, StandardView, ViewError};

@@ -21,7 +21,7 @@ impl Picture {
     pub fn png(&self, path: &Path) -> Result<Vec<u8>, ViewError> {
         let mut bytes = Vec::new();
         let encoded = (|| {
-            let mut writer = encoder(self, &mut bytes)?.write_header()?;
+            let mut writer = encoder(self, &mut bytes).write_header()?;
             writer.write_image_data(&self.bytes())?;
             writer.finish()
         })();
@@ -74,7 +74,7 @@ impl Animation {
         let Some(first) = self.pictures.first() else { return Ok(()) };
         let mut bytes = Vec::new();
         let encoded = (|| {
-            let mut encoder = encoder(first, &mut bytes)?;
+            let mut encoder = encoder(first, &mut bytes);
             let count = u32::try_from(self.pictures.len()).unwrap_or(u32::MAX);
             encoder.set_animated(count, 0)?;
             encoder.set_frame_delay(1, self.rate_hz)?;
@@ -119,17 +119,14 @@ impl Animation {
     }
 }
 
-fn encoder<'a>(
-    picture: &Picture,
-    bytes: &'a mut Vec<u8>,
-) -> Result<png::Encoder<'a, &'a mut Vec<u8>>, png::EncodingError> {
+fn encoder<'a>(picture: &Picture, bytes: &'a mut Vec<u8>) -> png::Encoder<'a, &'a mut Vec<u8>> {
     let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
     let mut encoder = png::Encoder::new(bytes, side(picture.width()), side(picture.height()));
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder.set_compression(png::Compression::Balanced);
-    Ok(encoder)
+    encoder
 }
 
 fn encoding(path: &Path, reason: &dyn std::fmt::Display) -> ViewError {

@@ -114,7 +114,7 @@ fn plastic([red, green, blue, opacity]: [f64; 4], is_bare: bool) -> Material {
     if is_bare {
         return Material { roughness: 0.45, ..Material::matt("robot", Colour::hex(BARE)) };
     }
-    let name = format!("robot {:.2} {:.2} {:.2}", red, green, blue);
+    let name = format!("robot {red:.2} {green:.2} {blue:.2}");
     let roughness = if red + green + blue < 1.2 { 0.5 } else { 0.32 };
     // The precision of graphics.
     #[allow(clippy::cast_possible_truncation)]
