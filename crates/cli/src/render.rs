@@ -76,7 +76,7 @@ pub struct RenderArguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ViewArgument {
-    /// From ahead on the right and above
+    /// From the right, somewhat ahead and above
     ThreeQuarter,
     /// From behind the robot: what it sees
     Front,
