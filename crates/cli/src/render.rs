@@ -350,7 +350,7 @@ fn direction(text: &str) -> Result<(f64, f64), String> {
     let is_direction = |(turn, rise): &(f64, f64)| turn.abs() <= 360.0 && (-90.0..=90.0).contains(rise);
     numbers
         .filter(is_direction)
-        .ok_or_else(|| format!("'{text}' is no direction; write two numbers of degrees, such as -66,24"))
+        .ok_or_else(|| format!("'{text}' is no direction; write two numbers of degrees, such as -75,22"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

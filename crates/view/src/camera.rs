@@ -44,7 +44,7 @@ impl StandardView {
     /// Where the eye is as seen from what it looks at, in degrees: turned about z from x, and above the ground.
     pub fn direction_deg(self) -> (f64, f64) {
         match self {
-            Self::ThreeQuarter => (-84.0, 20.0),
+            Self::ThreeQuarter => (-75.0, 22.0),
             Self::Front => (180.0, 14.0),
             Self::Side => (-90.0, 4.0),
             Self::Top => (180.0, 90.0),

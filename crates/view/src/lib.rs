@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use cranny_scenario::{OpenOptions, Scenario};
-//! use cranny_view::{Camera, Picture, PictureSettings, Scene, SceneSettings, StandardView};
+//! use cranny_view::{Picture, PictureSettings, Scene, SceneSettings, StandardView};
 //!
 //! let scenario = Scenario::open("021", &OpenOptions::default())?;
 //! let scene = Scene::of_task(&scenario, None, &SceneSettings::default())?;
@@ -17,8 +17,8 @@
 //!
 //! ## Limits
 //! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
-//! light that bounces from thing to thing. What can be seen through casts no shadow, and of things that can be seen
-//! through the nearer one hides nothing of the farther one but its share of light.
+//! light from thing to thing. What can be seen through casts no shadow; several such things are laid over each
+//! other from the farthest to the nearest by where they stand, which is wrong where they pass through each other.
 
 mod camera;
 mod colour;

@@ -8,14 +8,10 @@ use crate::scan::{SampleGrid, spans};
 /// leave it way. Both are seen from where they shine, as maps of depth.
 pub(crate) struct Light {
     sun: DepthMap,
-    sky: Vec<SkyPatch>,
+    /// One for each of evenly spread directions.
+    sky: Vec<DepthMap>,
     /// What an open sky gives, by how far up a surface faces: from −1 to 1.
     open: Vec<DrawVector>,
-}
-
-/// A piece of the sky.
-struct SkyPatch {
-    map: DepthMap,
 }
 
 /// How much of the sky reaches a place.
@@ -56,7 +52,7 @@ const HORIZON: [f32; 3] = [0.60, 0.60, 0.61];
 /// What the ground throws back onto what faces it.
 const GROUND: [f32; 3] = [0.33, 0.32, 0.31];
 
-/// Pieces of the sky, and points along a side of their maps: steps between shadows that are too faint to see.
+/// Directions to the sky, and points along a side of their maps: steps between shadows that are too faint to see.
 const SKY_PATCHES: u32 = 48;
 const SKY_SIDE: usize = 160;
 const SUN_SIDE: usize = 2048;
@@ -83,8 +79,7 @@ impl Light {
             map
         };
         let coarse = casters.coarse(radius_m * COARSE_SHARE);
-        let sky =
-            (0..SKY_PATCHES).map(|index| SkyPatch { map: map(sky_direction(index), SKY_SIDE, &coarse) });
+        let sky = (0..SKY_PATCHES).map(|index| map(sky_direction(index), SKY_SIDE, &coarse));
         let open = (0..TABLE_STEPS).map(|step| open_sky(2.0 * step as f32 / (TABLE_STEPS - 1) as f32 - 1.0));
         Self { sun: map(direction(SUN_DEG), SUN_SIDE, casters), sky: sky.collect(), open: open.collect() }
     }
@@ -93,10 +88,10 @@ impl Light {
     pub fn sky_share(&self, place: &DrawPoint, normal: &DrawVector) -> SkyShare {
         let (mut arriving, mut full, mut open, mut faced) = (0.0, 0.0, 0.0, 0.0);
         for patch in &self.sky {
-            let cosine = normal.dot(&patch.map.towards);
+            let cosine = normal.dot(&patch.towards);
             // What lies behind the surface counts for neither.
             if cosine > 0.0 {
-                let is_open = patch.map.is_open(place, normal);
+                let is_open = patch.is_open(place, normal);
                 open += is_open;
                 faced += 1.0;
                 full += cosine;
@@ -106,7 +101,7 @@ impl Light {
         if faced == 0.0 {
             // Seen from below: what light there is comes from the ground.
             let up = place + DrawVector::z() * (2.0 / self.sun.texels_per_m);
-            return SkyShare { arriving: 0.0, openness: 0.5 * self.sky[0].map.is_open(&up, normal) };
+            return SkyShare { arriving: 0.0, openness: 0.5 * self.sky[0].is_open(&up, normal) };
         }
         SkyShare { arriving: arriving / full, openness: open / faced }
     }

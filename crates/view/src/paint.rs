@@ -45,18 +45,22 @@ const END_SHARE: f64 = 0.475;
 /// A shaft is thinner than this share of the whole.
 const SHAFT_SHARE: f64 = 0.55;
 
+/// Where the handle ends, from the middle, as a share of the whole length: a little before the shaft begins.
+const HANDLE_END: f64 = -0.03;
+
 /// The mesh of an object, coloured by what its name says it is.
 pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec<MeshPiece> {
     let lower = name.to_lowercase();
     let look = LOOKS.iter().find(|look| look.words.iter().any(|word| lower.contains(word)));
-    let colour = Colour::hex(look.map_or(OTHER, |look| look.colour));
+    let (colour, detail) = look.map_or((OTHER, Detail::None), |look| (look.colour, look.detail));
+    let colour = Colour::hex(colour);
     let main = scene.material(Material { roughness: 0.45, ..Material::matt(name, colour) });
     let Some(first) = soup.vertices.first() else { return Vec::new() };
     let (low, high) = soup.vertices.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
     let (middle, size) = ((low.coords + high.coords) * 0.5, high - low);
     let is_detail = |corner: &Point| -> bool {
         let from_middle = corner.coords - middle;
-        match look.map_or(Detail::None, |look| look.detail) {
+        match detail {
             Detail::None => false,
             Detail::Shaft => is_shaft(&from_middle, &size),
             Detail::DarkEnds => {
@@ -66,7 +70,7 @@ pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec
             Detail::Band => from_middle[size.imax()].abs() < BAND_SHARE * size.max(),
         }
     };
-    let other = match look.map_or(Detail::None, |look| look.detail) {
+    let other = match detail {
         Detail::None => return vec![MeshPiece::of_soup(soup, main)],
         Detail::Shaft => Material {
             metallic: 0.9,
@@ -79,10 +83,10 @@ pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec
         }
     };
     let other = scene.material(other);
-    let cut_at = match look.map(|look| look.detail) {
-        Some(Detail::Band) => Some(BAND_SHARE),
-        Some(Detail::DarkEnds) => Some(END_SHARE),
-        _ => None,
+    let cut_at = match detail {
+        Detail::Band => Some(BAND_SHARE),
+        Detail::DarkEnds => Some(END_SHARE),
+        Detail::None | Detail::Shaft => None,
     };
     let long = size.imax();
     let cut = cut_at.map(|share| banded(soup, long, middle[long], share * size[long]));
@@ -106,7 +110,7 @@ fn is_shaft(from_middle: &Vector, size: &Vector) -> bool {
     let (one, other) = ((long + 1) % 3, (long + 2) % 3);
     let across = (from_middle[one].powi(2) + from_middle[other].powi(2)).sqrt();
     let thickness = size[one].max(size[other]);
-    across < 0.5 * thickness * SHAFT_SHARE && from_middle[long] > -0.03 * size[long]
+    across < 0.5 * thickness * SHAFT_SHARE && from_middle[long] > HANDLE_END * size[long]
 }
 
 /// The triangles cut at two heights along an axis, so that a band between them has straight edges.

@@ -17,7 +17,6 @@ pub(crate) struct Translucency {
     pub opacity: f32,
     /// How much more it does where it is seen from the side, so that its form can be told.
     pub rim: f32,
-    pub is_outlined: bool,
 }
 
 /// How much darker the line around a thing is.
@@ -75,7 +74,7 @@ impl Painter<'_> {
         for row in region.rows.clone() {
             for column in region.columns.clone() {
                 let (mut light, mut cover) = (DrawVector::zeros(), 0.0);
-                let line = if look.is_outlined { things.edge(row, column) } else { 0.0 };
+                let line = things.edge(row, column);
                 for share in things.shares(row, column).iter().filter(|share| share.samples > 0) {
                     if share.triangle == NOTHING {
                         continue;

@@ -68,8 +68,16 @@ const FEWEST_POINTS: usize = 16;
 const GHOST: u32 = 0x0046_8ad0;
 const GHOST_OPACITY: f32 = 0.44;
 
+/// How much denser a ghost is at its edges, which show its form.
+const GHOST_RIM: f32 = 0.9;
+
 /// What can be seen through is glass in the colour of what it is made of.
 const GLASS_OPACITY: f32 = 0.36;
+const GLASS_RIM: f32 = 0.35;
+
+/// Links are things by the number of their node; bodies, as wholes, by theirs after all nodes.
+const FIRST_BODY: usize = 1_000_000;
+const TARGET: usize = 2_000_000;
 
 impl Picture {
     /// Draws a scene from a standard view.
@@ -184,11 +192,7 @@ impl Stage {
                 let mut list = DrawList::default();
                 list.add(mesh, pose, thing, &scene.materials, Material::clone);
                 let opacity = if is_glass { scene.opacity(mesh) } else { GLASS_OPACITY };
-                translucent.push((
-                    distance(pose),
-                    list,
-                    Translucency { opacity, rim: 0.35, is_outlined: true },
-                ));
+                translucent.push((distance(pose), list, Translucency { opacity, rim: GLASS_RIM }));
             } else {
                 solid.add(mesh, pose, thing, &scene.materials, Material::clone);
             }
@@ -212,7 +216,7 @@ impl Stage {
             }
             // Later ones are denser.
             let opacity = GHOST_OPACITY * (0.6 + 0.4 * (index + 1) as f32 / ghosts.len() as f32);
-            let translucency = Translucency { opacity, rim: 0.9, is_outlined: true };
+            let translucency = Translucency { opacity, rim: GHOST_RIM };
             translucent.push((far, list, translucency));
         }
         translucent.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -224,8 +228,8 @@ impl Stage {
 /// Outlines are drawn between links, and around bodies as wholes.
 fn thing_of(node: usize, role: Role) -> u32 {
     let whole = match role {
-        Role::Obstacle(body) => 1_000_000 + body,
-        Role::Target => 2_000_000,
+        Role::Obstacle(body) => FIRST_BODY + body,
+        Role::Target => TARGET,
         Role::Grasp { .. } | Role::GripperPath => return UNLINED,
         Role::Link(_) => node,
     };

@@ -123,18 +123,14 @@ fn a_plan_that_does_not_fit_is_refused() {
 #[test]
 fn a_robot_that_is_drawn_with_a_missing_mesh_says_which() {
     let mut scenario = scenario("021");
-    let urdf = r#"<robot name="r"><link name="base"><visual><geometry><mesh filename="gone.dae"/></geometry></visual>
-        </link></robot>"#;
-    let mut robot = Robot::from_urdf_text(urdf, "r.urdf", Some(Path::new("/r")), &RobotOptions::default());
-    if robot.is_err() {
-        // A robot needs a joint.
-        let urdf = urdf.replace(
-            "</robot>",
-            "<link name='cart'/><joint name='j' type='prismatic'><parent link='base'/><child link='cart'/>\
-             <limit lower='-1' upper='1' velocity='1'/></joint></robot>",
-        );
-        robot = Robot::from_urdf_text(&urdf, "r.urdf", Some(Path::new("/r")), &RobotOptions::default());
-    }
+    let urdf = r#"<robot name="r">
+      <link name="base"><visual><geometry><mesh filename="gone.dae"/></geometry></visual></link>
+      <link name="cart"/>
+      <joint name="drive" type="prismatic">
+        <parent link="base"/><child link="cart"/><limit lower="-1" upper="1" velocity="1"/>
+      </joint>
+    </robot>"#;
+    let robot = Robot::from_urdf_text(urdf, "r.urdf", Some(Path::new("/r")), &RobotOptions::default());
     scenario.robot = std::sync::Arc::new(robot.unwrap());
     scenario.start = vec![0.0];
     let refused = Scene::of_task(&scenario, None, &SceneSettings::default()).unwrap_err().to_string();
