@@ -4,6 +4,7 @@
 //! `CRANNY_DATA`).
 
 mod checkout;
+mod gltf;
 mod member;
 mod problem;
 mod python_tools;
@@ -20,7 +21,7 @@ Tasks of a Cranny contributor
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test           everything a change must pass: format, lints, tidy, tests, doc tests, pages
+  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF, pages
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)

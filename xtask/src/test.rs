@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::gltf;
 use crate::member;
 use crate::python_tools;
 use crate::released_data;
@@ -9,7 +10,7 @@ use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
 
 /// The steps. One that needs a tool of its own says so in `needs`.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -30,6 +31,7 @@ const STEPS: [Step; 6] = [
         needs: |_| Readiness::Ready,
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
     },
+    Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
 ];
 

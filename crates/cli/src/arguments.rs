@@ -10,6 +10,7 @@ use cranny_scenario::Geometry;
 use crate::bench::BenchArguments;
 use crate::grasps::GraspsArguments;
 use crate::object::ObjectArguments;
+use crate::render::RenderArguments;
 use crate::scenario::ScenarioArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
@@ -65,6 +66,8 @@ pub enum Command {
     Object(ObjectArguments),
     /// Run campaigns of trials, join, report and replay their results
     Bench(BenchArguments),
+    /// Draw a scenario or a plan: a picture, a moving picture, animated glTF
+    Render(Box<RenderArguments>),
 }
 
 /// Which task, under which criterion.

@@ -12,6 +12,9 @@ pub enum Failure {
     /// A campaign or its results.
     #[error(transparent)]
     Bench(#[from] cranny_bench::BenchError),
+    /// What is drawn, or the file of a picture.
+    #[error(transparent)]
+    View(#[from] cranny_view::ViewError),
     /// A flag that does not fit.
     #[error("--{flag}: {problem}")]
     Flag {

@@ -20,6 +20,7 @@ mod object;
 mod plan;
 mod plan_task;
 mod progress;
+mod render;
 mod scenario;
 mod start;
 mod task;
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Command::Grasps(arguments) => grasps::run(arguments, cli.output),
         Command::Object(arguments) => object::run(arguments, cli.output),
         Command::Bench(arguments) => bench::run(arguments, cli.output),
+        Command::Render(arguments) => render::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,

@@ -8,6 +8,7 @@ use cranny_scenario::{
 };
 use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup};
 use cranny_spatial::Vector;
+use cranny_view::{Picture, PictureSettings, Scene, StandardView};
 use serde::Serialize;
 
 use crate::Answer;
@@ -37,11 +38,15 @@ pub enum ObjectCommand {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny object show banana
+  cranny object show banana --picture banana.png
   cranny object show path/to/mug --json")]
 pub struct ShowArguments {
     /// Built-in object, or the folder of one
     #[arg(value_name = "OBJECT")]
     pub object: String,
+    /// Draw it too, as a PNG file
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -109,6 +114,7 @@ struct Shown {
     stable_poses: Vec<Pose>,
     repaired: Option<Repaired>,
     folder: Option<PathBuf>,
+    picture: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -141,7 +147,13 @@ pub fn open(what: &str) -> Result<ObjectType, ScenarioError> {
 pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         ObjectCommand::List => list(output),
-        ObjectCommand::Show(arguments) => show(&Shown::of(&open(&arguments.object)?), output),
+        ObjectCommand::Show(arguments) => {
+            let object = open(&arguments.object)?;
+            if let Some(file) = &arguments.picture {
+                draw(&object, file, PICTURE_POINTS)?;
+            }
+            show(&Shown { picture: arguments.picture.clone(), ..Shown::of(&object) }, output)
+        }
         ObjectCommand::Add(arguments) => add(arguments, output),
         ObjectCommand::Export(arguments) => {
             let object = builtin_object(&arguments.object)?;
@@ -201,8 +213,22 @@ fn written(
     output: Output,
 ) -> Result<Answer, Failure> {
     object.write_folder(&folder)?;
+    let thumbnail = folder.join(THUMBNAIL);
+    draw(object, &thumbnail, THUMBNAIL_POINTS)?;
+    shown.picture = Some(thumbnail);
     shown.folder = Some(folder);
     show(&shown, output)
+}
+
+/// What an object's folder calls its picture, and the sides of pictures in points.
+const THUMBNAIL: &str = "thumbnail.png";
+const THUMBNAIL_POINTS: usize = 256;
+const PICTURE_POINTS: usize = 640;
+
+fn draw(object: &ObjectType, file: &Path, side: usize) -> Result<(), Failure> {
+    let settings = PictureSettings { width: side, height: side, samples: 8, ..PictureSettings::default() };
+    let picture = Picture::of(&Scene::of_object(object), StandardView::ThreeQuarter, &settings)?;
+    Ok(picture.write_png(file)?)
 }
 
 fn show(shown: &Shown, output: Output) -> Result<Answer, Failure> {
@@ -247,6 +273,7 @@ impl Shown {
                 .collect(),
             repaired: None,
             folder: None,
+            picture: None,
         }
     }
 
@@ -296,6 +323,9 @@ impl Shown {
         }
         if let Some(folder) = &self.folder {
             line("written to", folder.display().to_string());
+        }
+        if let Some(picture) = &self.picture {
+            line("picture", picture.display().to_string());
         }
         page
     }

@@ -11,10 +11,10 @@ use crate::kinematics::{LinkFrames, Motion, Step, Value};
 use crate::limits::{RateLimits, parse_rate_limits};
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfCollision, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLink};
+use crate::urdf::{Urdf, UrdfCollision, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLink, UrdfVisual};
 use crate::{
-    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkShape, MeshUse, Mover, Robot, RobotError,
-    RobotOptions, Srdf, TextSource, mesh_path,
+    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkShape, LinkVisual, MeshUse, Mover, Robot,
+    RobotError, RobotOptions, Srdf, TextSource, VisualForm, mesh_path,
 };
 
 impl Robot {
@@ -77,6 +77,7 @@ impl Robot {
                 name: link.name.clone(),
                 parent: node.above.map(|(above, _)| above),
                 collisions,
+                visuals: link.visuals.iter().map(|visual| solids.visual(visual)).collect(),
             });
         }
         let limits = resolved
@@ -244,6 +245,22 @@ impl SolidSource<'_> {
             reason: Box::new(reason),
         })?;
         Ok(LinkShape { link_from_shape: collision.link_from_shape, solid, soup })
+    }
+
+    fn visual(&self, visual: &UrdfVisual) -> LinkVisual {
+        let form = match &visual.geometry {
+            UrdfGeometry::Cuboid { size } => VisualForm::Cuboid { size: *size },
+            UrdfGeometry::Sphere { radius_m } => VisualForm::Sphere { radius_m: *radius_m },
+            &UrdfGeometry::Cylinder { length_m, radius_m } => VisualForm::Cylinder { length_m, radius_m },
+            &UrdfGeometry::Capsule { length_m, radius_m } => VisualForm::Capsule { length_m, radius_m },
+            UrdfGeometry::Mesh { filename, scale } => VisualForm::Mesh {
+                name: filename.clone(),
+                candidates: mesh_path::candidates(filename, self.base_dir, &self.options.packages),
+                scale: *scale,
+            },
+        };
+        let &UrdfVisual { link_from_visual, colour, rounding_m, blend_m, .. } = visual;
+        LinkVisual { link_from_visual, form, colour, rounding_m, blend_m }
     }
 
     fn find(&self, link: &UrdfLink, collision: &UrdfCollision, mesh: &str) -> Result<PathBuf, RobotError> {

@@ -26,7 +26,7 @@
 //!
 //! ## Limits
 //! Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
-//! are revolute joints with limits of ±2π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, visual shapes,
+//! are revolute joints with limits of ±2π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, textures,
 //! transmissions, safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and
 //! sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
 //! Inverse kinematics is numerical: it may miss a solution that exists, and proves nothing by finding none.
@@ -55,6 +55,7 @@ mod spelling;
 mod srdf;
 mod tree;
 mod urdf;
+mod visual;
 mod xml;
 
 pub use error::{Hindrance, Location, RobotError};
@@ -70,3 +71,4 @@ pub use options::{JointGroup, MeshUse, RobotOptions, TextSource};
 pub use reach_bound::ReachBound;
 pub use robot_files::RobotFiles;
 pub use srdf::{EndEffector, GroupState, Srdf, SrdfGroup};
+pub use visual::{LinkVisual, VisualForm};

@@ -4,7 +4,7 @@ use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::kinematics::Step;
-use crate::{JointLimits, LimitViolation};
+use crate::{JointLimits, LimitViolation, LinkVisual};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
 /// an `Arc`.
@@ -43,6 +43,8 @@ pub struct Link {
     pub parent: Option<usize>,
     /// Its collision geometry; empty for a bare frame.
     pub collisions: Vec<LinkShape>,
+    /// How it looks; empty for a bare frame, and where the URDF does not say.
+    pub visuals: Vec<LinkVisual>,
 }
 
 /// A piece of a link's collision geometry.

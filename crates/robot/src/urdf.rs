@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use cranny_spatial::{Pose, Vector};
 
 use crate::xml::{Element, XmlText};
@@ -15,12 +17,22 @@ pub(crate) struct UrdfLink {
     pub(crate) name: String,
     pub(crate) at: Location,
     pub(crate) collisions: Vec<UrdfCollision>,
+    pub(crate) visuals: Vec<UrdfVisual>,
 }
 
 pub(crate) struct UrdfCollision {
     pub(crate) at: Location,
     pub(crate) link_from_shape: Pose,
     pub(crate) geometry: UrdfGeometry,
+}
+
+/// Lengths in metres; the colour is that of its own or its named material.
+pub(crate) struct UrdfVisual {
+    pub(crate) link_from_visual: Pose,
+    pub(crate) geometry: UrdfGeometry,
+    pub(crate) colour: Option<[f64; 4]>,
+    pub(crate) rounding_m: f64,
+    pub(crate) blend_m: f64,
 }
 
 /// Sizes in metres, all greater than zero; a cylinder and a capsule lie along z, and a capsule's length is
@@ -78,21 +90,73 @@ impl Urdf {
         let xml = XmlText::parse(text, file)?;
         let robot = xml.robot()?;
         let name = robot.optional_text("name").unwrap_or("robot").to_owned();
-        let links = robot.all("link").map(parse_link).collect::<Result<Vec<_>, _>>()?;
+        let colours = named_colours(robot)?;
+        let links =
+            robot.all("link").map(|link| parse_link(link, &colours)).collect::<Result<Vec<_>, _>>()?;
         let joints = robot.all("joint").map(parse_joint).collect::<Result<Vec<_>, _>>()?;
         Ok(Self { name, file: file.to_owned(), links, joints })
     }
 }
 
-fn parse_link(element: Element<'_>) -> Result<UrdfLink, RobotError> {
+/// Colours (red, green, blue, opacity; 0 to 1) by the name of their material. A material may be given its
+/// colour at the top or in any visual, and is then known by its name everywhere.
+type Colours<'a> = HashMap<&'a str, [f64; 4]>;
+
+fn named_colours(robot: Element<'_>) -> Result<Colours<'_>, RobotError> {
+    let visuals = robot.all("link").flat_map(|link| link.all("visual"));
+    let materials = robot.all("material").chain(visuals.flat_map(|visual| visual.all("material")));
+    let mut colours = HashMap::new();
+    for material in materials {
+        if let (Some(name), Some(colour)) = (material.optional_text("name"), parse_colour(material)?) {
+            colours.entry(name).or_insert(colour);
+        }
+    }
+    Ok(colours)
+}
+
+fn parse_colour(material: Element<'_>) -> Result<Option<[f64; 4]>, RobotError> {
+    material.first("color").map_or(Ok(None), |colour| colour.numbers("rgba"))
+}
+
+fn parse_link(element: Element<'_>, colours: &Colours<'_>) -> Result<UrdfLink, RobotError> {
     let name = element.text("name")?.to_owned();
     let collisions =
         element.all("collision").map(|child| parse_collision(child, &name)).collect::<Result<_, _>>()?;
-    Ok(UrdfLink { name, at: element.at(), collisions })
+    let visuals =
+        element.all("visual").map(|child| parse_visual(child, &name, colours)).collect::<Result<_, _>>()?;
+    Ok(UrdfLink { name, at: element.at(), collisions, visuals })
 }
 
 fn parse_collision(element: Element<'_>, link: &str) -> Result<UrdfCollision, RobotError> {
-    let owner = || format!("<collision> of link `{link}`");
+    let (at, geometry) = parse_geometry(element, link)?;
+    Ok(UrdfCollision { at, link_from_shape: element.origin()?, geometry })
+}
+
+fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Result<UrdfVisual, RobotError> {
+    let (_, geometry) = parse_geometry(element, link)?;
+    let colour = match element.first("material") {
+        Some(material) => {
+            let named = || material.optional_text("name").and_then(|name| colours.get(name).copied());
+            parse_colour(material)?.or_else(named)
+        }
+        None => None,
+    };
+    let length = |attribute| {
+        let given = element.optional_text(attribute).map(|_| element.positive(attribute));
+        given.transpose().map(Option::unwrap_or_default)
+    };
+    Ok(UrdfVisual {
+        link_from_visual: element.origin()?,
+        geometry,
+        colour,
+        rounding_m: length("rounding")?,
+        blend_m: length("blend")?,
+    })
+}
+
+/// The geometry of a `<collision>` or a `<visual>`, and where it stands.
+fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, UrdfGeometry), RobotError> {
+    let owner = || format!("<{}> of link `{link}`", element.tag());
     let shape = element.needed("geometry", &owner())?.children().next().ok_or_else(|| {
         RobotError::MissingElement { at: element.at(), owner: owner(), element: "geometry" }
     })?;
@@ -117,7 +181,7 @@ fn parse_collision(element: Element<'_>, link: &str) -> Result<UrdfCollision, Ro
             });
         }
     };
-    Ok(UrdfCollision { at: shape.at(), link_from_shape: element.origin()?, geometry })
+    Ok((shape.at(), geometry))
 }
 
 fn parse_size(element: Element<'_>) -> Result<Vector, RobotError> {

@@ -136,7 +136,10 @@ impl<'a> Element<'a> {
         Ok(Pose::from_parts(Point::from(translation).into(), rotation))
     }
 
-    fn numbers<const N: usize>(&self, attribute: &'static str) -> Result<Option<[f64; N]>, RobotError> {
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        attribute: &'static str,
+    ) -> Result<Option<[f64; N]>, RobotError> {
         let Some(text) = self.optional_text(attribute) else { return Ok(None) };
         let wrong = || RobotError::NotNumbers {
             at: self.at(),

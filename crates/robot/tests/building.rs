@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cranny_robot::{
     CONTINUOUS_LIMIT_RAD, JointGroup, JointKind, JointUnit, LimitViolation, MeshUse, Robot, RobotOptions,
-    TextSource,
+    TextSource, VisualForm,
 };
 
 fn names(robot: &Robot, pairs: &[(usize, usize)]) -> Vec<(String, String)> {
@@ -211,4 +211,58 @@ fn texts_stand_in_for_files() {
     let robot = Robot::from_urdf_text(&urdf, "built-in", None, &options).unwrap();
     assert_eq!(robot.limits(), fixture::mobile_arm().limits());
     assert_eq!(robot.disabled_pairs(), fixture::mobile_arm().disabled_pairs());
+}
+
+#[test]
+fn a_link_looks_as_its_visuals_say() {
+    let urdf = r#"<robot name="r">
+      <material name="red"><color rgba="1 0 0 1"/></material>
+      <link name="base">
+        <visual><origin xyz="0 0 1"/><geometry><box size="1 2 3"/></geometry><material name="red"/></visual>
+        <visual blend="0.02" rounding="0.01">
+          <geometry><cylinder length="1" radius="0.5"/></geometry>
+          <material name="later"/>
+        </visual>
+        <visual><geometry><mesh filename="no/such.dae" scale="1 1 -1"/></geometry></visual>
+      </link>
+      <link name="cart">
+        <visual>
+          <geometry><sphere radius="1"/></geometry>
+          <material name="later"><color rgba="0 0 1 0.5"/></material>
+        </visual>
+      </link>
+      <joint name="drive" type="prismatic">
+        <parent link="base"/><child link="cart"/><limit lower="-1" upper="1" velocity="1"/>
+      </joint>
+    </robot>"#;
+    let robot = Robot::from_urdf_text(urdf, "r.urdf", None, &RobotOptions::default()).unwrap();
+    let [box_, cylinder, mesh] = &robot.links()[0].visuals[..] else { panic!("three visuals") };
+    assert_eq!(box_.colour, Some([1.0, 0.0, 0.0, 1.0]));
+    assert!((box_.link_from_visual.translation.z - 1.0).abs() < 1e-12);
+    assert_eq!(cylinder.colour, Some([0.0, 0.0, 1.0, 0.5]), "a material is known by its name everywhere");
+    assert_eq!((cylinder.rounding_m, cylinder.blend_m), (0.01, 0.02));
+    // The file is not needed before somebody looks.
+    assert!(matches!(&mesh.form, VisualForm::Mesh { name, .. } if name == "no/such.dae"));
+    assert!(robot.links()[0].collisions.is_empty());
+}
+
+#[test]
+fn a_visual_that_is_none_is_refused_with_its_place() {
+    let refused = |visual: &str| {
+        let urdf = format!("<robot name='r'><link name='base'>\n{visual}</link></robot>");
+        Robot::from_urdf_text(&urdf, "r.urdf", None, &RobotOptions::default()).unwrap_err().to_string()
+    };
+    for (visual, word) in [
+        ("<visual/>", "<visual> of link `base`"),
+        ("<visual><geometry><box size='1 2'/></geometry></visual>", "size"),
+        ("<visual><geometry><torus/></geometry></visual>", "torus"),
+        ("<visual blend='-1'><geometry><sphere radius='1'/></geometry></visual>", "blend"),
+        (
+            "<visual><geometry><sphere radius='1'/></geometry><material><color rgba='1 0 0'/></material></visual>",
+            "rgba",
+        ),
+    ] {
+        let fault = refused(visual);
+        assert!(fault.contains("r.urdf:2") && fault.contains(word), "{fault}");
+    }
 }

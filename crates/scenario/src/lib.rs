@@ -16,7 +16,7 @@
 //!
 //! ## Limits
 //! Under `paper`, the start of 044 and 045 touches the gate: the boxes around the built-in robot's links are larger
-//! than the released ones (`--robot` takes those). Objects have no thumbnails yet. Scenarios are made by recipes for the built-in robot alone. Meshes of obstacles must be
+//! than the released ones (`--robot` takes those). Scenarios are made by recipes for the built-in robot alone. Meshes of obstacles must be
 //! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
 //! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
 

@@ -1,0 +1,359 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_view::{
+    Animation, Camera, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath, StandardView,
+};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::{GeometryArgument, Output};
+use crate::failure::Failure;
+use crate::{progress, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny render 021 -o 021.png                               the scenario, the robot at its start
+  cranny render 021 021.plan.json -o 021.png                 the end of a plan, with the way to it
+  cranny render 021 021.plan.json --view all -o views.png    from four sides
+  cranny render 021 021.plan.json -o 021.gif                 a moving picture, also .apng
+  cranny render 021 021.plan.json -o frames/                 its pictures one by one
+  cranny render 021 021.plan.json -o 021.glb                 animated glTF, for three.js or Blender
+  cranny render --all -o sheet.png                           all built-in scenarios on one sheet
+
+What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
+the same bytes on any machine.")]
+pub struct RenderArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID", required_unless_present = "all")]
+    pub id: Option<String>,
+    /// A plan file (.plan.json) or way points (.csv, .try); with --all a folder of plan files ID.plan.json
+    #[arg(value_name = "PLAN")]
+    pub plan: Option<PathBuf>,
+    /// Where to write, and what: .png, .gif, .apng, .glb, or a folder (with a / at its end) for single pictures
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// A sheet of all built-in scenarios
+    #[arg(long)]
+    pub all: bool,
+    /// Points across and down [default: 1280x960; 640x480 for moving pictures, 400x300 for each of --all]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(usize, usize)>,
+    /// From where
+    #[arg(long, value_enum, default_value_t = ViewArgument::ThreeQuarter)]
+    pub view: ViewArgument,
+    /// From where instead: degrees turned to the left from straight ahead, and above the ground
+    #[arg(long, value_name = "TURN,RISE", value_parser = direction, conflicts_with = "view",
+          allow_hyphen_values = true)]
+    pub camera: Option<(f64, f64)>,
+    /// Translucent poses along the way [default: 3; 0 for moving pictures]
+    #[arg(long, value_name = "N")]
+    pub ghosts: Option<usize>,
+    /// Grasps shown beside the one that was taken, spread over the scores
+    #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
+    pub grasps: usize,
+    /// Show the robot at so many seconds of the motion instead of its end
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Pictures a second of a moving picture
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
+    pub rate: u16,
+    /// Samples a point against jagged edges
+    #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
+    pub samples: String,
+    /// Leave obstacles solid that hide the gripper or the target
+    #[arg(long)]
+    pub solid: bool,
+    /// Another robot's URDF instead of the scenario's
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    #[arg(long, value_enum)]
+    pub geometry: Option<GeometryArgument>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ViewArgument {
+    /// From the right, somewhat ahead and above
+    ThreeQuarter,
+    /// From behind the robot: what it sees
+    Front,
+    /// From the right of the robot, level
+    Side,
+    /// From above, ahead is up
+    Top,
+    /// All four in one picture
+    All,
+}
+
+impl ViewArgument {
+    fn views(self) -> Vec<StandardView> {
+        match self {
+            Self::ThreeQuarter => vec![StandardView::ThreeQuarter],
+            Self::Front => vec![StandardView::Front],
+            Self::Side => vec![StandardView::Side],
+            Self::Top => vec![StandardView::Top],
+            Self::All => StandardView::ALL.to_vec(),
+        }
+    }
+}
+
+/// What a file's ending asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Gif,
+    Apng,
+    Glb,
+    Folder,
+}
+
+/// What is printed with `--json`.
+#[derive(Default, Serialize)]
+struct Rendered {
+    files: Vec<PathBuf>,
+    pictures: usize,
+    width: usize,
+    height: usize,
+    triangles: usize,
+}
+
+/// Instants a second of an animated glTF, which interpolates between them.
+const GLTF_RATE_HZ: f64 = 30.0;
+
+/// Pictures in a row of a sheet: a row for each environment.
+const SHEET_COLUMNS: usize = 5;
+
+pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
+    let format = format_of(&arguments.output)?;
+    check_folder(&arguments.output)?;
+    let rendered = match (&arguments.id, format) {
+        (_, Format::Png) if arguments.all => sheet(arguments, output)?,
+        _ if arguments.all => {
+            return Err(flag("all", "a sheet is a picture: give -o a name that ends in .png"));
+        }
+        (Some(id), _) => one(id, arguments, format, output)?,
+        (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
+    };
+    if output.json {
+        text::print_json(&rendered)?;
+    } else if !output.quiet {
+        let mut page = String::new();
+        for file in &rendered.files {
+            let _ = writeln!(page, "{}", file.display());
+        }
+        text::print(&page)?;
+    }
+    Ok(Answer::Done)
+}
+
+fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) -> Result<Rendered, Failure> {
+    let is_moving = matches!(format, Format::Gif | Format::Apng | Format::Folder);
+    let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
+    let scene = scene(id, arguments.plan.as_deref(), arguments, rate_hz)?;
+    let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
+    let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 });
+    let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
+    let file = &arguments.output;
+    match format {
+        Format::Glb => {
+            scene.write_glb(file)?;
+            rendered.files.push(file.clone());
+        }
+        Format::Png => {
+            let picture = views(&scene, arguments, &settings)?;
+            picture.write_png(file)?;
+            rendered = Rendered { pictures: 1, width: picture.width(), height: picture.height(), ..rendered };
+            rendered.files.push(file.clone());
+        }
+        Format::Gif | Format::Apng | Format::Folder => {
+            let count = moving(&scene, arguments, format, &settings, output)?;
+            rendered = Rendered { pictures: count, width, height, ..rendered };
+            rendered.files.push(file.clone());
+        }
+    }
+    Ok(rendered)
+}
+
+/// One view, or four of half the size.
+fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings) -> Result<Picture, Failure> {
+    let views = arguments.view.views();
+    if let [view] = views[..] {
+        return Ok(Picture::of(scene, view, settings)?);
+    }
+    let quarter =
+        PictureSettings { width: settings.width / 2, height: settings.height / 2, ..settings.clone() };
+    let draw = |view: StandardView| Ok((String::new(), Picture::of(scene, view, &quarter)?));
+    let pictures = views.into_iter().map(draw).collect::<Result<Vec<_>, Failure>>()?;
+    Ok(Picture::sheet(&pictures, 2))
+}
+
+/// Draws the motion and returns of how many pictures.
+fn moving(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    format: Format,
+    settings: &PictureSettings,
+    output: Output,
+) -> Result<usize, Failure> {
+    let [view] = arguments.view.views()[..] else {
+        return Err(flag("view", "a moving picture has one view; 'all' is for .png"));
+    };
+    let Some(last) = scene.last_frame() else {
+        return Err(flag("output", "nothing moves without a plan: name a plan file, or write .png or .glb"));
+    };
+    let frames: Vec<usize> = (0..=last).collect();
+    let bar = progress::bar(frames.len() as u64, output.quiet);
+    bar.set_message("pictures");
+    let file = &arguments.output;
+    if format == Format::Folder {
+        std::fs::create_dir_all(file)?;
+        Animation::draw(scene, view, settings, &frames, |place, picture| {
+            picture.write_png(&file.join(format!("{place:04}.png")))?;
+            bar.inc(1);
+            Ok(())
+        })?;
+    } else {
+        let pictures = Animation::draw(scene, view, settings, &frames, |_, picture| {
+            bar.inc(1);
+            Ok(picture)
+        })?;
+        let animation = Animation { pictures, rate_hz: arguments.rate };
+        if format == Format::Gif { animation.write_gif(file) } else { animation.write_apng(file) }?;
+    }
+    bar.finish_and_clear();
+    Ok(frames.len())
+}
+
+/// All built-in scenarios, with the plans of a folder where it has them.
+fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failure> {
+    let entries = cranny_scenario::catalogue();
+    let bar = progress::bar(entries.len() as u64, output.quiet);
+    bar.set_message("scenarios");
+    let [view] = arguments.view.views()[..] else {
+        return Err(flag("view", "a sheet has one view of each scenario"));
+    };
+    // With --all the only free argument is the folder of plans.
+    let folder = arguments.plan.clone().or(arguments.id.as_ref().map(PathBuf::from));
+    if let Some(folder) = folder.as_ref().filter(|folder| !folder.is_dir()) {
+        let problem = format!("'{}' is no folder of plan files", folder.display());
+        return Err(Failure::Flag { flag: "all", problem });
+    }
+    let mut pictures = Vec::new();
+    let mut triangles = 0;
+    for entry in entries {
+        let plan = folder.as_ref().map(|folder| folder.join(format!("{}.plan.json", entry.id)));
+        let plan = plan.filter(|plan| plan.is_file());
+        let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ)?;
+        triangles += scene.triangle_count();
+        let settings = settings(&scene, arguments, arguments.size.unwrap_or((400, 300)), 3);
+        pictures.push((entry.id.to_owned(), Picture::of(&scene, view, &settings)?));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let sheet = Picture::sheet(&pictures, SHEET_COLUMNS);
+    sheet.write_png(&arguments.output)?;
+    let files = vec![arguments.output.clone()];
+    Ok(Rendered { files, pictures: 1, width: sheet.width(), height: sheet.height(), triangles })
+}
+
+fn scene(id: &str, plan: Option<&Path>, arguments: &RenderArguments, rate_hz: f64) -> Result<Scene, Failure> {
+    let is_plan = |file: &Path| file.extension().is_some_and(|extension| extension == "json");
+    let read = plan.filter(|file| is_plan(file)).map(PlanFile::read).transpose()?;
+    let of_plan = read.as_ref().and_then(|plan| plan.robot.as_ref()).map(PathBuf::from);
+    let options = OpenOptions {
+        criterion: None,
+        robot: arguments.robot.clone().or(of_plan),
+        geometry: arguments.geometry.map(Into::into),
+    };
+    let scenario = Scenario::open(id, &options)?;
+    let path = match (read, plan) {
+        (Some(plan), _) => ShownPath::of_plan(&scenario, &plan, rate_hz)?,
+        (None, Some(file)) => {
+            let waypoints = read_waypoints(file, scenario.robot.dof())?;
+            ShownPath::of_waypoints(&scenario, &waypoints, rate_hz)?
+        }
+        (None, None) => None,
+    };
+    Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
+}
+
+fn settings(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    (width, height): (usize, usize),
+    ghosts: usize,
+) -> PictureSettings {
+    let aspect = width as f64 / height.max(1) as f64;
+    let camera: Option<Camera> = arguments.camera.map(|direction| scene.camera_from(direction, aspect));
+    let frame = arguments.time.zip(scene.motion.as_ref()).map(|(time, motion)| {
+        let last = motion.times_s.len().saturating_sub(1);
+        motion.times_s.partition_point(|&instant| instant < time).min(last)
+    });
+    PictureSettings {
+        width,
+        height,
+        samples: arguments.samples.parse().unwrap_or(4),
+        frame,
+        ghosts: arguments.ghosts.unwrap_or(ghosts),
+        camera,
+        see_through: if arguments.solid { SeeThrough::Nothing } else { SeeThrough::WhatHides },
+    }
+}
+
+fn format_of(file: &Path) -> Result<Format, Failure> {
+    let text = file.to_string_lossy();
+    if text.ends_with('/') || text.ends_with(std::path::MAIN_SEPARATOR) || file.is_dir() {
+        return Ok(Format::Folder);
+    }
+    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match ending.as_str() {
+        "png" => Ok(Format::Png),
+        "gif" => Ok(Format::Gif),
+        "apng" => Ok(Format::Apng),
+        "glb" => Ok(Format::Glb),
+        _ => {
+            let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb and / (a folder)");
+            Err(Failure::Flag { flag: "output", problem })
+        }
+    }
+}
+
+/// So that nobody waits for a picture that cannot be written.
+fn check_folder(file: &Path) -> Result<(), Failure> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => {
+            let problem = format!("'{}': there is no such folder", folder.display());
+            Err(Failure::Flag { flag: "output", problem })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn flag(flag: &'static str, problem: &str) -> Failure {
+    Failure::Flag { flag, problem: problem.to_owned() }
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once(['x', '×']).and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
+    numbers.ok_or_else(|| format!("'{text}' is no size; write it as 1280x960"))
+}
+
+fn direction(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').and_then(|(turn, rise)| {
+        let turn: Option<f64> = turn.trim().parse().ok();
+        turn.zip(rise.trim().parse().ok())
+    });
+    let is_direction = |(turn, rise): &(f64, f64)| turn.abs() <= 360.0 && (-90.0..=90.0).contains(rise);
+    numbers
+        .filter(is_direction)
+        .ok_or_else(|| format!("'{text}' is no direction; write two numbers of degrees, such as -75,22"))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: Option<f64> = text.parse().ok();
+    seconds.filter(|s| *s >= 0.0).ok_or_else(|| format!("'{text}' is no number of seconds"))
+}

@@ -1,0 +1,78 @@
+use std::path::PathBuf;
+
+/// Why something cannot be shown, or a picture not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ViewError {
+    /// A mesh that a robot is drawn with is not there.
+    #[error("link '{link}' of the robot is drawn as '{mesh}', which is not found; tried:{}", listed(tried))]
+    VisualNotFound {
+        /// The link.
+        link: String,
+        /// Its name in the URDF.
+        mesh: String,
+        /// Where it was looked for.
+        tried: Vec<PathBuf>,
+    },
+    /// A mesh cannot be read.
+    #[error(transparent)]
+    Shape(#[from] cranny_shape::ShapeError),
+    /// A path does not fit the robot.
+    #[error(transparent)]
+    Plan(#[from] cranny_plan::PlanError),
+    /// A scenario or a plan.
+    #[error(transparent)]
+    Scenario(#[from] cranny_scenario::ScenarioError),
+    /// A plan is of a robot with other joints.
+    #[error("the plan moves joint '{found}' where this scenario's robot has '{expected}'")]
+    OtherRobot {
+        /// The first joint of the plan that differs.
+        found: String,
+        /// The joint that the robot has in its place.
+        expected: String,
+    },
+    /// A way point of another robot.
+    #[error("way point {waypoint} has {actual} values instead of {expected}")]
+    Waypoint {
+        /// Which, from 0.
+        waypoint: usize,
+        /// Joints of the robot.
+        expected: usize,
+        /// Values that there are.
+        actual: usize,
+    },
+    /// A picture without or with far too many points.
+    #[error("a picture of {width} × {height} points cannot be drawn; each side is 16 to {most} points long")]
+    Size {
+        /// What was asked for.
+        width: usize,
+        /// What was asked for.
+        height: usize,
+        /// The most that there may be.
+        most: usize,
+    },
+    /// A picture file cannot be encoded.
+    #[error("{}: {reason}", path.display())]
+    Encoding {
+        /// The file.
+        path: PathBuf,
+        /// What the encoder says.
+        reason: String,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+}
+
+fn listed(paths: &[PathBuf]) -> String {
+    if paths.is_empty() {
+        return " nothing, for the robot has no folder".to_owned();
+    }
+    let lines: Vec<String> = paths.iter().map(|path| format!("\n  {}", path.display())).collect();
+    lines.concat()
+}

@@ -1,0 +1,248 @@
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use cranny_shape::TriangleSoup;
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+use gltf_json::accessor::Accessor;
+use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
+use gltf_json::buffer::{Buffer, Target as BufferTarget};
+use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::scene::UnitQuaternion;
+use gltf_json::validation::Checked;
+use gltf_json::{Asset, Extras, Index, Root};
+
+use crate::gltf_buffer::GltfBuffer;
+use crate::picture_file::write_whole;
+use crate::{Colour, Material, MeshPiece, Scene, ViewError};
+
+/// Half the side of the floor in a glTF file, in metres: wider than any built-in scenario.
+const FLOOR_M: f64 = 3.0;
+
+const FLOOR: u32 = 0x00e4_e8ec;
+
+impl Scene {
+    /// Writes the scene as a binary glTF 2.0 file with everything in it: nodes, meshes, materials, and the
+    /// motion as an animation of the moving links, linear between the instants of the scene. glTF is y up: the
+    /// outermost node turns the planning frame so.
+    ///
+    /// # Errors
+    /// [`ViewError::Encoding`], [`ViewError::Unwritable`].
+    pub fn write_glb(&self, path: &Path) -> Result<(), ViewError> {
+        let bytes = self
+            .glb()
+            .map_err(|reason| ViewError::Encoding { path: path.to_owned(), reason: reason.to_string() })?;
+        write_whole(path, &bytes)
+    }
+
+    /// The bytes of such a file.
+    ///
+    /// # Errors
+    /// Of the JSON encoder, for a number that is not finite.
+    pub fn glb(&self) -> Result<Vec<u8>, gltf_json::Error> {
+        let mut buffer = GltfBuffer::default();
+        let generator = format!("Cranny {}", env!("CARGO_PKG_VERSION"));
+        let mut root = Root {
+            asset: Asset { generator: Some(generator), ..Asset::default() },
+            materials: self.materials.iter().map(gltf_material).collect(),
+            ..Root::default()
+        };
+        for mesh in &self.meshes {
+            let primitives =
+                mesh.pieces.iter().map(|piece| primitive(piece, &mut buffer, &mut root)).collect();
+            root.meshes.push(gltf_mesh(&mesh.name, primitives));
+        }
+        self.push_nodes(&mut root);
+        self.push_floor(&mut buffer, &mut root);
+        let (name, extensions, extras) = (Some(self.name.clone()), None, Extras::default());
+        root.scenes.push(gltf_json::Scene { extensions, extras, name, nodes: vec![Index::new(0)] });
+        root.scene = Some(Index::new(0));
+        self.push_animation(&mut buffer, &mut root);
+        root.buffers.push(Buffer {
+            byte_length: buffer.bytes.len().into(),
+            name: None,
+            uri: None,
+            extensions: None,
+            extras: Extras::default(),
+        });
+        let mut json = root.to_vec()?;
+        // Chunks are filled up to whole words, text with blanks.
+        json.resize(json.len().next_multiple_of(4), b' ');
+        Ok(chunks(&json, &buffer.bytes))
+    }
+
+    /// The planning frame first, then each node one later than in the scene.
+    fn push_nodes(&self, root: &mut Root) {
+        let quarter = std::f64::consts::FRAC_1_SQRT_2;
+        let y_up =
+            Rotation::new_unchecked(cranny_spatial::nalgebra::Quaternion::new(quarter, -quarter, 0.0, 0.0));
+        let y_up_from_planning = Pose::from_parts(Vector::zeros().into(), y_up);
+        root.nodes.push(node("planning_frame", &y_up_from_planning, None));
+        let child = |index: usize| Index::new(u32::try_from(index + 1).unwrap_or(u32::MAX));
+        for scene_node in &self.nodes {
+            let mesh = scene_node.mesh.map(|mesh| Index::new(u32::try_from(mesh).unwrap_or(u32::MAX)));
+            root.nodes.push(node(&scene_node.name, &scene_node.parent_from_node, mesh));
+        }
+        for (index, scene_node) in self.nodes.iter().enumerate() {
+            let parent = scene_node.parent.map_or(0, |parent| parent + 1);
+            root.nodes[parent].children.get_or_insert_default().push(child(index));
+        }
+    }
+
+    fn push_floor(&self, buffer: &mut GltfBuffer, root: &mut Root) {
+        let Some(world_from_floor) = &self.world_from_floor else { return };
+        let corner = |x: f64, y: f64| Point::new(x * FLOOR_M, y * FLOOR_M, 0.0);
+        let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let soup = TriangleSoup { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] };
+        let material = Material { roughness: 1.0, ..Material::matt("floor", Colour::hex(FLOOR)) };
+        root.materials.push(gltf_material(&material));
+        let piece = MeshPiece::of_soup(&soup, root.materials.len() - 1);
+        let primitive = primitive(&piece, buffer, root);
+        let mesh = root.push(gltf_mesh("floor", vec![primitive]));
+        let index = root.push(node("floor", world_from_floor, Some(mesh)));
+        root.nodes[0].children.get_or_insert_default().push(index);
+    }
+
+    fn push_animation(&self, buffer: &mut GltfBuffer, root: &mut Root) {
+        let Some(motion) = self.motion.as_ref().filter(|motion| motion.times_s.len() > 1) else { return };
+        #[allow(clippy::cast_possible_truncation)]
+        let times: Vec<[f32; 1]> = motion.times_s.iter().map(|time| [*time as f32]).collect();
+        let input = buffer.numbers(root, &times, None);
+        let mut animation = Animation {
+            extensions: None,
+            extras: Extras::default(),
+            channels: Vec::new(),
+            name: Some("motion".to_owned()),
+            samplers: Vec::new(),
+        };
+        for track in &motion.tracks {
+            let node = Index::new(u32::try_from(track.node + 1).unwrap_or(u32::MAX));
+            let places: Vec<[f32; 3]> = track.poses.iter().map(translation).collect();
+            let mut turns: Vec<[f32; 4]> = track.poses.iter().map(rotation).collect();
+            // A rotation and its negative are the same; the way between two instants is the shorter one.
+            for index in 1..turns.len() {
+                let dot: f32 = (0..4).map(|i| turns[index - 1][i] * turns[index][i]).sum();
+                if dot < 0.0 {
+                    turns[index] = turns[index].map(|x| -x);
+                }
+            }
+            // What does not change is said by the node alone.
+            if varies(&places) {
+                let output = buffer.numbers(root, &places, None);
+                add_channel(&mut animation, input, output, node, Property::Translation);
+            }
+            if varies(&turns) {
+                let output = buffer.numbers(root, &turns, None);
+                add_channel(&mut animation, input, output, node, Property::Rotation);
+            }
+        }
+        if !animation.channels.is_empty() {
+            root.animations.push(animation);
+        }
+    }
+}
+
+/// Whether something changes by more than rounding does.
+fn varies<const N: usize>(rows: &[[f32; N]]) -> bool {
+    const ROUNDING: f32 = 3e-7;
+    rows.iter().any(|row| (0..N).any(|i| (row[i] - rows[0][i]).abs() > ROUNDING))
+}
+
+fn add_channel(
+    animation: &mut Animation,
+    input: Index<Accessor>,
+    output: Index<Accessor>,
+    node: Index<gltf_json::Node>,
+    path: Property,
+) {
+    let sampler = Index::new(u32::try_from(animation.samplers.len()).unwrap_or(u32::MAX));
+    let interpolation = Checked::Valid(Interpolation::Linear);
+    let extras = Extras::default;
+    animation.samplers.push(Sampler { extensions: None, extras: extras(), input, interpolation, output });
+    let target = Target { extensions: None, extras: extras(), node, path: Checked::Valid(path) };
+    animation.channels.push(Channel { sampler, target, extensions: None, extras: extras() });
+}
+
+fn gltf_mesh(name: &str, primitives: Vec<Primitive>) -> gltf_json::Mesh {
+    gltf_json::Mesh {
+        extensions: None,
+        extras: Extras::default(),
+        name: Some(name.to_owned()),
+        primitives,
+        weights: None,
+    }
+}
+
+fn primitive(piece: &MeshPiece, buffer: &mut GltfBuffer, root: &mut Root) -> Primitive {
+    let target = Some(BufferTarget::ArrayBuffer);
+    let mut attributes = BTreeMap::new();
+    let mut add = |semantic, accessor| attributes.insert(Checked::Valid(semantic), accessor);
+    add(Semantic::Positions, buffer.numbers(root, &piece.positions, target));
+    add(Semantic::Normals, buffer.numbers(root, &piece.normals, target));
+    if !piece.colours.is_empty() {
+        let colours: Vec<[f32; 3]> = piece.colours.iter().map(|colour| colour.0).collect();
+        add(Semantic::Colors(0), buffer.numbers(root, &colours, target));
+    }
+    Primitive {
+        attributes,
+        extensions: None,
+        extras: Extras::default(),
+        indices: Some(buffer.indices(root, &piece.triangles)),
+        material: Some(Index::new(u32::try_from(piece.material).unwrap_or(u32::MAX))),
+        mode: Checked::Valid(Mode::Triangles),
+        targets: None,
+    }
+}
+
+fn gltf_material(material: &Material) -> gltf_json::Material {
+    let Colour([red, green, blue]) = material.colour;
+    let alpha_mode = if material.opacity < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
+    gltf_json::Material {
+        name: Some(material.name.clone()),
+        alpha_mode: Checked::Valid(alpha_mode),
+        pbr_metallic_roughness: PbrMetallicRoughness {
+            base_color_factor: PbrBaseColorFactor([red, green, blue, material.opacity]),
+            metallic_factor: StrengthFactor(material.metallic),
+            roughness_factor: StrengthFactor(material.roughness),
+            ..PbrMetallicRoughness::default()
+        },
+        ..gltf_json::Material::default()
+    }
+}
+
+fn node(name: &str, pose: &Pose, mesh: Option<Index<gltf_json::Mesh>>) -> gltf_json::Node {
+    gltf_json::Node {
+        mesh,
+        name: Some(name.to_owned()),
+        rotation: Some(UnitQuaternion(rotation(pose))),
+        translation: Some(translation(pose)),
+        ..gltf_json::Node::default()
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)]
+fn translation(pose: &Pose) -> [f32; 3] {
+    [0, 1, 2].map(|axis| pose.translation.vector[axis] as f32)
+}
+
+/// x, y, z, w.
+#[allow(clippy::cast_possible_truncation)]
+fn rotation(pose: &Pose) -> [f32; 4] {
+    [0, 1, 2, 3].map(|axis| pose.rotation.coords[axis] as f32)
+}
+
+/// A binary glTF file of its two chunks, both filled up to whole words (glTF 2.0, §4.4).
+fn chunks(json: &[u8], binary: &[u8]) -> Vec<u8> {
+    let word = |number: usize| u32::try_from(number).unwrap_or(u32::MAX).to_le_bytes();
+    let length = 12 + 8 + json.len() + 8 + binary.len();
+    let mut bytes = Vec::with_capacity(length);
+    for part in [&b"glTF"[..], &word(2), &word(length)] {
+        bytes.extend_from_slice(part);
+    }
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", binary)] {
+        bytes.extend_from_slice(&word(chunk.len()));
+        bytes.extend_from_slice(kind);
+        bytes.extend_from_slice(chunk);
+    }
+    bytes
+}

@@ -1,0 +1,56 @@
+//! What a task looks like: one scene, from which pictures, animations and glTF files are made without a
+//! graphics card or a browser.
+//!
+//! ```
+//! use cranny_scenario::{OpenOptions, Scenario};
+//! use cranny_view::{Picture, PictureSettings, Scene, SceneSettings, StandardView};
+//!
+//! let scenario = Scenario::open("021", &OpenOptions::default())?;
+//! let scene = Scene::of_task(&scenario, None, &SceneSettings::default())?;
+//! let settings = PictureSettings { width: 160, height: 120, ..PictureSettings::default() };
+//! let picture = Picture::of(&scene, StandardView::Side, &settings)?;
+//! assert_eq!(picture.pixels().len(), 160 * 120);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Scene`] is plain data in the planning frame. Pictures have the same bytes on every machine.
+//!
+//! ## Limits
+//! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
+//! light from thing to thing. What can be seen through casts no shadow; several such things are laid over each
+//! other from the farthest to the nearest by where they stand, which is wrong where they pass through each other.
+
+mod camera;
+mod colour;
+mod contact_sheet;
+mod draw_list;
+mod error;
+mod framing;
+mod gltf_buffer;
+mod gltf_file;
+mod ground;
+mod light;
+mod melted_body;
+mod mesh;
+mod paint;
+mod painter;
+mod picture;
+mod picture_file;
+mod robot_look;
+mod rounded;
+mod sample_buffer;
+mod scan;
+mod scene;
+mod shown_path;
+mod stroke;
+mod task_scene;
+
+pub use camera::{Camera, StandardView};
+pub use colour::Colour;
+pub use error::ViewError;
+pub use mesh::{Mesh, MeshPiece};
+pub use picture::{Picture, PictureSettings, SeeThrough};
+pub use picture_file::Animation;
+pub use scene::{Material, Node, Role, Scene, SceneMotion, Track};
+pub use shown_path::ShownPath;
+pub use task_scene::SceneSettings;

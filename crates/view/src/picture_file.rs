@@ -1,0 +1,150 @@
+use std::io::BufWriter;
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::{Picture, PictureSettings, Scene, StandardView, ViewError};
+
+impl Picture {
+    /// Writes the picture as a PNG file; what stood there before is replaced as a whole or not at all.
+    ///
+    /// # Errors
+    /// [`ViewError::Unwritable`].
+    pub fn write_png(&self, path: &Path) -> Result<(), ViewError> {
+        write_whole(path, &self.png(path)?)
+    }
+
+    /// The bytes of a PNG file, named `path` in errors.
+    ///
+    /// # Errors
+    /// [`ViewError::Encoding`].
+    pub fn png(&self, path: &Path) -> Result<Vec<u8>, ViewError> {
+        let mut bytes = Vec::new();
+        let encoded = (|| {
+            let mut writer = encoder(self, &mut bytes).write_header()?;
+            writer.write_image_data(&self.bytes())?;
+            writer.finish()
+        })();
+        encoded.map_err(|reason: png::EncodingError| encoding(path, &reason))?;
+        Ok(bytes)
+    }
+}
+
+/// Pictures one after the other, as one file or many.
+pub struct Animation {
+    /// The pictures, all of one size.
+    pub pictures: Vec<Picture>,
+    /// How many are shown in a second; at most 50, which players of GIF still obey.
+    pub rate_hz: u16,
+}
+
+impl Animation {
+    /// Draws instants of a scene's motion, on all cores; `each` gets every picture with its place in `frames`, in no
+    /// certain order.
+    ///
+    /// # Errors
+    /// As [`Picture::of`], and those of `each`.
+    ///
+    /// # Panics
+    /// As [`Picture::of`].
+    pub fn draw<T: Send>(
+        scene: &Scene,
+        view: StandardView,
+        settings: &PictureSettings,
+        frames: &[usize],
+        each: impl Fn(usize, Picture) -> Result<T, ViewError> + Sync,
+    ) -> Result<Vec<T>, ViewError> {
+        let draw = |(place, &frame): (usize, &usize)| {
+            let settings = PictureSettings { frame: Some(frame), ..settings.clone() };
+            each(place, Picture::of(scene, view, &settings)?)
+        };
+        frames.par_iter().enumerate().map(draw).collect()
+    }
+}
+
+/// How long the last picture stands before it begins anew, in pictures.
+const LAST_STANDS: u16 = 20;
+
+impl Animation {
+    /// Writes an animated PNG, which browsers show like a picture.
+    ///
+    /// # Errors
+    /// [`ViewError::Encoding`], [`ViewError::Unwritable`].
+    pub fn write_apng(&self, path: &Path) -> Result<(), ViewError> {
+        let Some(first) = self.pictures.first() else { return Ok(()) };
+        let mut bytes = Vec::new();
+        let encoded = (|| {
+            let mut encoder = encoder(first, &mut bytes);
+            let count = u32::try_from(self.pictures.len()).unwrap_or(u32::MAX);
+            encoder.set_animated(count, 0)?;
+            encoder.set_frame_delay(1, self.rate_hz)?;
+            let mut writer = encoder.write_header()?;
+            for (index, picture) in self.pictures.iter().enumerate() {
+                if index + 1 == self.pictures.len() {
+                    writer.set_frame_delay(LAST_STANDS, self.rate_hz)?;
+                }
+                writer.write_image_data(&picture.bytes())?;
+            }
+            writer.finish()
+        })();
+        encoded.map_err(|reason: png::EncodingError| encoding(path, &reason))?;
+        write_whole(path, &bytes)
+    }
+
+    /// Writes a GIF: 256 colours a picture, for where nothing else moves.
+    ///
+    /// # Errors
+    /// [`ViewError::Encoding`] also for sides above 65535, [`ViewError::Unwritable`].
+    pub fn write_gif(&self, path: &Path) -> Result<(), ViewError> {
+        let Some(first) = self.pictures.first() else { return Ok(()) };
+        let side = |side: usize| u16::try_from(side).map_err(|reason| encoding(path, &reason));
+        let (width, height) = (side(first.width())?, side(first.height())?);
+        let mut bytes = Vec::new();
+        let encoded = (|| {
+            let mut encoder = gif::Encoder::new(BufWriter::new(&mut bytes), width, height, &[])?;
+            encoder.set_repeat(gif::Repeat::Infinite)?;
+            for (index, picture) in self.pictures.iter().enumerate() {
+                // The quickest setting of the quantiser that shows no bands on the floor.
+                const SPEED: i32 = 10;
+                let mut frame = gif::Frame::from_rgb_speed(width, height, &picture.bytes(), SPEED);
+                let is_last = index + 1 == self.pictures.len();
+                // In hundredths of a second.
+                frame.delay = (100 / self.rate_hz.max(1)) * if is_last { LAST_STANDS } else { 1 };
+                encoder.write_frame(&frame)?;
+            }
+            Ok(())
+        })();
+        encoded.map_err(|reason: gif::EncodingError| encoding(path, &reason))?;
+        write_whole(path, &bytes)
+    }
+}
+
+fn encoder<'a>(picture: &Picture, bytes: &'a mut Vec<u8>) -> png::Encoder<'a, &'a mut Vec<u8>> {
+    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+    let mut encoder = png::Encoder::new(bytes, side(picture.width()), side(picture.height()));
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder
+}
+
+fn encoding(path: &Path, reason: &dyn std::fmt::Display) -> ViewError {
+    ViewError::Encoding { path: path.to_owned(), reason: reason.to_string() }
+}
+
+/// Writes beside the file and then puts it in its place.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ViewError> {
+    let unwritable = |reason| ViewError::Unwritable { path: path.to_owned(), reason };
+    if path.is_dir() {
+        return Err(unwritable(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let mut beside = path.file_name().unwrap_or_default().to_owned();
+    beside.push(".part");
+    let beside = path.with_file_name(beside);
+    std::fs::write(&beside, bytes).map_err(unwritable)?;
+    std::fs::rename(&beside, path).map_err(|reason| {
+        let _ = std::fs::remove_file(&beside);
+        unwritable(reason)
+    })
+}

@@ -1,0 +1,106 @@
+//! Which samples of a picture a triangle covers: one span of each row of samples.
+
+/// A corner on the screen: right and down in points of the picture, and a depth that is linear across the screen.
+pub(crate) type ScreenCorner = [f32; 3];
+
+/// Where samples lie: each point of the picture has as many rows of samples as there are offsets, with one sample
+/// a row, so far right of the point's left edge. Offsets that all differ tell upright edges as finely apart as
+/// level ones.
+#[derive(Clone, Copy)]
+pub(crate) struct SampleGrid<'a> {
+    /// In points.
+    pub width: usize,
+    /// Rows of samples.
+    pub rows: usize,
+    pub offsets: &'a [f32],
+}
+
+/// Samples of a span: in which row, from which column, how many; the depth at the first and its step.
+pub(crate) struct Span {
+    pub row: usize,
+    pub columns: std::ops::Range<usize>,
+    pub depth: f32,
+    pub step: f32,
+}
+
+/// Calls `visit` with each span of a triangle. A sample on an edge between two triangles belongs to exactly one.
+pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visit: impl FnMut(Span)) {
+    let mut sorted = *corners;
+    sorted.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let [top, middle, bottom] = sorted;
+    let per_point = grid.offsets.len() as f32;
+    let first = (top[1] * per_point - 0.5).ceil().max(0.0);
+    let beyond = (bottom[1] * per_point - 0.5).ceil().min(grid.rows as f32);
+    let (e1, e2) = (difference(&middle, &top), difference(&bottom, &top));
+    let area = e1[0] * e2[1] - e1[1] * e2[0];
+    if first >= beyond || area == 0.0 {
+        return;
+    }
+    let step = (e1[2] * e2[1] - e2[2] * e1[1]) / area;
+    let slope = (e2[2] * e1[0] - e1[2] * e2[0]) / area;
+    // Between 0 and the number of rows, and of columns.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    for row in first as usize..beyond as usize {
+        let y = (row as f32 + 0.5) / per_point;
+        let long = crossing(&top, &bottom, y);
+        let short = if y < middle[1] { crossing(&top, &middle, y) } else { crossing(&middle, &bottom, y) };
+        let offset = grid.offsets[row % grid.offsets.len()];
+        let left = (long.min(short) - offset).ceil().max(0.0);
+        let right = (long.max(short) - offset).ceil().min(grid.width as f32);
+        if left < right {
+            let depth = top[2] + (left + offset - top[0]) * step + (y - top[1]) * slope;
+            visit(Span { row, columns: left as usize..right as usize, depth, step });
+        }
+    }
+}
+
+/// Where the edge is at height `y`. Computed from the upper end to the lower, so that both triangles at an edge
+/// get the same bits.
+fn crossing(upper: &ScreenCorner, lower: &ScreenCorner, y: f32) -> f32 {
+    upper[0] + (y - upper[1]) * ((lower[0] - upper[0]) / (lower[1] - upper[1]))
+}
+
+fn difference(a: &ScreenCorner, b: &ScreenCorner) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_of_a_fan_belongs_to_one_triangle() {
+        let grid = SampleGrid { width: 20, rows: 80, offsets: &[0.375, 0.875, 0.125, 0.625] };
+        let around: Vec<ScreenCorner> = [(1.3, 2.0), (17.9, 0.7), (19.2, 13.37), (11.0, 19.5), (0.2, 15.0)]
+            .map(|(x, y)| [x, y, 1.0])
+            .into();
+        let mut hits = vec![0; 20 * 80];
+        for index in 0..around.len() {
+            let triangle = [[9.7, 8.1, 1.0], around[index], around[(index + 1) % around.len()]];
+            spans(&triangle, &grid, |span| {
+                for column in span.columns {
+                    hits[span.row * 20 + column] += 1;
+                }
+            });
+        }
+        assert!(hits.iter().all(|&count| count <= 1));
+        // The area of the polygon by the shoelace formula.
+        let area: f32 = (0..around.len())
+            .map(|i| (around[i], around[(i + 1) % around.len()]))
+            .map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0]))
+            .sum();
+        let covered = hits.iter().sum::<i32>() as f32 / 4.0;
+        assert!((covered / area - 1.0).abs() < 0.01, "{covered} of {area}");
+    }
+
+    #[test]
+    fn depth_is_that_of_the_plane() {
+        let grid = SampleGrid { width: 8, rows: 8, offsets: &[0.5] };
+        let depth = |x: f32, y: f32| 3.0 + 0.25 * x - 0.5 * y;
+        let corners = [(0.0, 0.0), (8.0, 1.0), (3.0, 8.0)].map(|(x, y)| [x, y, depth(x, y)]);
+        spans(&corners, &grid, |span| {
+            let expected = depth(span.columns.start as f32 + 0.5, span.row as f32 + 0.5);
+            assert!((span.depth - expected).abs() < 1e-5 && (span.step - 0.25).abs() < 1e-6);
+        });
+    }
+}

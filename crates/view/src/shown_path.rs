@@ -1,0 +1,123 @@
+use cranny_plan::{MotionLimits, TimingMethod, Trajectory, Validity};
+use cranny_scenario::{Demands, PlanFile, Scenario};
+
+use crate::ViewError;
+
+/// A path that is shown with a scene: where the robot is at each of a row of instants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShownPath {
+    /// The instants, in seconds, ascending from 0.
+    pub times_s: Vec<f64>,
+    /// The configuration at each (m, rad).
+    pub configurations: Vec<Vec<f64>>,
+    /// When each way point is passed, in seconds.
+    pub waypoint_times_s: Vec<f64>,
+    /// The grasp of the scenario that it ends at, if it is known.
+    pub grasp: Option<usize>,
+}
+
+/// How fast a path without timing is shown, in the plain norm of `q` (m and rad alike) per second: a robot at
+/// half its greatest velocity.
+const UNTIMED_SPEED: f64 = 1.0;
+
+impl ShownPath {
+    /// The path of a plan, at `rate_hz` samples a second, in the time that the plan says: its trajectory is
+    /// computed anew from the limits of the robot. None for a plan without a path.
+    ///
+    /// # Errors
+    /// [`ViewError::OtherRobot`], [`ViewError::Waypoint`] for a plan that does not fit the robot,
+    /// [`ViewError::Plan`] or [`ViewError::Scenario`] if it cannot be timed as it says.
+    pub fn of_plan(scenario: &Scenario, plan: &PlanFile, rate_hz: f64) -> Result<Option<Self>, ViewError> {
+        let mut pairs = plan.joint_names.iter().zip(scenario.robot.joint_names());
+        if let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) {
+            return Err(ViewError::OtherRobot { found: found.clone(), expected: expected.clone() });
+        }
+        check(scenario, &plan.waypoints)?;
+        if plan.waypoints.is_empty() {
+            return Ok(None);
+        }
+        let Some(timing) = &plan.timing else {
+            let path = Self::of_waypoints(scenario, &plan.waypoints, rate_hz)?;
+            return Ok(path.map(|path| Self { grasp: plan.grasp, ..path }));
+        };
+        let limits = MotionLimits::of(&scenario.robot, timing.method)?;
+        let trajectory = if timing.blended {
+            let margins = plan.margins;
+            let problem = scenario
+                .problem(&Demands { margin_m: margins.margin_m, grasp_margin_m: margins.grasp_margin_m })?;
+            match &problem.validity {
+                Validity::Exact(cell) => Trajectory::blended(&plan.waypoints, &limits, cell)?,
+                Validity::Paper { .. } => Trajectory::along(&plan.waypoints, &limits)?,
+            }
+        } else {
+            Trajectory::along(&plan.waypoints, &limits)?
+        };
+        Ok(Some(Self { grasp: plan.grasp, ..Self::sampled(&trajectory, rate_hz)? }))
+    }
+
+    /// A bare row of way points, timed by the robot's limits, or shown at an even pace where it has none. None
+    /// for no way point.
+    ///
+    /// # Errors
+    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Plan`] for one that is
+    /// not finite.
+    pub fn of_waypoints(
+        scenario: &Scenario,
+        waypoints: &[Vec<f64>],
+        rate_hz: f64,
+    ) -> Result<Option<Self>, ViewError> {
+        check(scenario, waypoints)?;
+        if waypoints.is_empty() {
+            return Ok(None);
+        }
+        match MotionLimits::of(&scenario.robot, TimingMethod::TimeOptimal) {
+            Ok(limits) => {
+                let trajectory = Trajectory::along(waypoints, &limits)?;
+                Ok(Some(Self::sampled(&trajectory, rate_hz)?))
+            }
+            Err(_) => Ok(Some(Self::even(waypoints, rate_hz))),
+        }
+    }
+
+    fn sampled(trajectory: &Trajectory, rate_hz: f64) -> Result<Self, ViewError> {
+        let (times_s, configurations) =
+            trajectory.samples(rate_hz)?.map(|sample| (sample.time_s, sample.position)).unzip();
+        let waypoint_times_s = trajectory.waypoint_times_s().to_vec();
+        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None })
+    }
+
+    /// At an even pace, each edge in a whole number of steps.
+    fn even(waypoints: &[Vec<f64>], rate_hz: f64) -> Self {
+        let mut path = Self {
+            times_s: vec![0.0],
+            configurations: vec![waypoints[0].clone()],
+            waypoint_times_s: vec![0.0],
+            grasp: None,
+        };
+        let mut begin_s = 0.0;
+        for edge in waypoints.windows(2) {
+            let squares = edge[0].iter().zip(&edge[1]).map(|(a, b)| (b - a) * (b - a));
+            let duration_s = squares.sum::<f64>().sqrt() / UNTIMED_SPEED;
+            let steps = (duration_s * rate_hz).ceil().clamp(1.0, 1e5);
+            // Between 1 and 10⁵.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            for step in 1..=steps as u32 {
+                let share = f64::from(step) / steps;
+                let mix = |(a, b): (&f64, &f64)| if share < 1.0 { a + (b - a) * share } else { *b };
+                path.configurations.push(edge[0].iter().zip(&edge[1]).map(mix).collect());
+                path.times_s.push(begin_s + duration_s * share);
+            }
+            begin_s += duration_s;
+            path.waypoint_times_s.push(begin_s);
+        }
+        path
+    }
+}
+
+fn check(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Result<(), ViewError> {
+    let expected = scenario.robot.dof();
+    match waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
+        None => Ok(()),
+        Some((waypoint, q)) => Err(ViewError::Waypoint { waypoint, expected, actual: q.len() }),
+    }
+}

@@ -1,0 +1,207 @@
+use cranny_scenario::{ObjectType, Scenario};
+use cranny_spatial::{Point, Pose};
+
+use crate::colour::of_score;
+use crate::paint::painted;
+use crate::scene::{Node, Role, SceneMotion, Track};
+use crate::stroke::{small_gripper, tube};
+use crate::{Colour, Material, MeshPiece, Scene, ShownPath, ViewError, robot_look};
+
+/// What is shown of a task besides robot and bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneSettings {
+    /// How many grasps are shown beside the one that the plan ends at, evenly through the scores from the highest
+    /// down. Default: as many as can be told apart on a small object.
+    pub grasps: usize,
+}
+
+impl Default for SceneSettings {
+    fn default() -> Self {
+        Self { grasps: 14 }
+    }
+}
+
+impl SceneSettings {
+    /// With all grasps: for a page, where they can be pointed at.
+    pub const ALL_GRASPS: Self = Self { grasps: usize::MAX };
+}
+
+/// Obstacles: greyish blue, which neither robot nor objects are. In turns, so that two that touch differ.
+const OBSTACLES: [u32; 4] = [0x0094_aac0, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd];
+
+/// The colour of the grasp that was taken, and of the gripper's way to it.
+const CHOSEN: u32 = 0x00e8_3f6f;
+
+/// Half the thickness of lines, in metres.
+const PATH_RADIUS_M: f64 = 0.0045;
+const GRASP_RADIUS_M: f64 = 0.0014;
+const CHOSEN_RADIUS_M: f64 = 0.0024;
+
+/// The opening of the small grippers, in metres: half the real one, so that they do not hide what they hold.
+const GRASP_OPENING_M: f64 = 0.044;
+
+impl Scene {
+    /// What there is to see of a scenario, and of a path through it.
+    ///
+    /// Nodes: each link of the robot below its parent, each part of each obstacle, the target, grasps, the way
+    /// of the gripper.
+    ///
+    /// # Errors
+    /// [`ViewError::VisualNotFound`] and [`ViewError::Shape`] for what the robot's URDF is drawn with.
+    pub fn of_task(
+        scenario: &Scenario,
+        path: Option<&ShownPath>,
+        settings: &SceneSettings,
+    ) -> Result<Self, ViewError> {
+        let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
+        scene.add_robot(scenario, path)?;
+        scene.add_bodies(scenario);
+        scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
+        scene.add_gripper_path();
+        Ok(scene)
+    }
+
+    /// An object on the ground, in its likeliest stable pose.
+    pub fn of_object(object: &ObjectType) -> Self {
+        let mut scene = Self { name: object.name.clone(), ..Self::default() };
+        let pieces = painted(&object.name, &object.mesh, &mut scene);
+        let mesh = scene.mesh(object.name.clone(), pieces);
+        let stable = object.stable_poses.first().map_or_else(Pose::identity, |pose| pose.ground_from_body);
+        scene.nodes.push(Node {
+            name: object.name.clone(),
+            parent: None,
+            parent_from_node: stable,
+            mesh: Some(mesh),
+            role: Role::Target,
+        });
+        scene.world_from_floor = Some(Pose::identity());
+        scene
+    }
+
+    fn add_robot(&mut self, scenario: &Scenario, path: Option<&ShownPath>) -> Result<(), ViewError> {
+        let robot = &scenario.robot;
+        let meshes = robot_look::link_meshes(robot, self)?;
+        let mut frames = robot.frames();
+        let mut local_poses = |q: &[f64]| -> (Vec<Pose>, Point) {
+            robot.forward_kinematics(q, &mut frames);
+            let local = |link: usize| match robot.links()[link].parent {
+                Some(parent) => frames.link(parent).inv_mul(frames.link(link)),
+                None => *frames.link(link),
+            };
+            let tip = frames.link(robot.tip()).translation.vector.into();
+            ((0..robot.links().len()).map(local).collect(), tip)
+        };
+        let (start, _) = local_poses(path.map_or(&scenario.start, |path| &path.configurations[0]));
+        // Links are the first nodes: node and link have the same index.
+        for (index, (link, mesh)) in robot.links().iter().zip(meshes).enumerate() {
+            self.nodes.push(Node {
+                name: link.name.clone(),
+                parent: link.parent,
+                parent_from_node: start[index],
+                mesh,
+                role: Role::Link(index),
+            });
+        }
+        let Some(path) = path else { return Ok(()) };
+        let (rows, gripper_path): (Vec<_>, Vec<_>) =
+            path.configurations.iter().map(|q| local_poses(q)).unzip();
+        let has_joint = |&link: &usize| robot.ancestors(link).last().is_some_and(|m| m.child_link == link);
+        let moved: Vec<usize> = (0..robot.links().len()).filter(has_joint).collect();
+        let track =
+            |node: usize| Track { node, poses: rows.iter().map(|row: &Vec<Pose>| row[node]).collect() };
+        self.motion = Some(SceneMotion {
+            times_s: path.times_s.clone(),
+            tracks: moved.into_iter().map(track).collect(),
+            waypoint_times_s: path.waypoint_times_s.clone(),
+            configurations: path.configurations.clone(),
+            gripper_path,
+        });
+        Ok(())
+    }
+
+    fn add_bodies(&mut self, scenario: &Scenario) {
+        let mut kinds: Vec<&str> = Vec::new();
+        for (index, body) in scenario.world.bodies().iter().enumerate() {
+            let is_target = scenario.target == Some(index);
+            let kind = kind_of(&body.name);
+            let turn = kinds.iter().position(|known| *known == kind).unwrap_or(kinds.len());
+            let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);
+            let mut is_solid = false;
+            for part in &body.parts {
+                let Some(soup) = part.solid.tessellation() else {
+                    self.world_from_floor = Some(part.world_from_solid);
+                    continue;
+                };
+                is_solid = true;
+                let (pieces, role) = if is_target {
+                    (painted(&body.name, &soup, self), Role::Target)
+                } else {
+                    let material = Material { roughness: 0.75, ..Material::matt(&body.name, colour) };
+                    let material = self.material(material);
+                    (vec![MeshPiece::of_soup(&soup, material)], Role::Obstacle(index))
+                };
+                let mesh = Some(self.mesh(body.name.clone(), pieces));
+                let parent_from_node = part.world_from_solid;
+                self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
+            }
+            if is_solid && !is_target && turn == kinds.len() {
+                kinds.push(kind);
+            }
+        }
+    }
+
+    fn add_grasps(&mut self, scenario: &Scenario, chosen: Option<usize>, shown: usize) {
+        let order = scenario.grasps.by_score();
+        let stride = order.len().div_ceil(shown.max(1)).max(1);
+        let some = order.iter().copied().step_by(stride).take(shown).filter(|&index| Some(index) != chosen);
+        let mut meshes: Vec<(usize, usize)> = Vec::new();
+        for index in some.chain(chosen) {
+            let Some(grasp) = scenario.grasps.grasps().get(index) else { continue };
+            let is_chosen = Some(index) == chosen;
+            let (colour, radius_m, opening_m) = if is_chosen {
+                (Colour::hex(CHOSEN), CHOSEN_RADIUS_M, GRASP_OPENING_M * 1.25)
+            } else {
+                (of_score(grasp.score), GRASP_RADIUS_M, GRASP_OPENING_M)
+            };
+            let name = if is_chosen { "grasp, taken".to_owned() } else { score_name(grasp.score) };
+            let material = self.material(Material::matt(name, colour));
+            let mesh = match meshes.iter().find(|(known, _)| *known == material) {
+                Some(&(_, mesh)) => mesh,
+                None => self.mesh("grasp", vec![small_gripper(opening_m, radius_m, material)]),
+            };
+            meshes.push((material, mesh));
+            self.nodes.push(Node {
+                name: format!("grasp {index}"),
+                parent: None,
+                parent_from_node: grasp.world_from_gripper,
+                mesh: Some(mesh),
+                role: Role::Grasp { index, score: grasp.score, is_chosen },
+            });
+        }
+    }
+
+    fn add_gripper_path(&mut self) {
+        let Some(motion) = &self.motion else { return };
+        let points = motion.gripper_path.clone();
+        let material = self.material(Material::matt("gripper path", Colour::hex(CHOSEN)));
+        let piece = tube(&points, PATH_RADIUS_M, material);
+        if piece.triangles.is_empty() {
+            return;
+        }
+        let mesh = Some(self.mesh("gripper path", vec![piece]));
+        let (name, parent_from_node) = ("gripper path".to_owned(), Pose::identity());
+        self.nodes.push(Node { name, parent: None, parent_from_node, mesh, role: Role::GripperPath });
+    }
+}
+
+/// What a body is, without what tells it from its like: the longest word of "left wall", "wall 2", `wall_b`.
+fn kind_of(name: &str) -> &str {
+    const SIDES: [&str; 8] = ["left", "right", "front", "back", "upper", "lower", "top", "bottom"];
+    let words = name.split(|c: char| !c.is_alphabetic()).filter(|word| !SIDES.contains(word));
+    words.max_by_key(|word| word.len()).unwrap_or(name)
+}
+
+/// Grasps of nearly equal score share a material.
+fn score_name(score: Option<f64>) -> String {
+    score.map_or_else(|| "grasp without score".to_owned(), |score| format!("grasp of score {score:.2}"))
+}
