@@ -56,7 +56,10 @@ impl<'a> PaperTable<'a> {
                 rows().map(|(_, row)| row).filter(|row| row.planner_name == name).collect();
             Column::of(name, &of_planner)
         };
-        let columns: Vec<Column> = distinct(|row| &row.planner_name).into_iter().map(column).collect();
+        let mut names = distinct(|row| &row.planner_name);
+        // As in the paper, planners that aim at single goals stand last.
+        names.sort_by_key(|name| rows().any(|(_, row)| row.planner_name == *name && row.goals.is_some()));
+        let columns: Vec<Column> = names.into_iter().map(column).collect();
         let line = |scenario_name: &'a str| {
             let of_scenario = || rows().filter(|(_, row)| row.scenario_name == scenario_name);
             let cell =
