@@ -168,6 +168,7 @@ struct Simplex {
 impl Simplex {
     /// Keeps what the point of the simplex closest to the origin lies on, and returns that point; `None` if
     /// it is the origin within a tetrahedron (Ericson 2004, §5.1 and §9.5).
+    #[inline(always)]
     fn reduce(&mut self) -> Option<Vec3> {
         match self.len {
             1 => Some(self.points[0]),
@@ -182,6 +183,7 @@ impl Simplex {
         self.len = N;
     }
 
+    #[inline(always)]
     fn closest_on_segment(&mut self) -> Vec3 {
         let [a, b, ..] = self.points;
         let along = minus(b, a);
@@ -198,6 +200,7 @@ impl Simplex {
         plus(a, scaled(along, place / length_squared))
     }
 
+    #[inline(always)]
     fn closest_on_triangle(&mut self) -> Vec3 {
         let [a, b, c, _] = self.points;
         let (ab, ac) = (minus(b, a), minus(c, a));
@@ -240,7 +243,8 @@ impl Simplex {
     fn closest_on_tetrahedron(&mut self) -> Option<Vec3> {
         let points = self.points;
         let mut best: Option<(f32, Self, Vec3)> = None;
-        for [a, b, c, d] in FACES {
+        // The origin does not lie beyond the first face: there the search came from.
+        for [a, b, c, d] in FACES[1..].iter().copied() {
             let [a, b, c, d] = [points[a], points[b], points[c], points[d]];
             let normal = cross(minus(b, a), minus(c, a));
             let (own, opposite) = (-dot(normal, a), dot(normal, minus(d, a)));
