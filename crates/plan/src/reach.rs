@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use cranny_collision::{Cell, Scratch, between};
 use cranny_spatial::{LANES, Stream};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::forest::Forest;
 use crate::goal_pool::GoalPool;
@@ -25,7 +25,7 @@ use crate::{
 ///    edge that cannot be is cut off with all that grew from it.
 ///
 /// One iteration is one random configuration.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
     /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
     pub step: f64,

@@ -1,5 +1,4 @@
 use cranny_spatial::LANES;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -44,7 +43,7 @@ pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn
     Ok(match name {
         "j-plus-rrt" => Box::new(read::<JPlusRrt>(name, all)?),
         "ik-rrt" => Box::new(read::<IkRrt>(name, all)?),
-        _ => Box::new(read::<ReachSettings>(name, all)?.planner()),
+        _ => Box::new(read::<Reach>(name, all)?),
     })
 }
 
@@ -67,22 +66,6 @@ fn check_range(planner: &str, setting: &str, value: &Value) -> Result<(), PlanEr
     is_good
         .then_some(())
         .ok_or_else(|| PlanError::Setting { planner: planner.to_owned(), problem: problem() })
-}
-
-/// The settings of [`Reach`], as they are read.
-#[derive(Deserialize)]
-struct ReachSettings {
-    step: f64,
-    looks: usize,
-    goals: usize,
-    patience: u32,
-}
-
-impl ReachSettings {
-    fn planner(self) -> Reach {
-        let Self { step, looks, goals, patience } = self;
-        Reach { step, looks, goals, patience }
-    }
 }
 
 /// The names of all planners.
