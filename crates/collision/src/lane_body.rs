@@ -3,7 +3,7 @@ use cranny_shape::{Ball, BallTree, Outline, Solid, inner_balls};
 use cranny_spatial::Pose;
 
 use crate::lane_hull::LaneHull;
-use crate::lane_part::{LaneSolid, lanes};
+use crate::lane_part::lanes;
 use crate::link_body::LinkBody;
 
 /// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
@@ -23,8 +23,6 @@ pub(crate) struct LaneBody {
     pub half_extents: [f32; 3],
     /// A tree of balls whose leaves contain the link; the root is the first.
     pub outer: Vec<LaneNode>,
-    /// The link itself in the frame, if it is one box.
-    pub cuboid: Option<LaneSolid>,
     /// The hulls of its solids; none at all if one of them is not convex, or if balls are exact.
     pub hulls: Vec<LaneHull>,
     /// Balls that the link contains, the largest first.
@@ -82,12 +80,6 @@ impl LaneBody {
         inner.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         let is_ball = |solid: &Solid| matches!(solid.outline(), Outline::Segment { half_length_m: 0.0, .. });
         let blur_m = if body.shapes.iter().all(|(_, solid)| is_ball(solid)) { 0.0 } else { BULGE_M };
-        let cuboid = match &body.shapes[..] {
-            [(link_from_shape, solid)] if solid.as_cuboid().is_some() => {
-                Some(LaneSolid::of(&place(link_from_shape), solid))
-            }
-            _ => None,
-        };
         let hull = |(link_from_shape, solid): &(Pose, Solid)| LaneHull::of(&place(link_from_shape), solid);
         let hulls = if blur_m > 0.0 { body.shapes.iter().map(hull).collect() } else { None };
         let aabb = body.bounds.aabb.transformed(&placement.frame_from_link);
@@ -100,7 +92,6 @@ impl LaneBody {
             middle,
             half_extents,
             outer,
-            cuboid,
             hulls: hulls.unwrap_or_default(),
             inner,
             blur_m,

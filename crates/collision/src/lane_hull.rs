@@ -3,7 +3,7 @@ use cranny_spatial::{LANES, LaneArray, Pose};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use crate::lane_part::{LaneSolid, bits, lanes, narrow};
+use crate::lane_part::{LaneSolid, bits, dot, lanes, minus, narrow};
 use crate::single_lane::{Bars, SingleFrame, Verdict};
 
 /// The coarse hull of a convex solid, whose corners are compared in lanes, in the frame of a link or the
@@ -13,7 +13,7 @@ pub(crate) struct LaneHull {
     /// Coordinate by coordinate; the last chunk is filled up with the first corner.
     chunks: Vec<[LaneArray; 3]>,
     /// The solid itself if it is a box, whose corners need no search.
-    cuboid: Option<LaneSolid>,
+    pub cuboid: Option<LaneSolid>,
     /// By this the hull of the corners is rounded, in metres.
     radius: f32,
     /// The solid stands out of that by this at most, in metres.
@@ -288,16 +288,6 @@ impl Simplex {
 
 /// The faces of a tetrahedron, each followed by the corner opposite.
 const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
-
-#[inline(always)]
-fn dot(a: Vec3, b: Vec3) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn minus(a: Vec3, b: Vec3) -> Vec3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
 
 #[inline(always)]
 fn plus(a: Vec3, b: Vec3) -> Vec3 {

@@ -110,8 +110,7 @@ impl LanePart {
     /// The upward normal of the plane and its height along it, if the part is a half-space.
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
         let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
-        let height = origin[0] * normal[0] + origin[1] * normal[1] + origin[2] * normal[2];
-        matches!(kind, LaneKind::HalfSpace).then_some((*normal, height))
+        matches!(kind, LaneKind::HalfSpace).then_some((*normal, dot(*origin, *normal)))
     }
 
     /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
@@ -209,11 +208,8 @@ impl LaneSolid {
         let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
             return None;
         };
-        let [x, y, z]: [f32; 3] = std::array::from_fn(|side| {
-            let row = self.rows[side];
-            let along = row[0] * direction[0] + row[1] * direction[1] + row[2] * direction[2];
-            half_extents[side].copysign(along)
-        });
+        let [x, y, z]: [f32; 3] =
+            std::array::from_fn(|side| half_extents[side].copysign(dot(self.rows[side], direction)));
         let [row_x, row_y, row_z] = &self.rows;
         Some(std::array::from_fn(|axis| {
             self.origin[axis] + row_x[axis] * x + row_y[axis] * y + row_z[axis] * z
@@ -256,11 +252,11 @@ impl LaneSolid {
 
     /// The way to a point from the solid, or from its middle if the point lies in it; exact for boxes.
     pub fn apart(&self, point: [f32; 3]) -> [f32; 3] {
-        let offset: [f32; 3] = std::array::from_fn(|axis| point[axis] - self.origin[axis]);
+        let offset = minus(point, self.origin);
         let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
             return offset;
         };
-        let own = self.rows.map(|row| offset[0] * row[0] + offset[1] * row[1] + offset[2] * row[2]);
+        let own = self.rows.map(|row| dot(offset, row));
         let beyond: [f32; 3] =
             std::array::from_fn(|axis| own[axis] - own[axis].clamp(-half_extents[axis], half_extents[axis]));
         if beyond.iter().all(|part| part.abs() <= 0.0) {
@@ -271,8 +267,8 @@ impl LaneSolid {
 
     /// [`Self::within_reach`] for a point by itself.
     pub fn is_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
-        let offset: [f32; 3] = std::array::from_fn(|axis| point[axis] - self.origin[axis]);
-        let [x, y, z] = self.rows.map(|row| offset[0] * row[0] + offset[1] * row[1] + offset[2] * row[2]);
+        let offset = minus(point, self.origin);
+        let [x, y, z] = self.rows.map(|row| dot(offset, row));
         match self.kind {
             LaneKind::AlignedCuboid { half_extents } | LaneKind::Cuboid { half_extents } => {
                 let beyond = |value: f32, axis: usize| (value.abs() - half_extents[axis]).max(0.0);
@@ -340,6 +336,18 @@ fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
 /// A vector as the lanes hold it.
 pub(crate) fn lanes(vector: &Vector) -> [f32; 3] {
     std::array::from_fn(|axis| narrow(vector[axis]))
+}
+
+/// The product of two vectors of one lane.
+#[inline(always)]
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The way from the second point of one lane to the first.
+#[inline(always)]
+pub(crate) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// A number as the lanes hold it.

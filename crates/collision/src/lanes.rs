@@ -227,8 +227,14 @@ impl Lanes {
         asked & !open
     }
 
-    /// Step 2 for one link. A function of its own for each instruction set: all in one would take minutes to
-    /// compile.
+    /// Step 2 of [`Self::look`] for one link. A function of its own for each instruction set: all in one would
+    /// take minutes to compile.
+    ///
+    /// 1. The box around the link against every part; few lanes that are near are looked at one by one.
+    /// 2. Its largest inner balls: deep contact shows at once.
+    /// 3. Down its tree of outer balls.
+    /// 4. The other inner balls, where many lanes are in doubt.
+    /// 5. What is left one by one.
     #[inline(never)]
     fn body_against_world<S: Simd>(
         &self,

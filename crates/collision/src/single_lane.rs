@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 
 use crate::lane_body::{LaneBall, LaneBody, LaneNode};
 use crate::lane_hull::LaneHull;
-use crate::lane_part::{LanePart, LaneSolid, is_shorter};
+use crate::lane_part::{LanePart, LaneSolid, dot, is_shorter, minus};
 
 /// A frame at one configuration by itself. Where two things are near each other in few lanes only, one by one
 /// in plain numbers is faster than all lanes at once.
@@ -52,8 +52,8 @@ impl SingleFrame {
 
     /// A direction of the root frame in this one.
     #[inline(always)]
-    pub fn turned_back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        self.axes.map(|axis| axis[0] * x + axis[1] * y + axis[2] * z)
+    pub fn turned_back(&self, direction: [f32; 3]) -> [f32; 3] {
+        self.axes.map(|axis| dot(axis, direction))
     }
 
     /// A point of this frame in the root frame.
@@ -85,7 +85,7 @@ impl LaneBody {
         bars: Bars,
     ) -> Verdict {
         // 1.
-        if let Some(cuboid) = &self.cuboid
+        if let [LaneHull { cuboid: Some(cuboid), .. }] = &self.hulls[..]
             && part.is_exact
             && let Some(gap_m) = frame.solid(cuboid).aligned_gap_m(&part.solid)
         {
@@ -177,10 +177,9 @@ impl LaneBody {
     /// Whether the boxes around the body and a part, given by its centre and half extents, are closer than
     /// `free_m` along all axes of the body's frame.
     fn is_box_closer(&self, frame: &SingleFrame, [center, half_extents]: [[f32; 3]; 2], free_m: f32) -> bool {
-        let center = frame.turned_back(std::array::from_fn(|axis| center[axis] - frame.origin[axis]));
+        let center = frame.turned_back(minus(center, frame.origin));
         (0..3).all(|axis| {
-            let [x, y, z] = frame.axes[axis].map(f32::abs);
-            let others = x * half_extents[0] + y * half_extents[1] + z * half_extents[2];
+            let others = dot(frame.axes[axis].map(f32::abs), half_extents);
             let gap = (center[axis] - self.middle[axis]).abs() - self.half_extents[axis] - others;
             // What is not a number is not farther.
             !matches!(gap.partial_cmp(&free_m), Some(Ordering::Greater | Ordering::Equal))
@@ -246,7 +245,7 @@ struct Placed<'a> {
 impl Placed<'_> {
     /// The way here from another ball's middle.
     fn apart(&self, other: &Self) -> [f32; 3] {
-        std::array::from_fn(|axis| self.center[axis] - other.center[axis])
+        minus(self.center, other.center)
     }
 
     fn is_leaf(&self) -> bool {
@@ -284,6 +283,6 @@ impl<'a> BallTrees<'a> {
 
 /// Whether two points are closer than `reach_m`, or not comparable.
 fn is_closer(a: [f32; 3], b: [f32; 3], reach_m: f32) -> bool {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    is_shorter(x * x + y * y + z * z, reach_m)
+    let way = minus(a, b);
+    is_shorter(dot(way, way), reach_m)
 }
