@@ -2,6 +2,7 @@ use cranny_robot::LaneKinematics;
 use cranny_shape::{Ball, BallTree, Outline, Solid, inner_balls};
 use cranny_spatial::Pose;
 
+use crate::ball_pack::BallPack;
 use crate::lane_hull::LaneHull;
 use crate::lane_part::lanes;
 use crate::link_body::LinkBody;
@@ -27,7 +28,11 @@ pub(crate) struct LaneBody {
     pub hulls: Vec<LaneHull>,
     /// Balls that the link contains, the largest first.
     pub inner: Vec<LaneBall>,
-    /// How far the balls around it may stand out of it, in metres; 0 if it consists of balls.
+    /// The same.
+    pub packed_inner: Vec<BallPack>,
+    /// Whether the link consists of these balls.
+    pub is_balls: bool,
+    /// How far its hulls, or else the balls around it, may stand out of it, in metres; 0 if it consists of balls.
     pub blur_m: f64,
     /// A bound on the rounding of any distance of any ball, in metres.
     pub slack_m: f64,
@@ -66,22 +71,27 @@ impl LaneBody {
                 }),
             })
             .collect();
-        let per_solid = (INNER_BALLS / body.shapes.len()).max(1);
-        let mut inner: Vec<LaneBall> = body
-            .shapes
-            .iter()
-            .flat_map(|(link_from_shape, solid)| {
-                let frame_from_shape = place(link_from_shape);
-                inner_balls(solid, per_solid)
-                    .into_iter()
-                    .map(move |ball| LaneBall::new(&Ball { center: frame_from_shape * ball.center, ..ball }))
-            })
-            .collect();
+        let ball = |(link_from_shape, solid): &(Pose, Solid)| match solid.outline() {
+            Outline::Segment { half_length_m: 0.0, radius_m } => {
+                let center = place(link_from_shape) * solid.aabb().center;
+                Some(LaneBall::new(&Ball { center, radius_m }))
+            }
+            _ => None,
+        };
+        let balls: Option<Vec<LaneBall>> = body.shapes.iter().map(ball).collect();
+        let is_balls = balls.is_some();
+        let mut inner = balls.unwrap_or_else(|| inner_of(body, place));
         inner.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-        let is_ball = |solid: &Solid| matches!(solid.outline(), Outline::Segment { half_length_m: 0.0, .. });
-        let blur_m = if body.shapes.iter().all(|(_, solid)| is_ball(solid)) { 0.0 } else { BULGE_M };
         let hull = |(link_from_shape, solid): &(Pose, Solid)| LaneHull::of(&place(link_from_shape), solid);
-        let hulls = if blur_m > 0.0 { body.shapes.iter().map(hull).collect() } else { None };
+        let hulls: Vec<LaneHull> = match body.shapes.iter().map(hull).collect() {
+            Some(hulls) if !is_balls => hulls,
+            _ => Vec::new(),
+        };
+        let blur_m = match &hulls[..] {
+            [] if is_balls => 0.0,
+            [] => BULGE_M,
+            hulls => hulls.iter().map(LaneHull::bulge_m).fold(0.0, f64::max),
+        };
         let aabb = body.bounds.aabb.transformed(&placement.frame_from_link);
         let root = &tree.nodes()[0].ball;
         let from_frame_m = root.center.coords.norm() + root.radius_m;
@@ -92,12 +102,26 @@ impl LaneBody {
             middle,
             half_extents,
             outer,
-            hulls: hulls.unwrap_or_default(),
+            hulls,
+            packed_inner: BallPack::all(&inner),
             inner,
+            is_balls,
             blur_m,
             slack_m,
         }
     }
+}
+
+/// Balls in the solids of a link, in the frame that `place` leads to.
+fn inner_of(body: &LinkBody, place: impl Fn(&Pose) -> Pose) -> Vec<LaneBall> {
+    let per_solid = (INNER_BALLS / body.shapes.len()).max(1);
+    let of_shape = |(link_from_shape, solid): &(Pose, Solid)| {
+        let frame_from_shape = place(link_from_shape);
+        let placed =
+            move |ball: Ball| LaneBall::new(&Ball { center: frame_from_shape * ball.center, ..ball });
+        inner_balls(solid, per_solid).into_iter().map(placed)
+    };
+    body.shapes.iter().flat_map(of_shape).collect()
 }
 
 impl LaneBall {

@@ -51,6 +51,11 @@ impl LaneHull {
         })
     }
 
+    /// How far it may stand out of the solid, in metres.
+    pub fn bulge_m(&self) -> f64 {
+        f64::from(self.bulge)
+    }
+
     /// The least coordinate along a direction (of length 1) of the solid at `frame`, from below and above, in
     /// metres.
     #[inline(always)]

@@ -34,6 +34,9 @@ pub(crate) struct LaneSolid {
     kind: LaneKind,
 }
 
+/// A hull or mesh of the world fills its box to about this, in metres.
+const BOX_BLUR_M: f64 = 0.02;
+
 /// A box along the axes of the planning frame, in metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneAabb {
@@ -111,6 +114,15 @@ impl LanePart {
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
         let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
         matches!(kind, LaneKind::HalfSpace).then_some((*normal, dot(*origin, *normal)))
+    }
+
+    /// How much closer it can seem than it is, in metres, to a link with or without hulls.
+    pub fn blur_m(&self, link_has_hulls: bool) -> f64 {
+        match &self.hull {
+            Some(hull) if link_has_hulls => hull.bulge_m(),
+            _ if self.is_exact => 0.0,
+            _ => BOX_BLUR_M,
+        }
     }
 
     /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or

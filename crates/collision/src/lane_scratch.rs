@@ -40,6 +40,10 @@ pub(crate) struct LaneScratch {
     pub near: Vec<Near>,
     /// Pairs in doubt, and in which lanes, as bits.
     pub doubts: Vec<(u32, u32)>,
+    /// Pairs that are asked about, in order, and in which lanes: for [`Lanes::look_again`].
+    ///
+    /// [`Lanes::look_again`]: crate::lanes::Lanes::look_again
+    pub wanted: Vec<(u32, u32)>,
 }
 
 /// A box along the axes of the root frame, for every lane.
@@ -141,6 +145,14 @@ impl LaneScratch {
         let center = frame.point(simd, ball.center);
         center.store(lanes);
         center
+    }
+
+    /// Asks about a pair in one more lane.
+    pub fn want(&mut self, pair: u32, lane: usize) {
+        match self.wanted.iter_mut().find(|(known, _)| *known == pair) {
+            Some((_, lanes)) => *lanes |= 1 << lane,
+            None => self.wanted.push((pair, 1 << lane)),
+        }
     }
 
     pub fn push_children(&mut self, children: [u32; 2], begin: usize, end: usize) {

@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::Solid;
-use cranny_spatial::{Pose, Stream, Vector};
+use cranny_spatial::{LANES, Pose, Stream, Vector};
 use fearless_simd::Level;
 use proptest::prelude::*;
 
+use crate::batch::{first_lanes, lanes_of};
+use crate::lanes::Interest;
 use crate::{Body, Cell, Margins, World};
 
 /// A slide that carries an arm of links of every shape, and two fingers.
@@ -157,6 +159,60 @@ fn a_look_ahead_ends_at_the_first_contact() {
             |place: f64| cell.is_free(&crate::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch);
         let expected = places.clone().position(|place| !is_free(place)).unwrap_or(11);
         assert_eq!(cell.free_ahead(&a, &b, places.collect::<Vec<_>>().into_iter(), &mut scratch), expected);
+    }
+}
+
+/// What is in doubt, and the lanes that are in contact, as a first look at a batch has them, and a second one at
+/// nothing but what the first left in doubt.
+fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
+    let mut lanes = cell.scratch().lanes;
+    rows.iter().enumerate().for_each(|(lane, q)| lanes.set_lane(lane, q.iter().copied()));
+    lanes.travel.bodies.fill(travel_m);
+    lanes.travel.link_pairs.fill(travel_m);
+    let asked = first_lanes(rows.len());
+    let mut look = |again: bool| {
+        let contact = if again {
+            cell.lanes.look_again(Level::new(), &mut lanes, asked, interest)
+        } else {
+            cell.lanes.look(Level::new(), &mut lanes, asked, interest)
+        };
+        if !again {
+            lanes.wanted.clone_from(&lanes.doubts);
+        }
+        (lanes.doubts.clone(), contact)
+    };
+    [look(false), look(true)]
+}
+
+#[test]
+fn a_second_look_at_what_is_in_doubt_agrees_with_the_exact_check() {
+    let mut random = Stream::new(11, 0);
+    for urdf in [ARM, BALL] {
+        let cell = Cell::new(robot(urdf), world(&mut random), Margins::default()).expect("no margin");
+        let mut scratch = cell.scratch();
+        for rows in configurations(&cell, &mut random, 1600, 1e-6).chunks(LANES) {
+            let [(first, first_contact), (second, contact)] = looks(&cell, rows, Interest::Each, 0.0);
+            let within =
+                |(pair, lanes): &(u32, u32)| first.iter().any(|f| f.0 == *pair && f.1 & lanes == *lanes);
+            assert!(second.iter().all(within), "{second:?} of {first:?}");
+            let doubt = second.iter().fold(0, |all, (_, lanes)| all | lanes);
+            for lane in lanes_of(first_lanes(rows.len()) & !first_contact & !doubt) {
+                assert_eq!(cell.is_free(&rows[lane], &mut scratch), contact >> lane & 1 == 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_look_that_contact_ends_names_where_it_is() {
+    let mut random = Stream::new(12, 0);
+    let cell = Cell::new(robot(ARM), world(&mut random), Margins::default()).expect("no margin");
+    let mut scratch = cell.scratch();
+    for rows in configurations(&cell, &mut random, 1600, 1e-2).chunks(LANES) {
+        let [(_, contact), _] = looks(&cell, rows, Interest::AllOrNothing, 0.02);
+        for lane in lanes_of(contact) {
+            assert!(!cell.is_free(&rows[lane], &mut scratch), "lane {lane} of {contact:b}");
+        }
     }
 }
 

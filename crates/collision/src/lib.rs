@@ -14,6 +14,7 @@
 //! a fixed base stands on its table is not for a planner to decide. Joint paths are straight lines in
 //! configuration space; other curves are proven piece by piece. Nothing here deforms.
 
+mod ball_pack;
 mod batch;
 mod cell;
 mod clearance;
@@ -26,6 +27,7 @@ mod lane_links;
 mod lane_part;
 mod lane_scratch;
 mod lane_tree;
+mod lane_world;
 mod lanes;
 mod link_body;
 mod motion;

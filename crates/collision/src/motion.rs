@@ -50,10 +50,14 @@ const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 
 /// Where a pair moves by less than this within an interval, in metres, exact distances are cheaper than
 /// more lanes.
-const FINEST_IN_LANES_M: f64 = 2e-4;
+const FINEST_IN_LANES_M: f64 = 3e-5;
 
-/// How many intervals a proof begins with: as many as are looked at in one pass.
-const FIRST_INTERVALS: usize = LANES;
+/// Nothing moves farther than this from the middle of one of the intervals that a proof begins with, in metres:
+/// half the thickness of an arm. Of longer ones most would be in doubt, of shorter ones more than needed looked at.
+const FIRST_TRAVEL_M: f64 = 0.04;
+
+/// A proof begins with so many passes at most.
+const MOST_FIRST_PASSES: f64 = 64.0;
 
 /// A piece of the motion that is not certified yet, and the pairs in doubt there.
 #[derive(Clone, Copy, Debug)]
@@ -146,10 +150,11 @@ impl Cell {
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut rest = std::mem::take(&mut scratch.rest);
         [&mut work, &mut next, &mut rest].into_iter().for_each(WorkList::clear);
-        let mut half_width = 0.5 / FIRST_INTERVALS as f64;
+        let first_intervals = self.first_intervals(scratch);
+        let mut half_width = 0.5 / first_intervals as f64;
         // At first nothing is certified: these intervals have all pairs, and list none.
         let mut is_first = true;
-        work.intervals.extend((0..FIRST_INTERVALS).map(|index| Interval {
+        work.intervals.extend((0..first_intervals).map(|index| Interval {
             middle: (2 * index + 1) as f64 * half_width,
             half_width,
             pairs: (0, 0),
@@ -160,11 +165,17 @@ impl Cell {
             let share = 2.0 * half_width;
             self.set_travel(a, b, share, scratch);
             for intervals in work.intervals.chunks(LANES) {
-                for (lane, Interval { middle, .. }) in intervals.iter().enumerate() {
+                scratch.lanes.wanted.clear();
+                for (lane, Interval { middle, pairs, .. }) in intervals.iter().enumerate() {
                     scratch.lanes.set_lane(lane, between(a, b, *middle));
+                    work.pairs[pairs.0..pairs.1].iter().for_each(|pair| scratch.lanes.want(*pair, lane));
                 }
-                let asked = first_lanes(intervals.len());
-                let contact = self.lanes.look(level, &mut scratch.lanes, asked, Interest::AllOrNothing);
+                let (asked, interest) = (first_lanes(intervals.len()), Interest::AllOrNothing);
+                let contact = if is_first {
+                    self.lanes.look(level, &mut scratch.lanes, asked, interest)
+                } else {
+                    self.lanes.look_again(level, &mut scratch.lanes, asked, interest)
+                };
                 if contact != 0 {
                     contact_at = lanes_of(contact).next().map(|lane| intervals[lane].middle);
                     break;
@@ -172,11 +183,9 @@ impl Cell {
                 let doubtful = scratch.lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
                 for lane in lanes_of(doubtful) {
                     let interval = &intervals[lane];
-                    let known = &work.pairs[interval.pairs.0..interval.pairs.1];
                     let (begin_next, begin_rest) = (next.pairs.len(), rest.pairs.len());
                     for (pair, lanes) in &scratch.lanes.doubts {
-                        // A pair that was certified for the interval around this one stays so.
-                        if lanes >> lane & 1 == 0 || !(is_first || known.contains(pair)) {
+                        if lanes >> lane & 1 == 0 {
                             continue;
                         }
                         let blur_m = self.lanes.blur_m(*pair).max(FINEST_IN_LANES_M);
@@ -197,6 +206,15 @@ impl Cell {
         scratch.next_work = next;
         scratch.rest = work;
         contact_at
+    }
+
+    /// How many intervals a proof begins with: as many as whole passes look at.
+    // At most `MOST_FIRST_PASSES` passes.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn first_intervals(&self, scratch: &Scratch) -> usize {
+        let farthest_m = (0..self.bodies.len()).map(|body| scratch.travel.of(body)).fold(0.0, f64::max);
+        let passes = (farthest_m / (FIRST_TRAVEL_M * LANES as f64)).ceil();
+        passes.clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
     /// Tells the lanes how far everything can move within an interval that has this share of the edge whose

@@ -1,9 +1,11 @@
 use std::cmp::Ordering;
 
 use cranny_robot::LaneFrame;
+use cranny_spatial::LaneVector;
 use fearless_simd::Simd;
 
-use crate::lane_body::{LaneBall, LaneBody, LaneNode};
+use crate::ball_pack::BallPack;
+use crate::lane_body::{LaneBody, LaneNode};
 use crate::lane_hull::LaneHull;
 use crate::lane_part::{LanePart, LaneSolid, dot, is_shorter, minus};
 
@@ -22,9 +24,6 @@ pub(crate) enum Verdict {
     Contact,
     Doubt,
 }
-
-/// How many inner balls of a link are tried before anything else: deep contact shows at once.
-pub(crate) const LARGE_INNER: usize = 8;
 
 /// At `free_m` or farther two things are certainly far enough apart, below `contact_m` certainly too close.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +62,17 @@ impl SingleFrame {
         [x + self.origin[0], y + self.origin[1], z + self.origin[2]]
     }
 
+    /// Points of this frame in the root frame.
+    #[inline(always)]
+    pub fn points<S: Simd>(&self, points: LaneVector<S>) -> LaneVector<S> {
+        let [x, y, z] = &self.axes;
+        LaneVector {
+            x: points.dot([x[0], y[0], z[0]]) + self.origin[0],
+            y: points.dot([x[1], y[1], z[1]]) + self.origin[1],
+            z: points.dot([x[2], y[2], z[2]]) + self.origin[2],
+        }
+    }
+
     /// A solid of this frame in root coordinates.
     fn solid(&self, solid: &LaneSolid) -> LaneSolid {
         solid.placed(|direction| self.direction(direction), |point| self.point(point))
@@ -73,7 +83,8 @@ impl LaneBody {
     /// The body against a part of the world.
     ///
     /// 1. Two boxes along the same axes are compared as they are.
-    /// 2. The ball around all of it: most of what is not near ends here.
+    /// 2. The ball around all of it: most of what is not near ends here. Then its balls, if it consists of balls,
+    ///    or inner balls.
     /// 3. Its hulls, against the part's own, or its lowest corner above a half-space.
     /// 4. Where there are no hulls, the outer balls: if no leaf is near, it is free; and the inner balls.
     #[inline(never)]
@@ -97,10 +108,12 @@ impl LaneBody {
         if !part.solid.is_closer(middle, bars.free_m + root.radius) {
             return Verdict::Free;
         }
-        let meets =
-            |ball: &LaneBall| part.solid.is_closer(frame.point(ball.center), bars.contact_m + ball.radius);
-        let (large, small) = self.inner.split_at(self.inner.len().min(LARGE_INNER));
-        if part.is_exact && large.iter().any(meets) {
+        let closer = |packs, reach_m| BallPack::any_closer(simd, packs, frame, &part.solid, reach_m);
+        if self.is_balls && !closer(&self.packed_inner, bars.free_m) {
+            return Verdict::Free;
+        }
+        let (large, small) = self.packed_inner.split_at(self.packed_inner.len().min(1));
+        if part.is_exact && closer(large, bars.contact_m) {
             return Verdict::Contact;
         }
         if part.box_around().is_some_and(|around| !self.is_box_closer(frame, around, bars.free_m)) {
@@ -133,7 +146,7 @@ impl LaneBody {
         if !self.any_leaf_closer(0, frame, &part.solid, bars.free_m) {
             return Verdict::Free;
         }
-        if part.is_exact && small.iter().any(meets) { Verdict::Contact } else { Verdict::Doubt }
+        if part.is_exact && closer(small, bars.contact_m) { Verdict::Contact } else { Verdict::Doubt }
     }
 
     /// The body against another link's, in the same way.
@@ -160,18 +173,18 @@ impl LaneBody {
             let pairs = self.hulls.iter().flat_map(|a| other.hulls.iter().map(move |b| (a, b)));
             return Verdict::of_all(pairs.map(|(a, b)| a.against(simd, frame, b, other_frame, apart, bars)));
         }
-        if !trees.any_leaves_closer(roots[0], roots[1]) {
-            return Verdict::Free;
+        let packs = [&self.packed_inner[..], &other.packed_inner];
+        let meet = |reach_m| BallPack::any_meet(simd, packs, [frame, other_frame], reach_m);
+        let is_near = if self.is_balls && other.is_balls {
+            meet(bars.free_m)
+        } else {
+            trees.any_leaves_closer(roots[0], roots[1])
+        };
+        match is_near {
+            false => Verdict::Free,
+            true if meet(bars.contact_m) => Verdict::Contact,
+            true => Verdict::Doubt,
         }
-        let is_hit = self.inner.iter().any(|ball_a| {
-            let center_a = frame.point(ball_a.center);
-            let reach_m = bars.contact_m + ball_a.radius;
-            other
-                .inner
-                .iter()
-                .any(|ball_b| is_closer(center_a, other_frame.point(ball_b.center), reach_m + ball_b.radius))
-        });
-        if is_hit { Verdict::Contact } else { Verdict::Doubt }
     }
 
     /// Whether the boxes around the body and a part, given by its centre and half extents, are closer than

@@ -3,13 +3,17 @@ use crate::joint_metric::JointMetric;
 
 /// Trees of configurations that grow from any number of roots, from which nodes can be cut off again.
 ///
-/// A node's edge to its parent is taken to be free until it is proven or refuted.
+/// Edges that prolong each other make one straight way; ways are taken to be free until they are proven or
+/// refuted as a whole.
 #[derive(Clone, Debug)]
 pub(crate) struct Forest {
     dof: usize,
     metric: JointMetric,
     configurations: Vec<f64>,
     parents: Vec<Option<usize>>,
+    /// Per node where the straight way begins that leads to it; itself for a root.
+    begins: Vec<usize>,
+    /// Whether that way is proven.
     proven: Vec<bool>,
     index: NearestNeighbours,
     /// Node of each point of the index.
@@ -24,6 +28,7 @@ impl Forest {
             metric,
             configurations: Vec::new(),
             parents: Vec::new(),
+            begins: Vec::new(),
             proven: Vec::new(),
             index: NearestNeighbours::new(dof),
             indexed: Vec::new(),
@@ -40,9 +45,20 @@ impl Forest {
         &self.configurations[node * self.dof..(node + 1) * self.dof]
     }
 
+    /// A new node at the end of an edge from its parent; without a parent, a root.
     pub fn add(&mut self, q: &[f64], parent: Option<usize>) -> usize {
+        self.add_on_way(q, parent, parent.unwrap_or(self.parents.len()))
+    }
+
+    /// A new node on the straight way that led to its parent.
+    pub fn prolong(&mut self, q: &[f64], parent: usize) -> usize {
+        self.add_on_way(q, Some(parent), self.begins[parent])
+    }
+
+    fn add_on_way(&mut self, q: &[f64], parent: Option<usize>, begin: usize) -> usize {
         self.configurations.extend_from_slice(q);
         self.parents.push(parent);
+        self.begins.push(begin);
         self.proven.push(parent.is_none());
         self.metric.scale(q, &mut self.scaled);
         self.index.add(&self.scaled);
@@ -60,14 +76,25 @@ impl Forest {
         self.metric.distance(a, b)
     }
 
-    /// The nodes from `node` up to its root.
+    /// The nodes at which the way from `node` to its root turns, both included.
     pub fn way_to_root(&self, node: usize) -> Vec<usize> {
-        std::iter::successors(Some(node), |&node| self.parents[node]).collect()
+        let next = |&node: &usize| Some(self.begins[node]).filter(|begin| *begin != node);
+        std::iter::successors(Some(node), next).collect()
     }
 
-    /// The edge from the node to its parent, unless it is proven already or the node is a root.
-    pub fn open_edge(&self, node: usize) -> Option<usize> {
-        self.parents[node].filter(|_| !self.proven[node])
+    /// Where the straight way to the node begins, unless it is proven already or the node is a root.
+    pub fn open_way(&self, node: usize) -> Option<usize> {
+        Some(self.begins[node]).filter(|_| !self.proven[node])
+    }
+
+    /// The first node on the straight way to `node` that lies `place` of the way from its begin, or beyond.
+    pub fn first_beyond(&self, node: usize, place: f64) -> usize {
+        let begin = self.begins[node];
+        let from_begin = |node: usize| self.distance(self.q(begin), self.q(node));
+        let bar = place * from_begin(node);
+        let before = |&node: &usize| self.parents[node].filter(|parent| *parent != begin);
+        let beyond = std::iter::successors(Some(node), before).take_while(|&node| from_begin(node) >= bar);
+        beyond.last().unwrap_or(node)
     }
 
     pub fn set_proven(&mut self, node: usize) {

@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-use cranny_collision::{Cell, Scratch, between};
+use cranny_collision::{Cell, Motion, Scratch, between};
 use cranny_spatial::{LANES, Stream};
 use serde::{Deserialize, Serialize};
 
@@ -104,6 +104,13 @@ struct Search<'a> {
 
 type Path = Vec<Vec<f64>>;
 
+/// How a growth follows on the way that led to where it begins.
+#[derive(Clone, Copy)]
+enum Way {
+    Turns,
+    GoesOn,
+}
+
 /// Where a growth towards a target ended.
 struct Growth {
     /// The last node that was reached; the one it began at if there was no way.
@@ -127,7 +134,7 @@ impl Search<'_> {
         if !free[0] {
             return Ok(Err(Outcome::StartInvalid));
         }
-        self.add(0, &problem.start, None);
+        self.add_root(0, &problem.start);
         match &problem.goal {
             Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
             Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
@@ -189,7 +196,7 @@ impl Search<'_> {
 
     /// Adds a root to the goal forest, and looks whether the way to it lies open.
     fn add_goal(&mut self, goal: &[f64]) -> Option<Path> {
-        let root = self.add(1, goal, None);
+        let root = self.add_root(1, goal);
         self.meet(1, root)
     }
 
@@ -200,7 +207,7 @@ impl Search<'_> {
             *value = self.random.uniform_between(limits.lower, limits.upper);
         }
         let nearest = self.nearest(side, &sample);
-        let Growth { node, .. } = self.grow(side, nearest, &sample);
+        let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
         self.q = sample;
         if node == nearest {
             return None;
@@ -212,9 +219,9 @@ impl Search<'_> {
     fn meet(&mut self, side: usize, node: usize) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
-        let mut other = Growth { node: from, is_target: false, is_open: true };
+        let mut other = self.grow(1 - side, from, Way::Turns, &meeting);
         while other.is_open && !other.is_target {
-            other = self.grow(1 - side, other.node, &meeting);
+            other = self.grow(1 - side, other.node, Way::GoesOn, &meeting);
         }
         if !other.is_target {
             return None;
@@ -231,7 +238,7 @@ impl Search<'_> {
 
     /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
     /// adds a node for each whole step, and at the target.
-    fn grow(&mut self, side: usize, from: usize, target: &[f64]) -> Growth {
+    fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
         let begin = Instant::now();
         let Reach { step, looks, .. } = *self.settings;
         let start = self.sides[side].q(from).to_vec();
@@ -247,10 +254,16 @@ impl Search<'_> {
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
-        let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
+        // However many looks lie between two nodes, a pass that goes on ends at one.
+        let ends = (1..=free).filter(|look| look % looks == 0 || (is_open && *look == free));
         for end in ends {
             let q: Vec<f64> = between(&start, target, place(end)).collect();
-            node = self.add(side, &q, Some(node));
+            self.observer.node_added(side, &q, Some(node));
+            node = match way {
+                Way::Turns => self.sides[side].add(&q, Some(node)),
+                Way::GoesOn => self.sides[side].prolong(&q, node),
+            };
+            way = Way::GoesOn;
         }
         Growth { node, is_target, is_open }
     }
@@ -261,14 +274,20 @@ impl Search<'_> {
         let mut refuted = None;
         'sides: for (side, end) in ends.into_iter().enumerate() {
             for node in self.sides[side].way_to_root(end) {
-                let Some(parent) = self.sides[side].open_edge(node) else { continue };
-                let (a, b) = (self.sides[side].q(parent), self.sides[side].q(node));
+                let forest = &mut self.sides[side];
+                let Some(from) = forest.open_way(node) else { continue };
                 self.statistics.collision_checks += 1;
-                if !self.cell.motion_is_free(a, b, &mut self.scratch).is_proven() {
-                    refuted = Some((side, node));
-                    break 'sides;
+                match self.cell.motion_is_free(forest.q(from), forest.q(node), &mut self.scratch) {
+                    Motion::Proven => forest.set_proven(node),
+                    Motion::Contact { at, .. } | Motion::Unresolved { at, .. } => {
+                        refuted = Some((side, forest.first_beyond(node, at)));
+                        break 'sides;
+                    }
+                    Motion::OutOfLimits { .. } => {
+                        refuted = Some((side, node));
+                        break 'sides;
+                    }
                 }
-                self.sides[side].set_proven(node);
             }
         }
         self.statistics.proof_time_s += begin.elapsed().as_secs_f64();
@@ -287,9 +306,9 @@ impl Search<'_> {
         Some(path)
     }
 
-    fn add(&mut self, side: usize, q: &[f64], parent: Option<usize>) -> usize {
-        self.observer.node_added(side, q, parent);
-        self.sides[side].add(q, parent)
+    fn add_root(&mut self, side: usize, q: &[f64]) -> usize {
+        self.observer.node_added(side, q, None);
+        self.sides[side].add(q, None)
     }
 }
 

@@ -1,0 +1,208 @@
+use cranny_robot::LaneFrame;
+use cranny_spatial::LaneVector;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::batch::lanes_of;
+use crate::lane_body::{LaneBody, LaneNode};
+use crate::lane_scratch::{Descent, LaneScratch, Near, as_index};
+use crate::lanes::{FEW_LANES, LanePair, Lanes};
+use crate::single_lane::{Bars, SingleFrame, Verdict};
+
+/// How many inner balls of a link are tried before anything else: deep contact shows at once.
+const LARGE_INNER: usize = 8;
+
+impl Lanes {
+    /// Step 2 of [`Self::look`] for one link; with `wanted`, against these pairs alone, each in these lanes. A
+    /// function of its own for each instruction set: all in one would take minutes to compile.
+    ///
+    /// 1. The box around the link against every part; few lanes that are near are looked at one by one.
+    /// 2. Its largest inner balls: deep contact shows at once.
+    /// 3. Down its tree of outer balls.
+    /// 4. The other inner balls, where many lanes are in doubt.
+    /// 5. What is left one by one.
+    #[inline(never)]
+    pub fn body_against_world<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        wanted: Option<&[(u32, u32)]>,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.body_against_parts(simd, body, wanted, frames, scratch, open),
+        );
+    }
+
+    #[inline(always)]
+    fn body_against_parts<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        wanted: Option<&[(u32, u32)]>,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        let pairs = &self.part_pairs[body];
+        if pairs.is_empty() {
+            return;
+        }
+        let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
+        let frame = &frames[*frame];
+        // 1.
+        let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
+        let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
+        let travel_m = scratch.travel.bodies[body];
+        let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
+        scratch.near.clear();
+        if let Some(wanted) = wanted {
+            let begin = pairs[0].pair;
+            scratch
+                .near
+                .extend(wanted.iter().map(|(pair, lanes)| Near { index: pair - begin, lanes: *lanes }));
+        } else {
+            let mut next = 0;
+            while next < self.branches.len() {
+                let branch = &self.branches[next];
+                if branch.within_reach(simd, middle, half_extents, farthest) & *open == 0 {
+                    next = branch.next;
+                    continue;
+                }
+                next += 1;
+                scratch.near.extend((branch.begin..branch.end).map(|index| Near { index, lanes: u32::MAX }));
+            }
+        }
+        let mut kept = 0;
+        for candidate in 0..scratch.near.len() {
+            let Near { index, lanes } = scratch.near[candidate];
+            let pair = &pairs[index as usize];
+            let reach = f32x16::splat(simd, pair.free_m + travel_m);
+            let part = &self.parts[pair.other as usize];
+            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & lanes & *open;
+            if lanes.count_ones() > FEW_LANES {
+                scratch.near[kept] = Near { index, lanes };
+                kept += 1;
+                continue;
+            }
+            let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travel_m, open);
+            if doubt != 0 {
+                scratch.doubts.push((pair.pair, doubt));
+            }
+        }
+        scratch.near.truncate(kept);
+        if scratch.near.is_empty() {
+            return;
+        }
+        // 2.
+        let (large, small) = inner.split_at(inner.len().min(LARGE_INNER));
+        for ball in large {
+            let center = frame.point(simd, ball.center);
+            for near in &scratch.near {
+                *open &=
+                    !self.meets(simd, &pairs[near.index as usize], center, ball.radius, near.lanes & *open);
+            }
+        }
+        // 3.
+        let rough_doubt = scratch.doubts.len();
+        scratch.stack.clear();
+        scratch.stack.push(Descent { node: 0, begin: 0, end: as_index(scratch.near.len()) });
+        while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
+            let LaneNode { ball, children } = outer[node as usize];
+            let center = scratch.center(simd, body, node as usize, &ball, frame);
+            scratch.near.truncate(end as usize);
+            let kept = scratch.near.len();
+            for index in begin as usize..end as usize {
+                let Near { index, lanes } = scratch.near[index];
+                let pair = &pairs[index as usize];
+                let lanes = lanes & *open & !scratch.doubt(rough_doubt, pair.pair);
+                if lanes == 0 {
+                    continue;
+                }
+                let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
+                let lanes = self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
+                if lanes == 0 {
+                    continue;
+                }
+                if children == [0; 2] {
+                    scratch.add_doubt(rough_doubt, pair.pair, lanes);
+                } else {
+                    scratch.near.push(Near { index, lanes });
+                }
+            }
+            if scratch.near.len() > kept {
+                scratch.push_children(children, kept, scratch.near.len());
+            }
+        }
+        // 4.
+        for ball in small {
+            let mut center = None;
+            for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
+                *lanes &= *open;
+                if lanes.count_ones() > if hulls.is_empty() { 0 } else { FEW_LANES } {
+                    let center = *center.get_or_insert(frame.point(simd, ball.center));
+                    // The pairs of a link with parts follow each other.
+                    let place = (*pair - pairs[0].pair) as usize;
+                    *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
+                }
+            }
+        }
+        // 5.
+        if hulls.is_empty() {
+            return;
+        }
+        for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
+            let pair = &pairs[(*pair - pairs[0].pair) as usize];
+            *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
+        }
+    }
+
+    /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are
+    /// in contact is taken out of `open`.
+    // One step of the function above, with what it has at hand.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    fn part_one_by_one<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        pair: &LanePair,
+        lanes: u32,
+        frame: &LaneFrame,
+        travel_m: f32,
+        open: &mut u32,
+    ) -> u32 {
+        let part = &self.parts[pair.other as usize];
+        let bars = Bars { free_m: pair.free_m + travel_m, contact_m: pair.contact_m };
+        let mut doubt = 0;
+        for lane in lanes_of(lanes) {
+            let frame = SingleFrame::of(frame, lane);
+            match self.bodies[body].against_part(simd, &frame, part, bars) {
+                Verdict::Free => {}
+                Verdict::Contact => *open &= !(1 << lane),
+                Verdict::Doubt => doubt |= 1 << lane,
+            }
+        }
+        doubt
+    }
+
+    /// The lanes in which an inner ball is certainly too close to a part.
+    #[inline(always)]
+    fn meets<S: Simd>(
+        &self,
+        simd: S,
+        pair: &LanePair,
+        center: LaneVector<S>,
+        radius: f32,
+        lanes: u32,
+    ) -> u32 {
+        let part = &self.parts[pair.other as usize];
+        if !part.is_exact || lanes == 0 {
+            return 0;
+        }
+        part.solid.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
+    }
+}
