@@ -4,7 +4,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use cranny_plan::Statistics;
@@ -29,6 +29,8 @@ pub struct WorkerProcess {
     requests: Option<ChildStdin>,
     lines: Receiver<String>,
     complaint: Arc<Mutex<String>>,
+    /// Reads the complaint until the worker's end.
+    listener: Option<JoinHandle<()>>,
 }
 
 /// What became of a request.
@@ -54,6 +56,9 @@ const GRACE: Duration = Duration::from_secs(10);
 /// A worker that is told to go may take so long, in which it ends what it started.
 const FAREWELL: Duration = Duration::from_millis(500);
 
+/// How often it is looked for whether it is gone.
+const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
+
 impl WorkerProcess {
     /// Starts a worker.
     pub fn start(worker: &WorkerProgram) -> Result<Self, BenchError> {
@@ -75,7 +80,7 @@ impl WorkerProcess {
             });
         }
         let complaint = Arc::new(Mutex::new(String::new()));
-        if let Some(stderr) = child.stderr.take() {
+        let listener = child.stderr.take().map(|stderr| {
             let complaint = complaint.clone();
             thread::spawn(move || {
                 // Of a panic the first line says most, of other ends the last.
@@ -86,10 +91,10 @@ impl WorkerProcess {
                         *kept = if kept.contains("panicked at") { format!("{kept} {line}") } else { line };
                     }
                 }
-            });
-        }
+            })
+        });
         let requests = child.stdin.take();
-        Ok(Self { child, requests, lines, complaint })
+        Ok(Self { child, requests, lines, complaint, listener })
     }
 
     /// Asks for a trial and waits for the answer, at most as long as the trial may take.
@@ -157,6 +162,13 @@ impl WorkerProcess {
     /// The trial of a worker that ended by itself.
     fn lost(&mut self, begin: Instant) -> Served {
         let mut detail = self.end().map_or_else(|| "ended".to_owned(), process_group::ending);
+        // Its last words may still be on their way; what it started may hold the line open.
+        let gone = Instant::now();
+        while self.listener.as_ref().is_some_and(|listener| !listener.is_finished())
+            && gone.elapsed() < FAREWELL
+        {
+            thread::sleep(LOOK_OUT_EVERY);
+        }
         let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner);
         if !complaint.is_empty() {
             detail = format!("{detail}: {complaint}");
@@ -172,7 +184,7 @@ impl WorkerProcess {
             if let Ok(Some(status)) = self.child.try_wait() {
                 return Some(status);
             }
-            thread::sleep(Duration::from_millis(5));
+            thread::sleep(LOOK_OUT_EVERY);
         }
         process_group::kill(self.child.id());
         // Where there are no groups, the worker alone; that it is gone already is what is wanted.
