@@ -131,15 +131,15 @@ impl Lanes {
         index: usize,
         nodes: [u32; 2],
         frames: &[LaneFrame],
-        scratch: &mut LaneScratch,
+        scratch: &LaneScratch,
     ) -> u32 {
         let pair = &self.link_pairs[index];
         let (first, second) = (self.link_firsts[index] as usize, pair.other as usize);
         let (a, b) = (&self.bodies[first], &self.bodies[second]);
         let (node_a, node_b) = (nodes[0] as usize, nodes[1] as usize);
         let (ball_a, ball_b) = (&a.outer[node_a].ball, &b.outer[node_b].ball);
-        let center_a = scratch.center(simd, first, node_a, ball_a, &frames[a.frame]);
-        let center_b = scratch.center(simd, second, node_b, ball_b, &frames[b.frame]);
+        let center_a = frames[a.frame].point(simd, ball_a.center);
+        let center_b = frames[b.frame].point(simd, ball_b.center);
         let reach = pair.free_m + scratch.travel.link_pairs[index];
         touching(center_a, center_b, reach + ball_a.radius + ball_b.radius)
     }

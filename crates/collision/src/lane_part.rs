@@ -1,6 +1,6 @@
 use std::cmp::Ordering;
 
-use cranny_shape::{Outline, Solid};
+use cranny_shape::{Ball, Outline, Solid};
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{LaneVector, Pose, Vector};
 use fearless_simd::prelude::*;
@@ -114,6 +114,13 @@ impl LanePart {
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
         let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
         matches!(kind, LaneKind::HalfSpace).then_some((*normal, dot(*origin, *normal)))
+    }
+
+    /// Whether anything in a ball can come closer than `free_m` (m).
+    pub fn is_near(&self, ball: &Ball, free_m: f32) -> bool {
+        /// Far more than the rounding of any distance, in metres.
+        const ROUNDING_M: f32 = 1e-3;
+        self.solid.is_closer(lanes(&ball.center.coords), free_m + narrow(ball.radius_m) + ROUNDING_M)
     }
 
     /// How much closer it can seem than it is, in metres, to a link with or without hulls.

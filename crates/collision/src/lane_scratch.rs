@@ -3,7 +3,6 @@ use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use crate::lane_body::LaneBall;
 use crate::lane_part::bits;
 
 /// How far things may be from the configurations that are looked at: all 0 for these alone, more for all
@@ -29,13 +28,6 @@ pub(crate) struct LaneScratch {
     pub frames: Vec<LaneFrame>,
     /// Per body a box around it along the axes of the root.
     pub boxes: Vec<LaneBox>,
-    /// Centres of the outer balls of all bodies at this batch, in root coordinates, once asked for.
-    centers: Vec<[LaneArray; 3]>,
-    /// For each of them the batch that it was computed for.
-    computed: Vec<u32>,
-    batch: u32,
-    /// Where each body's balls begin in `centers`.
-    begins: Vec<usize>,
     pub stack: Vec<Descent>,
     pub near: Vec<Near>,
     /// Pairs in doubt, and in which lanes, as bits.
@@ -79,28 +71,19 @@ impl LaneTravel {
 }
 
 impl LaneScratch {
-    /// Room for robots of so many joints, frames and pairs of links, with so many outer balls on each body.
-    pub fn new(dof: usize, frames: usize, link_pairs: usize, balls: impl Iterator<Item = usize>) -> Self {
-        let mut begins = Vec::new();
-        let mut count = 0;
-        for balls in balls {
-            begins.push(count);
-            count += balls;
-        }
+    /// Room for robots of so many joints, frames, link bodies and pairs of links.
+    pub fn new(dof: usize, frames: usize, bodies: usize, link_pairs: usize) -> Self {
         let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
         Self {
             q: vec![[0.0; LANES]; dof],
             exact_q: vec![0.0; LANES * dof],
             frames: vec![LaneFrame::IDENTITY; frames],
-            boxes: vec![nowhere; begins.len()],
-            centers: vec![[[0.0; LANES]; 3]; count],
-            computed: vec![0; count],
+            boxes: vec![nowhere; bodies],
             travel: LaneTravel {
-                bodies: vec![0.0; begins.len()],
+                bodies: vec![0.0; bodies],
                 link_pairs: vec![0.0; link_pairs],
                 joints: vec![0.0; dof],
             },
-            begins,
             ..Self::default()
         }
     }
@@ -116,35 +99,6 @@ impl LaneScratch {
                 self.q[joint][lane] = value as f32;
             }
         }
-    }
-
-    pub fn begin(&mut self) {
-        self.batch = self.batch.wrapping_add(1);
-        if self.batch == 0 {
-            self.computed.fill(u32::MAX);
-        }
-        self.doubts.clear();
-    }
-
-    /// The centre of an outer ball in root coordinates, computed once in a batch.
-    #[inline(always)]
-    pub fn center<S: Simd>(
-        &mut self,
-        simd: S,
-        body: usize,
-        node: usize,
-        ball: &LaneBall,
-        frame: &LaneFrame,
-    ) -> LaneVector<S> {
-        let index = self.begins[body] + node;
-        let lanes = &mut self.centers[index];
-        if self.computed[index] == self.batch {
-            return LaneVector::load(simd, lanes);
-        }
-        self.computed[index] = self.batch;
-        let center = frame.point(simd, ball.center);
-        center.store(lanes);
-        center
     }
 
     /// Asks about a pair in one more lane.

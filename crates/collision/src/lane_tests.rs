@@ -135,7 +135,8 @@ proptest! {
     fn lanes_and_exact_check_agree(seed in any::<u64>(), margin_m in prop_oneof![Just(0.0), 0.001..0.03]) {
         let mut random = Stream::new(seed, 0);
         let margins = Margins { margin_m, ..Margins::default() };
-        for urdf in [ARM, BALL] {
+        // On a turning base some links never get near some bodies.
+        for urdf in [ARM, BALL, &ARM.replacen("prismatic", "revolute", 1)] {
             let cell = Cell::new(robot(urdf), world(&mut random), margins.clone()).expect("a good margin");
             let configurations = configurations(&cell, &mut random, 400, 1e-6);
             for level in levels() {

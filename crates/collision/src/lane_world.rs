@@ -53,47 +53,9 @@ impl Lanes {
         }
         let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
         let frame = &frames[*frame];
-        // 1.
-        let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
-        let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
         let travel_m = scratch.travel.bodies[body];
-        let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
-        scratch.near.clear();
-        if let Some(wanted) = wanted {
-            let begin = pairs[0].pair;
-            scratch
-                .near
-                .extend(wanted.iter().map(|(pair, lanes)| Near { index: pair - begin, lanes: *lanes }));
-        } else {
-            let mut next = 0;
-            while next < self.branches.len() {
-                let branch = &self.branches[next];
-                if branch.within_reach(simd, middle, half_extents, farthest) & *open == 0 {
-                    next = branch.next;
-                    continue;
-                }
-                next += 1;
-                scratch.near.extend((branch.begin..branch.end).map(|index| Near { index, lanes: u32::MAX }));
-            }
-        }
-        let mut kept = 0;
-        for candidate in 0..scratch.near.len() {
-            let Near { index, lanes } = scratch.near[candidate];
-            let pair = &pairs[index as usize];
-            let reach = f32x16::splat(simd, pair.free_m + travel_m);
-            let part = &self.parts[pair.other as usize];
-            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & lanes & *open;
-            if lanes.count_ones() > FEW_LANES {
-                scratch.near[kept] = Near { index, lanes };
-                kept += 1;
-                continue;
-            }
-            let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travel_m, open);
-            if doubt != 0 {
-                scratch.doubts.push((pair.pair, doubt));
-            }
-        }
-        scratch.near.truncate(kept);
+        // 1.
+        self.find_near(simd, body, wanted, frame, scratch, open);
         if scratch.near.is_empty() {
             return;
         }
@@ -112,7 +74,7 @@ impl Lanes {
         scratch.stack.push(Descent { node: 0, begin: 0, end: as_index(scratch.near.len()) });
         while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
             let LaneNode { ball, children } = outer[node as usize];
-            let center = scratch.center(simd, body, node as usize, &ball, frame);
+            let center = frame.point(simd, ball.center);
             scratch.near.truncate(end as usize);
             let kept = scratch.near.len();
             for index in begin as usize..end as usize {
@@ -158,6 +120,64 @@ impl Lanes {
             let pair = &pairs[(*pair - pairs[0].pair) as usize];
             *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
         }
+    }
+
+    /// Step 1 of [`Self::body_against_world`]: the parts that are near in many lanes are in `scratch.near` then.
+    #[inline(always)]
+    fn find_near<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        wanted: Option<&[(u32, u32)]>,
+        frame: &LaneFrame,
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        let (pairs, is_ever_near) = (&self.part_pairs[body], &self.is_ever_near[body]);
+        let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
+        let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
+        let travel_m = scratch.travel.bodies[body];
+        let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
+        scratch.near.clear();
+        if let Some(wanted) = wanted {
+            let begin = pairs[0].pair;
+            scratch
+                .near
+                .extend(wanted.iter().map(|(pair, lanes)| Near { index: pair - begin, lanes: *lanes }));
+        } else {
+            let mut next = 0;
+            while next < self.branches.len() {
+                let branch = &self.branches[next];
+                if branch.within_reach(simd, middle, half_extents, farthest) & *open == 0 {
+                    next = branch.next;
+                    continue;
+                }
+                next += 1;
+                for index in branch.begin..branch.end {
+                    if is_ever_near[index as usize] {
+                        scratch.near.push(Near { index, lanes: u32::MAX });
+                    }
+                }
+            }
+        }
+        let mut kept = 0;
+        for candidate in 0..scratch.near.len() {
+            let Near { index, lanes } = scratch.near[candidate];
+            let pair = &pairs[index as usize];
+            let reach = f32x16::splat(simd, pair.free_m + travel_m);
+            let part = &self.parts[pair.other as usize];
+            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & lanes & *open;
+            if lanes.count_ones() > FEW_LANES {
+                scratch.near[kept] = Near { index, lanes };
+                kept += 1;
+                continue;
+            }
+            let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travel_m, open);
+            if doubt != 0 {
+                scratch.doubts.push((pair.pair, doubt));
+            }
+        }
+        scratch.near.truncate(kept);
     }
 
     /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are

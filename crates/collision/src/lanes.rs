@@ -11,6 +11,7 @@ use crate::lane_part::LanePart;
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
+use crate::link_sweep::swept_ball;
 use crate::part_tree::PartTree;
 use crate::world::Part;
 
@@ -30,7 +31,9 @@ pub(crate) struct Lanes {
     pub(crate) branches: Vec<LaneBranch>,
     /// Per link body the parts that it is checked against: all or none, in the order of the branches.
     pub(crate) part_pairs: Vec<Vec<LanePair>>,
-    /// Per link body the greatest `free_m` of these, in metres.
+    /// Of each of these whether the two can ever be near each other.
+    pub(crate) is_ever_near: Vec<Vec<bool>>,
+    /// Per link body the greatest `free_m` of those that can, in metres; negative infinity if none can.
     pub(crate) farthest_free_m: Vec<f32>,
     /// Pairs of links that are looked up.
     tables: Vec<JointTable>,
@@ -143,10 +146,23 @@ impl Lanes {
         let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = link_pairs.into_iter().unzip();
         let mut link_slots: Vec<usize> = (0..link_pairs.len()).collect();
         link_slots.sort_unstable_by_key(|slot| link_pairs[*slot].pair);
-        let farthest = |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(0.0, f32::max);
+        let is_ever_near: Vec<Vec<bool>> = std::iter::zip(bodies, &part_pairs)
+            .map(|(body, pairs)| {
+                let sweep = swept_ball(robot, body);
+                let is_near = |pair: &LanePair| {
+                    sweep.is_none_or(|sweep| lane_parts[pair.other as usize].is_near(&sweep, pair.free_m))
+                };
+                pairs.iter().map(is_near).collect()
+            })
+            .collect();
+        let farthest = |(pairs, is_near): (&Vec<LanePair>, &Vec<bool>)| {
+            let near = std::iter::zip(pairs, is_near).filter(|(_, is_near)| **is_near);
+            near.map(|(pair, _)| pair.free_m).fold(f32::NEG_INFINITY, f32::max)
+        };
         Self {
             kinematics,
-            farthest_free_m: part_pairs.iter().map(farthest).collect(),
+            farthest_free_m: std::iter::zip(&part_pairs, &is_ever_near).map(farthest).collect(),
+            is_ever_near,
             bodies: lane_bodies,
             parts: lane_parts,
             branches: tree.nodes().iter().map(LaneBranch::of).collect(),
@@ -180,8 +196,7 @@ impl Lanes {
     }
 
     pub fn scratch(&self, dof: usize) -> LaneScratch {
-        let balls = self.bodies.iter().map(|body| body.outer.len());
-        LaneScratch::new(dof, self.kinematics.frame_count(), self.link_pairs.len(), balls)
+        LaneScratch::new(dof, self.kinematics.frame_count(), self.bodies.len(), self.link_pairs.len())
     }
 
     /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
@@ -207,7 +222,7 @@ impl Lanes {
 
     #[inline(always)]
     fn look_with<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
-        scratch.begin();
+        scratch.doubts.clear();
         let mut look = Look { asked, interest, open: asked };
         for table in &self.tables {
             if look.is_open() {
@@ -245,7 +260,7 @@ impl Lanes {
         asked: u32,
         interest: Interest,
     ) -> u32 {
-        scratch.begin();
+        scratch.doubts.clear();
         let mut look = Look { asked, interest, open: asked };
         let mut frames = std::mem::take(&mut scratch.frames);
         let wanted = std::mem::take(&mut scratch.wanted);
@@ -289,7 +304,7 @@ impl Lanes {
 
     /// Where every link is in every lane, and the boxes around them.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, frames: &mut Vec<LaneFrame>, scratch: &mut LaneScratch) {
+    fn place<S: Simd>(&self, simd: S, frames: &mut [LaneFrame], scratch: &mut LaneScratch) {
         self.kinematics.forward(simd, &scratch.q, frames);
         for (body, lanes) in self.bodies.iter().zip(&mut scratch.boxes) {
             frames[body.frame].point(simd, body.middle).store(&mut lanes.middle);

@@ -30,6 +30,7 @@ mod lane_tree;
 mod lane_world;
 mod lanes;
 mod link_body;
+mod link_sweep;
 mod motion;
 mod part_tree;
 mod released;
