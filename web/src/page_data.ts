@@ -25,7 +25,7 @@ export interface PageData {
   meshes: Mesh[];
   /** What is seen; links first, so that node i < links.length is link i. Parents before children. */
   nodes: Node[];
-  /** What is checked for collision, as surfaces: same form, same meshes and materials. */
+  /** What is checked for collision, as surfaces: same form, same meshes and materials; a parent is one of `nodes`. */
   collision_shapes: Node[];
   /** The outer spheres of each link, in the frame of the link: rows x, y, z, radius. */
   link_spheres: Floats32[];
@@ -55,6 +55,7 @@ export interface Joint {
   /** The pose of the child at the value 0. */
   parent_from_child: Pose;
   kind: "fixed" | "revolute" | "prismatic";
+  /** In the frame of the child: `parent_from_child · motion along or about the axis by the value`. */
   axis: Point;
   /** Value = offset + factor × q[variable]; variable null: value = offset. */
   variable: number | null;
@@ -76,7 +77,14 @@ export interface Material {
 
 export interface Mesh {
   name: string;
-  pieces: { material: number; positions: Floats32; normals: Floats32; triangles: Unsigned32 }[];
+  /** `colours`, if there: linear red, green, blue per corner, which the material's colour is multiplied by. */
+  pieces: {
+    material: number;
+    positions: Floats32;
+    normals: Floats32;
+    colours?: Floats32;
+    triangles: Unsigned32;
+  }[];
 }
 
 export interface Node {
@@ -94,7 +102,7 @@ export interface Grasp {
   /** Of the fingers' opening. */
   width_m: number | null;
   /** What is known of inverse kinematics there. */
-  ik: "solved" | "hand-collides" | "out-of-reach" | "unknown" | string;
+  ik: "solved" | "hand-collides" | "out-of-reach" | "not-found" | "unknown" | string;
 }
 
 export interface Plan {
@@ -120,7 +128,10 @@ export interface Plan {
   search_tree: SearchTree | null;
 }
 
-/** Least distance between the robot and anything else, or between two of its links, at instants of the path. */
+/**
+ * Least distance between the robot and anything else, or between two of its links, at instants of the path;
+ * negative for how deep they overlap.
+ */
 export interface Clearance {
   times_s: Floats64;
   distances_m: Floats64;
