@@ -1,0 +1,165 @@
+import {
+  type BufferGeometry,
+  DoubleSide,
+  EdgesGeometry,
+  FrontSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  MeshStandardMaterial,
+} from "three";
+import type { MeshGeometries } from "./mesh_geometry.ts";
+import { setMatrix } from "./mesh_geometry.ts";
+import type { Material, Node, Pose } from "./page_data.ts";
+import { compose } from "./pose.ts";
+
+/** How a node looks beside what it is made of. */
+interface Look {
+  isTouching: boolean;
+  isGlass: boolean;
+}
+
+/** What touches something. */
+const CONTACT = 0xe0342b;
+
+/** Obstacles between the eye and what matters. */
+const GLASS_OPACITY = 0.2;
+
+/** Corners flatter than this, in degrees, get no line. */
+const EDGE_DEG = 35;
+
+/** Robot and bodies as meshes: what is seen, or what is checked for collision. */
+export class NodeView {
+  readonly group = new Group();
+  readonly nodes: Node[];
+  /** Of every node, as it was last shown. */
+  worldFromNodes: Pose[] = [];
+  private readonly meshes: Mesh[][];
+  private readonly edges: (LineSegments | null)[];
+  private readonly looks: Look[];
+  private readonly materials: Material[];
+  private readonly known = new Map<string, MeshStandardMaterial>();
+  private readonly edgeMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.35 });
+  private readonly opacity: number;
+
+  /** `opacity`: how much of it hides what is behind; with 1 as its materials have it, and shadows fall. */
+  constructor(nodes: Node[], materials: Material[], geometries: MeshGeometries, opacity = 1) {
+    this.nodes = nodes;
+    this.materials = materials;
+    this.opacity = opacity;
+    this.looks = nodes.map(() => ({ isTouching: false, isGlass: false }));
+    this.meshes = nodes.map((node, index) => {
+      if (node.mesh === null) return [];
+      return geometries.of(node.mesh).map(({ geometry, material }) => {
+        const mesh = new Mesh(geometry, this.material(material, this.looks[index]));
+        mesh.userData["material"] = material;
+        mesh.matrixAutoUpdate = false;
+        mesh.castShadow = opacity === 1;
+        mesh.receiveShadow = opacity === 1;
+        this.group.add(mesh);
+        return mesh;
+      });
+    });
+    this.edges = nodes.map((node, index) => {
+      if (node.role !== "obstacle") return null;
+      const geometry = this.meshes[index][0]?.geometry;
+      return geometry ? this.edge(geometry) : null;
+    });
+  }
+
+  /** Puts the robot's links where they are, and with them what hangs on them. */
+  pose(worldFromLinks: Pose[]): void {
+    this.worldFromNodes = [];
+    this.nodes.forEach((node, index) => {
+      const world =
+        worldFromLinks[index] ??
+        (node.parent === null ? node.parent_from_node : compose(this.worldFromNodes[node.parent], node.parent_from_node));
+      this.worldFromNodes.push(world);
+      for (const part of [...this.meshes[index], this.edges[index]]) {
+        if (!part) continue;
+        setMatrix(part.matrix, world);
+        part.matrixWorldNeedsUpdate = true;
+      }
+    });
+  }
+
+  /** Tints what touches something, by name. */
+  setTouching(names: ReadonlySet<string>): void {
+    this.change((node) => ({ isTouching: names.has(node.name) }));
+  }
+
+  /** Turns nodes to glass, by index. */
+  setGlass(hiding: ReadonlySet<number>): void {
+    this.change((_, index) => ({ isGlass: hiding.has(index) }));
+  }
+
+  setEdgeColour(colour: number): void {
+    this.edgeMaterial.color.setHex(colour);
+  }
+
+  /** The box around a node's mesh, in its own frame. */
+  box(index: number): { low: [number, number, number]; high: [number, number, number] } | null {
+    const low: [number, number, number] = [Infinity, Infinity, Infinity];
+    const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
+    for (const mesh of this.meshes[index]) {
+      const box = mesh.geometry.boundingBox;
+      if (!box) continue;
+      box.min.toArray().forEach((value, i) => (low[i] = Math.min(low[i], value)));
+      box.max.toArray().forEach((value, i) => (high[i] = Math.max(high[i], value)));
+    }
+    return low[0] <= high[0] ? { low, high } : null;
+  }
+
+  private change(look: (node: Node, index: number) => Partial<Look>): void {
+    this.nodes.forEach((node, index) => {
+      const next = { ...this.looks[index], ...look(node, index) };
+      const now = this.looks[index];
+      if (next.isGlass === now.isGlass && next.isTouching === now.isTouching) return;
+      this.looks[index] = next;
+      for (const mesh of this.meshes[index]) {
+        mesh.material = this.material(mesh.userData["material"] as number, next);
+        // Glass over what is not: farther things first, and all of it after the robot.
+        mesh.renderOrder = next.isGlass ? 1 : 0;
+      }
+    });
+  }
+
+  private material(index: number, { isTouching, isGlass }: Look): MeshStandardMaterial {
+    const key = `${index} ${isTouching} ${isGlass}`;
+    let found = this.known.get(key);
+    if (!found) {
+      const { colour, opacity, metallic, roughness } = this.materials[index];
+      const seen = opacity * (isGlass ? GLASS_OPACITY : this.opacity);
+      found = new MeshStandardMaterial({
+        metalness: metallic * 0.5,
+        roughness,
+        opacity: seen,
+        transparent: seen < 1,
+        depthWrite: !isGlass,
+        // Faces of a file may be the wrong way round; glass is seen from the front alone.
+        side: isGlass || this.opacity < 1 ? FrontSide : DoubleSide,
+        polygonOffset: true,
+        polygonOffsetFactor: this.opacity < 1 ? -1 : 1,
+        polygonOffsetUnits: this.opacity < 1 ? -1 : 1,
+      });
+      found.color.setRGB(...colour, "srgb");
+      if (isTouching) {
+        found.color.lerp(found.color.clone().setHex(CONTACT), 0.8);
+        found.emissive.setHex(CONTACT);
+        found.emissiveIntensity = 0.25;
+      }
+      this.known.set(key, found);
+    }
+    return found;
+  }
+
+  private edge(geometry: BufferGeometry): LineSegments {
+    const lines = new LineSegments(new EdgesGeometry(geometry, EDGE_DEG), this.edgeMaterial);
+    lines.matrixAutoUpdate = false;
+    lines.matrix = new Matrix4();
+    this.group.add(lines);
+    return lines;
+  }
+}
