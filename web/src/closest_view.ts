@@ -10,7 +10,7 @@ export class ClosestView {
     const geometry = new BufferGeometry().setAttribute("position", this.ends);
     const over = { color: COLOUR, depthTest: false, transparent: true };
     const line = new LineSegments(geometry, new LineBasicMaterial(over));
-    const dots = new Points(geometry, new PointsMaterial({ ...over, size: 7, sizeAttenuation: false }));
+    const dots = new Points(geometry, round(new PointsMaterial({ ...over, size: 8, sizeAttenuation: false })));
     for (const part of [line, dots]) {
       part.frustumCulled = false;
       part.renderOrder = 5;
@@ -28,3 +28,14 @@ export class ClosestView {
 }
 
 const COLOUR = 0xe0342b;
+
+/** Points are squares; only what is in the circle is drawn. */
+function round(material: PointsMaterial): PointsMaterial {
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "void main() {",
+      "void main() {\n  if (length(gl_PointCoord - 0.5) > 0.5) discard;",
+    );
+  };
+  return material;
+}

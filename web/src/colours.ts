@@ -37,7 +37,7 @@ export function ofPlan(index: number): string {
 
 /** Of what inverse kinematics knows of a grasp. */
 export function ofIk(status: string): string {
-  return { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b" }[status] ?? UNKNOWN;
+  return { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "not-found": "#8a5cd6" }[status] ?? UNKNOWN;
 }
 
 /** Of reasons, in the order in which they are counted. */

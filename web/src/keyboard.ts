@@ -54,13 +54,12 @@ export function listenToKeys(
   });
 }
 
-/** Sliders take arrows, buttons and switches the space bar, a dialogue everything but what closes it. */
+/** Sliders and choices take arrows, buttons and switches the space bar, a dialogue everything but what closes it. */
 function isMeantElsewhere({ key, target }: KeyboardEvent): boolean {
   const at = target as HTMLElement | null;
   if (document.querySelector("dialog[open]")) return key !== "?";
-  if (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && at.type === "radio")) {
-    return [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(key);
-  }
+  if (at instanceof HTMLSelectElement) return [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(key);
+  if (at instanceof HTMLInputElement && at.type === "radio") return ["ArrowLeft", "ArrowRight"].includes(key);
   if (at instanceof HTMLInputElement && at.type === "range") {
     // The time line does what the keys say anyway.
     return !at.classList.contains("scrub") && ["ArrowLeft", "ArrowRight", "Home", "End"].includes(key);

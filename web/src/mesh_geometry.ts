@@ -27,6 +27,7 @@ export class MeshGeometries {
         const normals = floats32(piece.normals);
         if (normals.length > 0) geometry.setAttribute("normal", new BufferAttribute(normals, 3));
         else geometry.computeVertexNormals();
+        if (piece.colours) geometry.setAttribute("color", new BufferAttribute(floats32(piece.colours), 3));
         geometry.computeBoundingBox();
         return { material: piece.material, geometry };
       });

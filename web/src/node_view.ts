@@ -30,6 +30,18 @@ const GLASS_OPACITY = 0.2;
 /** Corners flatter than this, in degrees, get no line. */
 const EDGE_DEG = 35;
 
+/** Where nodes are whose first ones are the links: with the links, or where they stand. */
+export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[]): Pose[] {
+  const poses: Pose[] = [];
+  nodes.forEach((node, index) => poses.push(worldFromLinks[index] ?? onParent(node, poses)));
+  return poses;
+}
+
+/** Where something is that hangs on one of `parents`, or on nothing. */
+export function onParent(node: Node, parents: Pose[]): Pose {
+  return node.parent === null ? node.parent_from_node : compose(parents[node.parent], node.parent_from_node);
+}
+
 /** Robot and bodies as meshes: what is seen, or what is checked for collision. */
 export class NodeView {
   readonly group = new Group();
@@ -53,7 +65,7 @@ export class NodeView {
     this.meshes = nodes.map((node, index) => {
       if (node.mesh === null) return [];
       return geometries.of(node.mesh).map(({ geometry, material }) => {
-        const mesh = new Mesh(geometry, this.material(material, this.looks[index]));
+        const mesh = new Mesh(geometry, this.material(material, geometry, this.looks[index]));
         mesh.userData["material"] = material;
         mesh.matrixAutoUpdate = false;
         mesh.castShadow = opacity === 1;
@@ -69,14 +81,10 @@ export class NodeView {
     });
   }
 
-  /** Puts the robot's links where they are, and with them what hangs on them. */
-  pose(worldFromLinks: Pose[]): void {
-    this.worldFromNodes = [];
-    this.nodes.forEach((node, index) => {
-      const world =
-        worldFromLinks[index] ??
-        (node.parent === null ? node.parent_from_node : compose(this.worldFromNodes[node.parent], node.parent_from_node));
-      this.worldFromNodes.push(world);
+  /** Puts all nodes where they are; `worldFromNodes` by node. */
+  pose(worldFromNodes: Pose[]): void {
+    this.worldFromNodes = worldFromNodes;
+    worldFromNodes.forEach((world, index) => {
       for (const part of [...this.meshes[index], this.edges[index]]) {
         if (!part) continue;
         setMatrix(part.matrix, world);
@@ -119,20 +127,23 @@ export class NodeView {
       if (next.isGlass === now.isGlass && next.isTouching === now.isTouching) return;
       this.looks[index] = next;
       for (const mesh of this.meshes[index]) {
-        mesh.material = this.material(mesh.userData["material"] as number, next);
+        mesh.material = this.material(mesh.userData["material"] as number, mesh.geometry, next);
         // Glass over what is not: farther things first, and all of it after the robot.
         mesh.renderOrder = next.isGlass ? 1 : 0;
       }
     });
   }
 
-  private material(index: number, { isTouching, isGlass }: Look): MeshStandardMaterial {
-    const key = `${index} ${isTouching} ${isGlass}`;
+  private material(index: number, geometry: BufferGeometry, { isTouching, isGlass }: Look): MeshStandardMaterial {
+    const vertexColors = geometry.hasAttribute("color");
+    const key = `${index} ${vertexColors} ${isTouching} ${isGlass}`;
     let found = this.known.get(key);
     if (!found) {
       const { colour, opacity, metallic, roughness } = this.materials[index];
       const seen = opacity * (isGlass ? GLASS_OPACITY : this.opacity);
       found = new MeshStandardMaterial({
+        vertexColors,
+        // There is little around here for a metal to mirror.
         metalness: metallic * 0.5,
         roughness,
         opacity: seen,

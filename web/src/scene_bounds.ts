@@ -1,5 +1,5 @@
 import type { Kinematics } from "./kinematics.ts";
-import type { NodeView } from "./node_view.ts";
+import { type NodeView, worldFromNodes } from "./node_view.ts";
 import type { Node, Point, Pose } from "./page_data.ts";
 import { transformed } from "./pose.ts";
 import type { ShownPlan } from "./trajectory.ts";
@@ -30,7 +30,7 @@ export class SceneBounds {
     }
     const corners = (counts: (node: Node) => boolean): Point[][] =>
       postures.flatMap((posture, index) => {
-        view.pose(posture);
+        view.pose(worldFromNodes(view.nodes, posture));
         // What does not move is looked at once.
         return view.nodes.flatMap((node, i) =>
           counts(node) && (index === 0 || node.role === "link") ? [boxCorners(view, i)] : [],
@@ -38,7 +38,7 @@ export class SceneBounds {
       });
     const matters = corners((node) => node.role !== "obstacle").flat();
     const obstacles = corners((node) => node.role === "obstacle").filter((points) => points.length > 0);
-    view.pose(start);
+    view.pose(worldFromNodes(view.nodes, start));
     const near = matters.length > 0 ? grown(around(matters), NEAR_M) : null;
     const parts = near ? obstacles.flatMap((points) => cornersOf(common(around(points), near))) : obstacles.flat();
     this.focus = [...matters, ...parts];

@@ -6,7 +6,7 @@ import { GraspView } from "./grasp_view.ts";
 import type { Kinematics } from "./kinematics.ts";
 import { LightView } from "./light_view.ts";
 import { MeshGeometries } from "./mesh_geometry.ts";
-import { NodeView } from "./node_view.ts";
+import { NodeView, onParent, worldFromNodes } from "./node_view.ts";
 import type { PageData } from "./page_data.ts";
 import { PathView } from "./path_view.ts";
 import { type Posture, postureOf } from "./posture.ts";
@@ -131,8 +131,9 @@ export class SceneView {
   private move(state: ViewState): void {
     this.posture = postureOf(state, this.plans, this.kinematics);
     const { worldFromLinks } = this.posture;
-    this.nodes.pose(worldFromLinks);
-    if (state.layers.collision) this.collision.pose(worldFromLinks);
+    const places = worldFromNodes(this.nodes.nodes, worldFromLinks);
+    this.nodes.pose(places);
+    if (state.layers.collision) this.collision.pose(this.collision.nodes.map((shape) => onParent(shape, places)));
     this.spheres.pose(worldFromLinks);
     const others = this.plans.filter(({ index }) => state.layers.others && index !== state.plan);
     this.ghosts.showOthers(others, state.time_s);

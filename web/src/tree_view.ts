@@ -3,7 +3,10 @@ import { ofTree } from "./colours.ts";
 import { floats32, unsigned32 } from "./numbers.ts";
 import type { SearchTree } from "./page_data.ts";
 
-const OPACITY = 0.6;
+/** Of a line where a tree is small, and where its lines lie over each other. */
+const OPACITY = 0.7;
+const DENSE_OPACITY = 0.28;
+const DENSE_NODES = 50_000;
 
 /** The trees of a search, a line from each node to its parent: one draw call, and growth costs nothing. */
 export class TreeView {
@@ -40,7 +43,9 @@ export class TreeView {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(ends, 3));
     geometry.setAttribute("color", new BufferAttribute(paint, 3, true));
-    const material = new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: OPACITY, depthWrite: false });
+    const dense = Math.min(this.count / DENSE_NODES, 1);
+    const opacity = OPACITY + (DENSE_OPACITY - OPACITY) * dense;
+    const material = new LineBasicMaterial({ vertexColors: true, transparent: true, opacity, depthWrite: false });
     this.lines = new LineSegments(geometry, material);
     this.lines.frustumCulled = false;
     this.lines.renderOrder = 1.2;
