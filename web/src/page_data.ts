@@ -102,7 +102,7 @@ export interface Grasp {
   /** Of the fingers' opening. */
   width_m: number | null;
   /** What is known of inverse kinematics there. */
-  ik: "solved" | "hand-collides" | "out-of-reach" | "not-found" | "unknown" | string;
+  ik: "solved" | "hand-collides" | "out-of-reach" | "no-solution" | "unknown" | string;
 }
 
 export interface Plan {
