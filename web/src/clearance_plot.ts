@@ -11,12 +11,16 @@ const SCALES_M = [0.01, 0.02, 0.05, 0.1, 0.15, 0.25];
 const TOP = 6;
 const BOTTOM = 3;
 
+/** Space for the words of the scale, in points. */
+const LABEL = 40;
+
 /** Clearance over time: a line for each plan, the one that is looked at filled, and where the time is. */
 export class ClearancePlot {
   readonly canvas = document.createElement("canvas");
   private readonly duration_s: number;
   private readonly plans: ShownPlan[];
   private scale_m = SCALES_M[0];
+  private span = { left: 0, right: 0 };
   private last: { plan: number; shown: ShownPlan[]; time_s: number } | null = null;
 
   /** `onTime` is called with the time at a place that was pressed. */
@@ -27,7 +31,8 @@ export class ClearancePlot {
     this.canvas.setAttribute("role", "img");
     const seek = (event: PointerEvent): void => {
       const { left, width } = this.canvas.getBoundingClientRect();
-      onTime(Math.min(Math.max((event.clientX - left) / width, 0), 1) * duration_s);
+      const share = (event.clientX - left - this.span.left) / (width - this.span.left - this.span.right);
+      onTime(Math.min(Math.max(share, 0), 1) * duration_s);
     };
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -41,6 +46,12 @@ export class ClearancePlot {
 
   get isEmpty(): boolean {
     return this.plans.every(({ clearance }) => !clearance);
+  }
+
+  /** How far inside its edges the line begins and ends, in points: below the way of a slider's thumb. */
+  setSpan(left: number, right: number): void {
+    this.span = { left, right };
+    this.redraw();
   }
 
   /** `shown`: the plans whose lines are drawn, by index of the one that is filled. */
@@ -60,12 +71,13 @@ export class ClearancePlot {
       ...shown.map(({ clearance }) => Math.min(MOST_M, clearance?.distances_m.reduce((a, b) => Math.max(a, b), 0) ?? 0)),
     );
     this.scale_m = SCALES_M.find((scale) => scale >= most) ?? MOST_M;
-    const x = (time: number): number => (time / this.duration_s) * width;
+    const [from, to] = [this.span.left, width - this.span.right];
+    const x = (time: number): number => from + (time / this.duration_s) * (to - from);
     const y = (distance: number): number => {
       const share = Math.min(Math.max(distance / this.scale_m, -0.05), 1);
       return height - BOTTOM - share * (height - TOP - BOTTOM);
     };
-    this.rules(pen, width, y, ink, faint);
+    this.rules(pen, { from, to, width }, y, ink, faint);
     const current = shown.find(({ index }) => index === plan);
     for (const other of shown.filter(({ index }) => index !== plan)) this.line(pen, other, x, y, 0.55);
     if (current) {
@@ -83,7 +95,7 @@ export class ClearancePlot {
 
   private rules(
     pen: CanvasRenderingContext2D,
-    width: number,
+    { from, to, width }: { from: number; to: number; width: number },
     y: (m: number) => number,
     ink: string,
     faint: string,
@@ -95,13 +107,16 @@ export class ClearancePlot {
       pen.strokeStyle = faint;
       pen.lineWidth = 1;
       pen.beginPath();
-      pen.moveTo(0, height);
-      pen.lineTo(width, height);
+      pen.moveTo(from, height);
+      pen.lineTo(to, height);
       pen.stroke();
-      if (share === 0) continue;
+      const text = `${1000 * share * this.scale_m}${share === 1 ? " mm" : ""}`;
+      const isBeside = width - to > LABEL;
+      if (share === 0 && !isBeside) continue;
       pen.fillStyle = ink;
-      pen.textAlign = "right";
-      pen.fillText(`${1000 * share * this.scale_m} mm`, width - 2, height + 7);
+      pen.textAlign = isBeside ? "left" : "right";
+      const inside = Math.min(Math.max(height, 6), this.canvas.clientHeight - 6);
+      pen.fillText(text, isBeside ? to + 8 : to - 2, isBeside ? inside : height + 7);
     }
   }
 

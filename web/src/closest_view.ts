@@ -10,7 +10,7 @@ export class ClosestView {
     const geometry = new BufferGeometry().setAttribute("position", this.ends);
     const over = { color: COLOUR, depthTest: false, transparent: true };
     const line = new LineSegments(geometry, new LineBasicMaterial(over));
-    const dots = new Points(geometry, round(new PointsMaterial({ ...over, size: 8, sizeAttenuation: false })));
+    const dots = new Points(geometry, round(new PointsMaterial({ ...over, size: 7, sizeAttenuation: false })));
     for (const part of [line, dots]) {
       part.frustumCulled = false;
       part.renderOrder = 5;

@@ -13,11 +13,14 @@ const GHOST_RIM = 0.9;
 const OTHER_OPACITY = 0.55;
 const OTHER_RIM = 0.5;
 
+/** A ghost is shown if one of its joints is so far away from the robot's, in metres or radians. */
+const AWAY = 0.08;
+
 /** Translucent robots: on the way of the plan that is looked at, and those of the other plans. */
 export class GhostView {
   readonly ghosts = new Group();
   readonly others = new Group();
-  private readonly onWay: RobotCopy[] = [];
+  private readonly onWay: { copy: RobotCopy; q: Float64Array }[] = [];
   private readonly ofPlans = new Map<number, RobotCopy>();
   private places: { copy: RobotCopy; at: Pose }[] = [];
   private readonly kinematics: Kinematics;
@@ -35,15 +38,21 @@ export class GhostView {
     const instants = plan && count > 0 ? ghostInstants(plan, this.kinematics, count) : [];
     while (this.onWay.length < instants.length) {
       const copy = this.copy(GHOST, GHOST_OPACITY, GHOST_RIM);
-      this.onWay.push(copy);
+      this.onWay.push({ copy, q: new Float64Array() });
       this.ghosts.add(copy.group);
     }
-    this.places = this.places.filter(({ copy }) => !this.onWay.includes(copy));
-    this.onWay.forEach((copy, index) => {
-      copy.group.visible = index < instants.length;
-      if (!plan || !copy.group.visible) return;
-      this.place(copy, plan.trajectory.row(instants[index]));
+    this.onWay.forEach((ghost, index) => {
+      ghost.q = plan && index < instants.length ? plan.trajectory.row(instants[index]) : new Float64Array();
+      if (ghost.q.length > 0) this.place(ghost.copy, ghost.q);
     });
+  }
+
+  /** No ghost stands where the robot is. */
+  makeWay(q: ArrayLike<number>): void {
+    for (const ghost of this.onWay) {
+      const away = Math.max(...Array.from(ghost.q, (value, i) => Math.abs(value - q[i])));
+      ghost.copy.group.visible = ghost.q.length > 0 && away > AWAY;
+    }
   }
 
   /** The robots of plans beside the one that is looked at, at a time. */

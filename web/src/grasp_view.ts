@@ -7,8 +7,11 @@ import { transformed } from "./pose.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { GraspColour } from "./view_state.ts";
 
+/** Of few; of more than this, thinner, so that one sees what they hold. */
 const THICKNESS_M = 0.0026;
-const STRONG_THICKNESS_M = 0.006;
+const THIN_M = 0.0014;
+const FEW = 40;
+const STRONG_THICKNESS_M = 0.005;
 
 /** What is pointed at. */
 const POINTED = "#ffffff";
@@ -30,7 +33,8 @@ export class GraspView {
   constructor(grasps: Grasp[], plans: number) {
     this.grasps = grasps;
     const material = (): MeshLambertMaterial => new MeshLambertMaterial({ emissive: 0xffffff, emissiveIntensity: 0 });
-    this.all = new InstancedMesh(gripperGeometry(THICKNESS_M), material(), grasps.length);
+    const thickness_m = Math.max(THICKNESS_M * Math.sqrt(Math.min(FEW / grasps.length, 1)), THIN_M);
+    this.all = new InstancedMesh(gripperGeometry(thickness_m), material(), grasps.length);
     // One of each plan, and the one that is pointed at.
     this.strong = new InstancedMesh(gripperGeometry(STRONG_THICKNESS_M), material(), plans + 1);
     this.strong.count = 0;

@@ -62,13 +62,13 @@ export class SceneView {
     this.bounds = new SceneBounds(this.nodes, kinematics, plans);
     const { middle, reach_m } = this.bounds;
     this.floor = new FloorView(data, [middle[0], middle[1]], reach_m);
-    this.light = new LightView(middle, reach_m);
+    this.light = new LightView(middle, reach_m, stage.isSlow);
     this.spheres = new SphereView(data);
     this.grasps = new GraspView(data.grasps, plans.length);
     this.paths = plans.map((plan) => new PathView(plan, kinematics));
     const links = data.robot.links.length;
     this.ghosts = new GhostView(kinematics, () => robotGeometry(data.nodes, geometries, links));
-    for (const { index, tree } of plans) if (tree) this.trees.set(index, new TreeView(tree));
+    for (const { index, tree } of plans) if (tree) this.trees.set(index, new TreeView(tree, stage));
     stage.scene.add(
       this.light.group,
       this.floor.group,
@@ -137,6 +137,7 @@ export class SceneView {
     this.spheres.pose(worldFromLinks);
     const others = this.plans.filter(({ index }) => state.layers.others && index !== state.plan);
     this.ghosts.showOthers(others, state.time_s);
+    this.ghosts.makeWay(this.posture.q);
     this.paths.forEach((path, index) => {
       path.group.visible = state.layers.path && (index === state.plan || state.layers.others);
       path.show(state.time_s, index === state.plan);
@@ -148,6 +149,7 @@ export class SceneView {
 
   private showWay({ plan, layers, ghosts }: ViewState): void {
     this.ghosts.showWay(this.plans[plan] ?? null, layers.ghosts ? ghosts : 0);
+    this.ghosts.makeWay(this.posture.q);
     this.stage.invalidate();
   }
 

@@ -26,6 +26,8 @@ export class Stage {
   /** Of the last frame, until the graphics card has its work. */
   frameScript_ms = 0;
   frames = 0;
+  /** Whether the machine draws without a graphics card. */
+  readonly isSlow: boolean;
   private insets: Insets = { left: 0, top: 0, right: 0, bottom: 0 };
   private readonly steps: Step[] = [];
   private readonly beforeDraw: (() => void)[] = [];
@@ -35,6 +37,8 @@ export class Stage {
 
   constructor(host: HTMLElement) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "high-performance" });
+    this.renderer.info.autoReset = false;
+    this.isSlow = drawsInSoftware(this.renderer);
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.shadowMap.needsUpdate = true;
@@ -142,6 +146,7 @@ export class Stage {
     for (const step of this.steps) goesOn = step(elapsed_s) || goesOn;
     // Says by its event if it goes on.
     this.controls.update();
+    this.renderer.info.reset();
     for (const callback of this.beforeDraw) callback();
     this.renderer.render(this.scene, this.camera);
     this.frames += 1;
@@ -154,3 +159,12 @@ export class Stage {
 
 /** Finer than that nobody sees, and it costs. */
 const MOST_PIXELS_PER_POINT = 2;
+
+/** Names of programs that draw on the processor: Chromium's, Mesa's, Windows'. */
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+function drawsInSoftware(renderer: WebGLRenderer): boolean {
+  const context = renderer.getContext();
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  return SOFTWARE.test(String(context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER)));
+}

@@ -7,6 +7,9 @@ import type { Theme } from "./theme.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import { SPEEDS, type View, type ViewState } from "./view_state.ts";
 
+/** The thumb of a slider is so wide, in points, and stays inside. */
+const THUMB = 14;
+
 /** Play, pause, scrub, speed; and how near the robot comes to anything on the way. */
 export class TimeLine {
   readonly element: HTMLElement;
@@ -44,6 +47,10 @@ export class TimeLine {
       speed,
       ...(hasPlot ? [this.closest, this.plot.canvas] : []),
     );
+    new ResizeObserver(() => {
+      const [scrub, plot] = [this.scrub, this.plot.canvas].map((part) => part.getBoundingClientRect());
+      this.plot.setSpan(scrub.left - plot.left + THUMB / 2, plot.right - scrub.right + THUMB / 2);
+    }).observe(this.scrub);
     this.element.hidden = !player.canPlay;
     const show = (state: ViewState): void => this.show(state, speed);
     view.on(["time_s", "plan", "isPlaying", "speed", "q", "layers"], show);
