@@ -80,7 +80,7 @@ fn build(web: &Path, copied: &Path) -> Result<PathBuf, String> {
         }
     }
     fs::create_dir_all(copied).map_err(fault)?;
-    copy(web, copied, &["dist", "node_modules"]).map_err(fault)?;
+    copy(web, copied, &NO_SOURCES).map_err(fault)?;
     if !is_installed {
         npm(
             copied,
@@ -147,7 +147,7 @@ fn newest(paths: &[PathBuf]) -> Option<SystemTime> {
     paths.iter().filter_map(of).max()
 }
 
-/// Copies what is in a folder, but for entries of these names.
+/// Copies files and folders of a folder, but for entries of these names.
 fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
@@ -156,9 +156,10 @@ fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
         if without.iter().any(|other| name == *other) {
             continue;
         }
-        if entry.file_type()?.is_dir() {
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
             copy(&entry.path(), &to.join(name), &[])?;
-        } else {
+        } else if kind.is_file() {
             fs::copy(entry.path(), to.join(name))?;
         }
     }

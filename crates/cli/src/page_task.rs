@@ -9,7 +9,7 @@ use cranny_view::{PageData, PagePlan, PageSettings, page_cell};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
-use crate::progress::stop_on_interrupt;
+use crate::progress::{self, stop_on_interrupt};
 use crate::search_replay;
 
 /// What a page is to show.
@@ -43,13 +43,13 @@ impl PageTask {
             Ok(if is_plan { Read::Plan(Box::new(PlanFile::read(file)?)) } else { Read::Waypoints })
         };
         let files = request.plans.iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        let plan = |file: &'_ Read| match file {
+        let robot_of = |file: &Read| match file {
             Read::Plan(plan) => plan.robot.clone().map(PathBuf::from),
             Read::Waypoints => None,
         };
         let options = OpenOptions {
             criterion: None,
-            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().find_map(plan)),
+            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new() };
@@ -78,7 +78,9 @@ impl PageTask {
                 }
             }
         }
+        let spinner = progress::spinner("measuring clearance and inverse kinematics", output.quiet);
         let page = PageData::of(&shown, &plans, &cell, PageSettings::default())?;
+        spinner.finish_and_clear();
         Ok(Self { page, cell })
     }
 }

@@ -57,7 +57,11 @@ fn the_balls_of_each_link_contain_it() {
             let (points, _) = shape.solid.bounding_points().expect("a solid with an end");
             for point in points {
                 let at = shape.link_from_shape * point;
-                assert!(balls.iter().any(|ball| (at - ball.center).norm() <= ball.radius_m + 1e-6), "{}", link.name);
+                assert!(
+                    balls.iter().any(|ball| (at - ball.center).norm() <= ball.radius_m + 1e-6),
+                    "{}",
+                    link.name
+                );
             }
         }
     }

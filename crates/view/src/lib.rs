@@ -60,6 +60,7 @@ mod stroke;
 mod task_scene;
 mod tree_recording;
 mod verdict;
+mod welding;
 
 pub use camera::{Camera, StandardView};
 pub use clearance_profile::ClearanceProfile;

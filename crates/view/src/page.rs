@@ -33,11 +33,14 @@ pub struct PageSettings {
     /// Instants of each path at which the closest pair is measured, at least 2. Default 240: more than a plot has
     /// pixels between two of its dips, and some tens of milliseconds.
     pub clearance_instants: usize,
+    /// Attempts of inverse kinematics at each grasp. Default 200: some tens of milliseconds for the grasps of a
+    /// released scenario, and nine tenths of what can be found there.
+    pub ik_attempts: usize,
 }
 
 impl Default for PageSettings {
     fn default() -> Self {
-        Self { clearance_instants: 240 }
+        Self { clearance_instants: 240, ik_attempts: 200 }
     }
 }
 
@@ -45,11 +48,11 @@ impl PageData {
     /// Everything that a page shows; `cell` is the one of [`page_cell`].
     ///
     /// # Errors
-    /// As [`Scene::of_task`].
+    /// As [`Scene::of_task`] and [`annotate_ik`](cranny_plan::annotate_ik).
     pub fn of(
         scenario: &Scenario,
         plans: &[PagePlan],
-        cell: &Cell,
+        cell: &Arc<Cell>,
         settings: PageSettings,
     ) -> Result<Self, ViewError> {
         let scene = Scene::of_task(scenario, None, &SceneSettings { grasps: 0 })?;
@@ -65,7 +68,7 @@ impl PageData {
             link_spheres: spheres.collect(),
             world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
             floor_area: FloorArea::of(&scenario.robot),
-            grasps: page_grasps::all(scenario, cell, plans),
+            grasps: page_grasps::all(scenario, cell, plans, settings.ik_attempts)?,
             plans: plans.iter().map(|plan| plan.entry(cell, settings.clearance_instants)).collect(),
             scene: PageScene::of(scene, &scenario.robot),
             is_live: false,

@@ -1,8 +1,12 @@
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use cranny_collision::Cell;
 use cranny_grasp::Grasp;
-use cranny_plan::{FailureReason, GraspFailure};
+use cranny_plan::{
+    FailureReason, Goal, IkAnnotationSettings, IkStatus, PlanError, Problem, Validity, annotate_ik,
+};
 use cranny_scenario::Scenario;
-use cranny_spatial::{Point, PoseDifference};
 use serde::Serialize;
 
 use crate::{PagePlan, number_row};
@@ -21,42 +25,52 @@ pub(crate) struct PageGrasp {
 ///
 /// 1. "solved" where a valid plan ends, or a free configuration of the scenario's files or of a failed search
 ///    holds the grasp.
-/// 2. "hand-collides" and "out-of-reach" where that is certain, whatever the arm does.
-/// 3. "not-found" where a failed search tried and came to no free configuration; else "unknown".
-pub(crate) fn all(scenario: &Scenario, cell: &Cell, plans: &[PagePlan]) -> Vec<PageGrasp> {
-    let mut scratch = cell.scratch();
-    let held = held_by_files(scenario, cell);
-    let reach = scenario.robot.reach_bound();
-    let failures: Vec<&GraspFailure> = plans.iter().flat_map(|plan| &plan.failures).collect();
-    let mut status = |index: usize, grasp: &Grasp| {
-        let of_failures = || failures.iter().filter(|failure| failure.grasp == index);
-        let is_connected_to = |f: &&&GraspFailure| matches!(f.reason, FailureReason::NotConnected { .. });
-        if held[index]
-            || plans.iter().any(|plan| plan.grasp() == Some(index))
-            || of_failures().any(|failure| is_connected_to(&failure))
-        {
-            return "solved";
+/// 2. Else what so many attempts at each show, by the names of [`IkStatus`]: "solved"; "hand-collides" and
+///    "out-of-reach", which are certain; "no-solution", which is not.
+///
+/// # Errors
+/// As [`annotate_ik`].
+pub(crate) fn all(
+    scenario: &Scenario,
+    cell: &Arc<Cell>,
+    plans: &[PagePlan],
+    attempts: usize,
+) -> Result<Vec<PageGrasp>, PlanError> {
+    // 1.
+    let mut solved = held_by_files(scenario, cell);
+    for plan in plans {
+        let is_held = |reason: &FailureReason| matches!(reason, FailureReason::NotConnected { .. });
+        let held =
+            plan.failures.iter().filter(|failure| is_held(&failure.reason)).map(|failure| failure.grasp);
+        for grasp in held.chain(plan.grasp()) {
+            if let Some(solved) = solved.get_mut(grasp) {
+                *solved = true;
+            }
         }
-        let hand_is_free =
-            |grasp: &Grasp, scratch: &mut _| cell.hand_is_free(&grasp.world_from_gripper, scratch);
-        if !hand_is_free(grasp, &mut scratch) && !hand_is_free(&grasp.twin(), &mut scratch) {
-            return "hand-collides";
-        }
-        if reach.beyond_m(&Point::from(grasp.world_from_gripper.translation.vector)) > 0.0 {
-            return "out-of-reach";
-        }
-        if of_failures().any(|failure| failure.attempts > 0) { "not-found" } else { "unknown" }
+    }
+    // 2.
+    let problem = Problem {
+        robot: scenario.robot.clone(),
+        target: scenario.target,
+        start: scenario.start.clone(),
+        goal: Goal::Grasps(scenario.grasps.clone()),
+        validity: Validity::Exact(cell.clone()),
     };
-    let grasps = scenario.grasps.grasps().iter().enumerate();
-    grasps
-        .map(|(index, grasp)| PageGrasp {
-            index,
-            world_from_gripper: number_row::pose(&grasp.world_from_gripper),
-            score: grasp.score,
-            width_m: grasp.width_m,
-            ik: status(index, grasp),
-        })
-        .collect()
+    let settings = IkAnnotationSettings { attempts, ..IkAnnotationSettings::default() };
+    let annotations = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false))?;
+    let statuses = annotations
+        .iter()
+        .zip(solved)
+        .map(|(annotation, solved)| if solved { IkStatus::Solved.name() } else { annotation.status.name() });
+    let grasps = scenario.grasps.grasps().iter().zip(statuses).enumerate();
+    let page_grasp = |(index, (grasp, ik)): (usize, (&Grasp, &'static str))| PageGrasp {
+        index,
+        world_from_gripper: number_row::pose(&grasp.world_from_gripper),
+        score: grasp.score,
+        width_m: grasp.width_m,
+        ik,
+    };
+    Ok(grasps.map(page_grasp).collect())
 }
 
 /// Whether a configuration of the scenario's files holds each grasp freely.
@@ -69,8 +83,7 @@ fn held_by_files(scenario: &Scenario, cell: &Cell) -> Vec<bool> {
         }
         let gripper = scratch.frames().link(scenario.robot.tip());
         for (held, grasp) in held.iter_mut().zip(scenario.grasps.grasps()) {
-            let difference: PoseDifference = grasp.difference(gripper);
-            *held |= difference.is_exact();
+            *held |= grasp.difference(gripper).is_exact();
         }
     }
     held

@@ -131,6 +131,7 @@ impl PageMesh {
 
 impl PagePiece {
     fn of(piece: &MeshPiece) -> Self {
+        let piece = piece.welded();
         let colours = piece.colours.iter().flat_map(|colour| colour.0);
         Self {
             material: piece.material,
