@@ -37,8 +37,11 @@ export function ofPlan(index: number): string {
 
 /** Of what inverse kinematics knows of a grasp. */
 export function ofIk(status: string): string {
-  return { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "not-found": "#8a5cd6" }[status] ?? UNKNOWN;
+  return { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "no-solution": "#8a5cd6" }[status] ?? UNKNOWN;
 }
+
+/** What says nothing of a grasp. */
+export const NOT_TRIED = "not tried";
 
 /** Of reasons, in the order in which they are counted. */
 const REASONS = ["#e0483e", "#e9a13b", "#3a7bd5", "#8a5cd6", "#12a48b", "#c65b9b", "#7f8c3a", "#5b6b7f"];

@@ -7,7 +7,8 @@ export function seconds(time_s: number): string {
 /** A length of the size of a clearance. */
 export function millimetres(length_m: number): string {
   const mm = 1000 * length_m;
-  return `${Math.abs(mm) < 10 ? mm.toFixed(2) : Math.abs(mm) < 100 ? mm.toFixed(1) : mm.toFixed(0)} mm`;
+  const text = Math.abs(mm) < 10 ? mm.toFixed(2) : Math.abs(mm) < 100 ? mm.toFixed(1) : mm.toFixed(0);
+  return `${text.replace("-", "−")} mm`;
 }
 
 export function score(value: number | null): string {
@@ -21,7 +22,9 @@ export function count(value: number): string {
 
 /** Of a joint: degrees or metres. */
 export function jointValue(kind: "revolute" | "prismatic", value: number): string {
-  return kind === "revolute" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${value.toFixed(3)} m`;
+  const text = kind === "revolute" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${value.toFixed(3)} m`;
+  // Nothing is minus nothing.
+  return text.replace(/^-(?=[0.]+(°| m)$)/, "").replace("-", "−");
 }
 
 /** "hand-collides" as words. */

@@ -78,7 +78,7 @@ export class GraspPanel {
   }
 }
 
-/** As the plan counts them; else counted here. The commonest first. */
+/** As the plan counts them; else counted here. The commonest first, what was not tried last. */
 export function blockedCounts(plan: Plan): { reason: string; count: number }[] {
   const counts = new Map(plan.blocked_counts.map(({ reason, count: number }) => [reason, number]));
   if (counts.size === 0) {
@@ -87,7 +87,7 @@ export function blockedCounts(plan: Plan): { reason: string; count: number }[] {
   return [...counts]
     .map(([reason, number]) => ({ reason, count: number }))
     .filter((each) => each.count > 0)
-    .sort((a, b) => b.count - a.count);
+    .sort((a, b) => Number(a.reason === colours.NOT_TRIED) - Number(b.reason === colours.NOT_TRIED) || b.count - a.count);
 }
 
 function row(colour: string, text: string, number: number): HTMLElement {

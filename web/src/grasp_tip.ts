@@ -65,7 +65,7 @@ export class GraspTip {
     const [x, y] = [event.clientX - left, event.clientY - top];
     const reach = event.pointerType === "touch" ? REACH.touch : REACH.mouse;
     const isShown = this.view.state.layers.grasps;
-    const found = isShown ? this.scene.grasps.at(x, y, reach, (point) => this.stage.onScreen(point)) : null;
+    const found = isShown ? this.scene.grasps.at(x, y, reach, this.stage.lens) : null;
     if (found === null) return this.hide();
     const grasp = this.grasps[found];
     this.view.set({ grasp: grasp.index });

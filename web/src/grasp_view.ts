@@ -4,6 +4,7 @@ import { RODS, gripperGeometry } from "./gripper_glyph.ts";
 import { setMatrix } from "./mesh_geometry.ts";
 import type { Grasp, Point } from "./page_data.ts";
 import { transformed } from "./pose.ts";
+import type { Lens } from "./stage.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { GraspColour } from "./view_state.ts";
 
@@ -91,12 +92,11 @@ export class GraspView {
    * several equally near the one in front. Looking at rods on the screen, not at triangles, lets a finger hit
    * what is two points wide.
    */
-  at(x: number, y: number, reach: number, onScreen: OnScreen): number | null {
+  at(x: number, y: number, reach: number, lens: Lens): number | null {
     let best: { index: number; away: number; depth: number } | null = null;
     for (let rod = 0; rod < this.rods.length / 6; rod += 1) {
       const points = this.rods.subarray(6 * rod, 6 * rod + 6);
-      const a = onScreen({ x: points[0], y: points[1], z: points[2] });
-      const b = onScreen({ x: points[3], y: points[4], z: points[5] });
+      const [a, b] = [lens([points[0], points[1], points[2]]), lens([points[3], points[4], points[5]])];
       if (a.depth > 1 || b.depth > 1) continue;
       // In whole points: what is nearer by less than that is not nearer for a hand.
       const away = Math.round(distanceToSegment(x, y, a, b));
@@ -115,8 +115,6 @@ export class GraspView {
     return [(palm[0] + palm[3]) / 2, (palm[1] + palm[4]) / 2, (palm[2] + palm[5]) / 2];
   }
 }
-
-export type OnScreen = (point: { x: number; y: number; z: number }) => { x: number; y: number; depth: number };
 
 function distanceToSegment(x: number, y: number, a: { x: number; y: number }, b: { x: number; y: number }): number {
   const [dx, dy] = [b.x - a.x, b.y - a.y];

@@ -87,9 +87,8 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
       return view.state.grasp;
     },
     graspOnScreen(place: number) {
-      const [x, y, z] = scene.grasps.middle(place);
-      const seen = stage.onScreen({ x, y, z });
-      return { x: seen.x, y: seen.y };
+      const { x, y } = stage.lens(scene.grasps.middle(place));
+      return { x, y };
     },
   });
 }

@@ -70,6 +70,7 @@ export class JointPanel {
       ask();
     });
     this.element.addEventListener("toggle", () => {
+      if (this.element.open) this.element.scrollIntoView({ block: "nearest" });
       show();
       ask();
     });

@@ -13,6 +13,8 @@ export class LinkKeeper {
   constructor(view: View, eye: () => Eye) {
     this.view = view;
     this.eye = eye;
+    // A link to another view of this page; the page itself changes its address without this event.
+    window.addEventListener("hashchange", () => location.reload());
     view.on(["plan", "time_s", "speed", "q", "layers", "ghosts", "treeNodes", "graspColour", "eye", "isPlaying"], () => {
       clearTimeout(this.timer);
       if (!view.state.isPlaying && !view.state.isTreeGrowing) this.timer = setTimeout(() => this.keep(), REST_MS) as unknown as number;
@@ -32,7 +34,9 @@ export class LinkKeeper {
   }
 
   private keep(): void {
-    const hash = toHash(this.view.state);
+    // An eye that was let go glides on a little.
+    const { state } = this.view;
+    const hash = toHash({ ...state, eye: state.eye && this.eye() });
     history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
   }
 }

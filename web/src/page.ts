@@ -30,14 +30,16 @@ export function openPage(host: HTMLElement, data: PageData): void {
   const root = data.robot.links.findIndex(({ parent }) => parent === null);
   const kinematics = new Kinematics(data.robot, data.nodes[root]?.parent_from_node);
   const plans = shownPlans(data);
-  const reasons = [...new Set(plans.flatMap(({ reasons }) => [...reasons.values()]))];
+  const reasons = [...new Set(plans.flatMap(({ reasons }) => [...reasons.values()]))].filter(
+    (reason) => reason !== colours.NOT_TRIED,
+  );
   const available = availableLayers(data, plans);
   const view = new View(firstView(data, plans, reasons));
 
   // 2. The scene.
   const theme = new Theme();
   const shell = new Shell(data, plans);
-  host.append(shell.element);
+  host.replaceChildren(shell.element);
   const stage = new Stage(shell.viewport);
   shell.onInsets((insets) => stage.setInsets(insets));
   const scene = new SceneView(data, plans, kinematics, { stage, view, reasons });
@@ -137,7 +139,7 @@ function firstView(data: PageData, plans: ShownPlan[], reasons: string[]): ViewS
   state.time_s = Math.min(state.time_s, last_s);
   if (state.q?.length !== data.robot.start.length) state.q = null;
   const first = plans[state.plan];
-  if (!asked.graspColour && first?.trajectory.isEmpty && first.reasons.size > 0) state.graspColour = "reason";
+  if (!asked.graspColour && first?.trajectory.isEmpty && reasons.length > 0) state.graspColour = "reason";
   if (state.graspColour === "reason" && reasons.length === 0) state.graspColour = "score";
   return state;
 }

@@ -21,9 +21,9 @@ export class PlanPanel {
           "span",
           { class: "what" },
           element("b", {}, plan.name),
-          element("span", { class: "soft" }, [plan.planner, ...duration(shown)].join(" · ")),
+          element("span", { class: "soft" }, `${plan.planner} · ${ending(shown)}`),
         ),
-        verdictMark(plan.is_valid, plan.outcome),
+        verdictMark(shown),
       );
       return { radio, row };
     });
@@ -43,13 +43,14 @@ export class PlanPanel {
   }
 }
 
-function duration({ trajectory }: ShownPlan): string[] {
-  return trajectory.isEmpty ? ["no path"] : [seconds(trajectory.duration_s)];
+/** How long it takes, or why there is none. */
+function ending({ plan, trajectory }: ShownPlan): string {
+  return trajectory.isEmpty ? words(plan.outcome) : seconds(trajectory.duration_s);
 }
 
 /** What became of a plan, in one or two words. */
-export function verdictMark(isValid: boolean, outcome: string): HTMLElement {
-  const kind = isValid ? "free" : outcome === "solved" ? "contact" : "failed";
-  const text = isValid ? "valid" : outcome === "solved" ? "not valid" : words(outcome);
-  return element("span", { class: "mark", "data-kind": kind }, text);
+export function verdictMark({ plan, trajectory }: ShownPlan): HTMLElement {
+  if (plan.is_valid) return element("span", { class: "mark", "data-kind": "free" }, "valid");
+  if (trajectory.isEmpty) return element("span", { class: "mark", "data-kind": "failed" }, "no path");
+  return element("span", { class: "mark", "data-kind": "contact" }, "not valid");
 }

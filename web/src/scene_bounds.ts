@@ -17,7 +17,7 @@ export class SceneBounds {
   readonly middle: Point;
   /** How far everything reaches from the middle. */
   readonly reach_m: number;
-  /** Points of target and gripper that should not be hidden. */
+  /** Points of target, gripper and the robot at its start that should not be hidden. */
   readonly wanted: Point[];
 
   constructor(view: NodeView, kinematics: Kinematics, plans: ShownPlan[]) {
@@ -47,7 +47,8 @@ export class SceneBounds {
     const half = (i: number): number => (isEmpty ? 1 : (all.high[i] - all.low[i]) / 2);
     this.middle = [0, 1, 2].map((i) => (isEmpty ? 0 : (all.low[i] + all.high[i]) / 2)) as Point;
     this.reach_m = Math.max(Math.hypot(half(0), half(1), half(2)), 0.05);
-    this.wanted = [...targetPoints(view), ...plans.flatMap((plan) => pathPoints(plan, kinematics))];
+    const links = start.map(([x, y, z]): Point => [x, y, z]).filter((_, link) => view.nodes[link]?.mesh !== null);
+    this.wanted = [...targetPoints(view), ...links, ...plans.flatMap((plan) => pathPoints(plan, kinematics))];
   }
 }
 

@@ -27,7 +27,7 @@ export class Shell {
   constructor(data: PageData, plans: ShownPlan[]) {
     document.title = `${data.name} · Cranny`;
     this.title = element("header", { class: "title" }, element("span", { class: "brand" }, "Cranny"), element("h1", {}, data.name));
-    if (plans.length === 1) this.title.append(verdictMark(plans[0].plan.is_valid, plans[0].plan.outcome));
+    if (plans.length === 1) this.title.append(verdictMark(plans[0]));
     this.toggle = button("Settings (h)", icon("panel"), () => this.togglePanel());
     this.toggle.setAttribute("aria-controls", "panel");
     this.element = element("div", { class: "page" }, this.viewport, this.title, this.tools, this.panel, this.dock, this.said);

@@ -1,6 +1,7 @@
 import { Color, PerspectiveCamera, Scene, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { HEIGHT_RAD } from "./framing.ts";
+import type { Point } from "./page_data.ts";
 
 /** Space at the edges of the canvas that panels lie over, in points. */
 export interface Insets {
@@ -9,6 +10,9 @@ export interface Insets {
   right: number;
   bottom: number;
 }
+
+/** Where a point is on the screen. */
+export type Lens = (point: Point) => { x: number; y: number; depth: number };
 
 /** Moves something on by the time since the last frame; true if it wants another frame. */
 export type Step = (elapsed_s: number) => boolean;
@@ -111,11 +115,20 @@ export class Stage {
     };
   }
 
-  /** Where a point is seen, in points from the upper left corner of the canvas. */
-  onScreen(point: { x: number; y: number; z: number }): { x: number; y: number; depth: number } {
-    const { clientWidth, clientHeight } = this.canvas;
-    const seen = this.camera.position.clone().set(point.x, point.y, point.z).project(this.camera);
-    return { x: (seen.x * 0.5 + 0.5) * clientWidth, y: (0.5 - seen.y * 0.5) * clientHeight, depth: seen.z };
+  /** How points are seen now, in points from the upper left corner of the canvas; depth is below 1 for what is. */
+  get lens(): Lens {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { projectionMatrix, matrixWorldInverse } = this.camera;
+    const m = projectionMatrix.clone().multiply(matrixWorldInverse).elements;
+    return ([x, y, z]) => {
+      const w = m[3] * x + m[7] * y + m[11] * z + m[15];
+      // What lies behind the eye is not seen.
+      if (w <= 0) return { x: 0, y: 0, depth: Infinity };
+      const across = (m[0] * x + m[4] * y + m[8] * z + m[12]) / w;
+      const upwards = (m[1] * x + m[5] * y + m[9] * z + m[13]) / w;
+      const depth = (m[2] * x + m[6] * y + m[10] * z + m[14]) / w;
+      return { x: (0.5 + 0.5 * across) * width, y: (0.5 - 0.5 * upwards) * height, depth };
+    };
   }
 
   private fit(): void {

@@ -25,7 +25,7 @@ const PALETTES: Record<ThemeName, Palette> = {
     ground: 0x22272e,
     groundOpacity: 0.6,
     shadowOpacity: 0.45,
-    edge: 0x0a0d11,
+    edge: 0x9db2cc,
   },
 };
 

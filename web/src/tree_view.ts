@@ -7,11 +7,12 @@ import { TreePicture } from "./tree_picture.ts";
 
 /** Of a line where a tree is small, and where its lines lie over each other. */
 const OPACITY = 0.7;
-const DENSE_OPACITY = 0.28;
+const DENSE_OPACITY = 0.16;
 const DENSE_NODES = 50_000;
 
-/** Of a tree that is a picture every point is covered once. */
-const PICTURE_OPACITY = 0.5;
+/** Of a tree that is a picture every point is covered once: the robot is seen through it. */
+const PICTURE_OPACITY = 0.7;
+const DENSE_PICTURE_OPACITY = 0.36;
 
 /** So many lines are drawn while the eye moves and the machine is slow. */
 const SPARSE_NODES = 10_000;
@@ -44,7 +45,8 @@ export class TreeView {
     geometry.setAttribute("position", new BufferAttribute(ends(positions, parents), 3));
     geometry.setAttribute("color", new BufferAttribute(paint(trees), 3, true));
     const dense = Math.min(this.count / DENSE_NODES, 1);
-    const opacity = OPACITY + (DENSE_OPACITY - OPACITY) * dense;
+    const between = (sparse: number, full: number): number => sparse + (full - sparse) * dense;
+    const opacity = between(OPACITY, DENSE_OPACITY);
     this.lines = line(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity, depthWrite: false }));
     this.group.add(this.lines);
     if (!stage.isSlow) return;
@@ -57,7 +59,7 @@ export class TreeView {
       Array.from({ length: Math.floor(this.count / stride) }, (_, i) => [2 * i * stride, 2 * i * stride + 1]).flat(),
     );
     const sparse = line(share, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.6, depthWrite: false }));
-    this.slow = { picture: new TreePicture(PICTURE_OPACITY), sparse, stride };
+    this.slow = { picture: new TreePicture(between(PICTURE_OPACITY, DENSE_PICTURE_OPACITY)), sparse, stride };
     this.slow.picture.quad.renderOrder = ORDER;
     this.group.add(this.slow.picture.quad, sparse);
     stage.onBeforeDraw(() => this.choose(stage));
