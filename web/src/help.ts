@@ -15,7 +15,7 @@ const VIEW: [string, string][] = [
   ["l", "Copy a link to this view"],
   ["m", "Light or dark"],
   ["h", "Hide or show the panel"],
-  ["?", "This page"],
+  ["?", "These keys"],
 ];
 
 const HANDS: [string, string][] = [

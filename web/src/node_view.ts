@@ -17,12 +17,15 @@ import { compose } from "./pose.ts";
 
 /** How a node looks beside what it is made of. */
 interface Look {
+  isLink: boolean;
   isTouching: boolean;
   isGlass: boolean;
 }
 
-/** What touches something. */
+/** What touches something; a wall is large and needs less of it. */
 const CONTACT = 0xe0342b;
+const LINK_TINT = 0.8;
+const BODY_TINT = 0.4;
 
 /** Obstacles between the eye and what matters. */
 const GLASS_OPACITY = 0.2;
@@ -61,7 +64,7 @@ export class NodeView {
     this.nodes = nodes;
     this.materials = materials;
     this.opacity = opacity;
-    this.looks = nodes.map(() => ({ isTouching: false, isGlass: false }));
+    this.looks = nodes.map(({ role }) => ({ isLink: role === "link", isTouching: false, isGlass: false }));
     this.meshes = nodes.map((node, index) => {
       if (node.mesh === null) return [];
       return geometries.of(node.mesh).map(({ geometry, material }) => {
@@ -134,9 +137,9 @@ export class NodeView {
     });
   }
 
-  private material(index: number, geometry: BufferGeometry, { isTouching, isGlass }: Look): MeshStandardMaterial {
+  private material(index: number, geometry: BufferGeometry, { isLink, isTouching, isGlass }: Look): MeshStandardMaterial {
     const vertexColors = geometry.hasAttribute("color");
-    const key = `${index} ${vertexColors} ${isTouching} ${isGlass}`;
+    const key = `${index} ${vertexColors} ${isTouching && isLink} ${isTouching} ${isGlass}`;
     let found = this.known.get(key);
     if (!found) {
       const { colour, opacity, metallic, roughness } = this.materials[index];
@@ -157,9 +160,9 @@ export class NodeView {
       });
       found.color.setRGB(...colour, "srgb");
       if (isTouching) {
-        found.color.lerp(found.color.clone().setHex(CONTACT), 0.8);
+        found.color.lerp(found.color.clone().setHex(CONTACT), isLink ? LINK_TINT : BODY_TINT);
         found.emissive.setHex(CONTACT);
-        found.emissiveIntensity = 0.25;
+        found.emissiveIntensity = isLink ? 0.25 : 0;
       }
       this.known.set(key, found);
     }

@@ -7,7 +7,7 @@ import type { Insets } from "./stage.ts";
 import type { Theme } from "./theme.ts";
 import type { ShownPlan } from "./trajectory.ts";
 
-/** Below this width the panel lies over the scene and is closed at first. */
+/** Below this width the panel lies below the scene and is closed at first. */
 const NARROW = matchMedia("(max-width: 760px)");
 
 const SAID_MS = 2400;
@@ -40,7 +40,10 @@ export class Shell {
 
   /** Calls `listener` now and whenever panels cover more or less of the scene. */
   onInsets(listener: (insets: Insets) => void): void {
-    const tell = (): void => listener(this.insets);
+    const tell = (): void => {
+      this.element.style.setProperty("--dock", `${this.dock.offsetHeight}px`);
+      listener(this.insets);
+    };
     const observer = new ResizeObserver(tell);
     for (const part of [this.panel, this.dock, this.title, this.viewport]) observer.observe(part);
     tell();
@@ -89,10 +92,14 @@ export class Shell {
   private get insets(): Insets {
     const own = this.viewport.getBoundingClientRect();
     const top = Math.max(this.title.getBoundingClientRect().bottom - own.top, 0);
-    const dock = this.dock.firstElementChild?.getBoundingClientRect();
-    const bottom = dock && dock.height > 0 ? own.bottom - dock.top : 0;
-    const isBeside = this.isPanelOpen && !NARROW.matches;
-    const right = isBeside ? own.right - this.panel.getBoundingClientRect().left : 0;
-    return { left: 0, top, right, bottom };
+    const dock = this.dock.getBoundingClientRect();
+    const panel = this.panel.getBoundingClientRect();
+    const [isBeside, isBelow] = [this.isPanelOpen && !NARROW.matches, this.isPanelOpen && NARROW.matches];
+    return {
+      left: 0,
+      top,
+      right: isBeside ? own.right - panel.left : 0,
+      bottom: isBelow ? own.bottom - panel.top : dock.height > 0 ? own.bottom - dock.top : 0,
+    };
   }
 }

@@ -75,6 +75,10 @@ export class TimeLine {
     speed.value = String(state.speed);
     const shown = this.plans.filter(({ index }) => index === state.plan || state.layers.others);
     this.plot.draw(state.plan, shown, time_s);
+    if (state.q) {
+      this.closest.replaceChildren(element("span", { class: "soft" }, "posed by hand"));
+      return;
+    }
     const closest = this.plans[state.plan]?.clearance?.at(time_s);
     this.closest.replaceChildren(
       ...(closest

@@ -1,23 +1,29 @@
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { test } from "node:test";
 import type { Page } from "playwright-core";
-import { twoJointPage } from "../fixtures/two_joint_page.ts";
-import { launch, look, open, picture, rest, serve } from "./browser.ts";
+import type { PageData } from "../../src/page_data.ts";
+import { searchTree, twoJointPage } from "../fixtures/two_joint_page.ts";
+import { CRANNY, launch, look, open, picture, rest, serve, view } from "./browser.ts";
 
 const NODES = 100_000;
 const WATCHED_MS = 3000;
 
 test("a search of 10⁵ nodes is one draw call and grows with its slider", async () => {
-  const server = await serve(twoJointPage({ treeNodes: NODES }));
+  const server = await serve(await pageWithTree());
   const browser = await launch();
   try {
     const { page, complaints } = await open(browser, server.address, { viewport: { width: 800, height: 600 } });
     console.log(`loading: ${(await look(page, "loadMs")).toFixed(0)} ms from the address to the first frame`);
     const bare = await watched(page);
-    const [calls, nodes] = [await afterKey(page, "t"), await look(page, "treeNodes")];
-    const without = await afterKey(page, "t");
+    const [calls, nodes] = [await afterSwitch(page), await look(page, "treeNodes")];
+    const without = await afterSwitch(page);
     assert.deepEqual([calls, nodes], [without + 1, NODES]);
     await page.keyboard.press("t");
+    await rest(page);
     const withTree = await watched(page);
     const words = ({ rate, script_ms }: Watched): string => `${rate.toFixed(1)} frames a second, script ${script_ms.toFixed(2)} ms a frame`;
     console.log(`without tree: ${words(bare)}\nwith ${NODES} nodes: ${words(withTree)}`);
@@ -35,10 +41,26 @@ test("a search of 10⁵ nodes is one draw call and grows with its slider", async
   }
 });
 
-/** Draw calls of the frame that follows a key. */
-async function afterKey(page: Page, key: string): Promise<number> {
-  await page.keyboard.press(key);
-  await rest(page);
+/** A scenario of the program's with a plan of it, where there is a program, and a tree of just that size. */
+async function pageWithTree(): Promise<PageData> {
+  if (CRANNY === "") return twoJointPage({ treeNodes: NODES });
+  const folder = mkdtempSync(join(tmpdir(), "cranny-tree-"));
+  const plan = join(folder, "reach.plan.json");
+  execFileSync(CRANNY, ["plan", "021", "-o", plan, "--quiet"]);
+  const program = await view("021", plan);
+  const data = (await (await fetch(`${program.address}page.json`)).json()) as PageData;
+  await program.stop();
+  rmSync(folder, { recursive: true });
+  const plans = data.plans.map((each) => ({ ...each, search_tree: searchTree(NODES) }));
+  return { ...data, plans, is_live: false };
+}
+
+/** Draw calls with the tree switched on or off, of a frame in which nothing but the eye might have moved. */
+async function afterSwitch(page: Page): Promise<number> {
+  for (const key of ["t", "1", "1"]) {
+    await page.keyboard.press(key);
+    await rest(page);
+  }
   return look(page, "drawCalls");
 }
 
