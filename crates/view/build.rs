@@ -15,7 +15,7 @@ use std::time::{Duration, Instant, SystemTime};
 const PAGES: [&str; 2] = ["index.html", "single.html"];
 
 /// Names of `web/` that the page is not made of.
-const NO_SOURCES: [&str; 6] = ["dist", "build", "node_modules", "screenshots", "tests", "check"];
+const NO_SOURCES: [&str; 7] = ["dist", "build", "node_modules", "screenshots", "tests", "check", "README.md"];
 
 /// So long npm may take for one command: twenty times what it takes, so that no build hangs on a dead network.
 const PATIENCE: Duration = Duration::from_mins(4);
@@ -23,10 +23,11 @@ const PATIENCE: Duration = Duration::from_mins(4);
 const DIST: &str = "CRANNY_WEB_DIST";
 
 fn main() {
-    let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo names a folder"));
-    let web = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web");
+    let folder = |name: &str| PathBuf::from(std::env::var_os(name).expect("cargo names its folders"));
+    let (out, web) = (folder("OUT_DIR"), folder("CARGO_MANIFEST_DIR").join("../../web"));
     let page = out.join("page");
     clear(&page);
+    fs::create_dir_all(&page).expect("the folder of this build can be written");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={DIST}");
     // 1.
@@ -68,27 +69,23 @@ fn build(web: &Path, copied: &Path) -> Result<PathBuf, String> {
         return Err("there is no web/package-lock.json".to_owned());
     }
     let fault = |error: io::Error| format!("{}: {error}", copied.display());
-    // What an earlier build installed is kept if it is what is wanted.
-    let lock = fs::read(web.join("package-lock.json")).map_err(fault)?;
-    let installed = copied.join("installed-lock.json");
-    let is_installed = fs::read(&installed).is_ok_and(|known| known == lock);
-    for entry in fs::read_dir(copied).into_iter().flatten().flatten() {
-        if !(is_installed
-            && ["node_modules", "installed-lock.json"].map(Into::into).contains(&entry.file_name()))
-        {
-            clear(&entry.path());
-        }
-    }
-    fs::create_dir_all(copied).map_err(fault)?;
+    clear(copied);
     copy(web, copied, &NO_SOURCES).map_err(fault)?;
-    if !is_installed {
-        npm(
-            copied,
-            &["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--prefer-offline", "--fetch-retries=0"],
-        )?;
-        fs::write(&installed, &lock).map_err(fault)?;
-    }
+    npm(
+        copied,
+        &[
+            "ci",
+            "--ignore-scripts",
+            "--no-audit",
+            "--no-fund",
+            "--prefer-offline",
+            "--fetch-retries=0",
+            "--fetch-timeout=20000",
+        ],
+    )?;
     npm(copied, &["run", "build"])?;
+    // A hundred times as large as the page, and soon fetched again from npm's own store.
+    clear(&copied.join("node_modules"));
     let dist = copied.join("dist");
     if is_ready(&dist) { Ok(dist) } else { Err(format!("`npm run build` makes not all of {PAGES:?}")) }
 }
@@ -166,10 +163,7 @@ fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
     Ok(())
 }
 
-/// Leaves nothing there but, of a folder that is needed, the folder.
+/// Leaves nothing there.
 fn clear(path: &Path) {
     let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-    if path.ends_with("page") {
-        fs::create_dir_all(path).expect("the folder of this build can be written");
-    }
 }
