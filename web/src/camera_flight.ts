@@ -17,7 +17,12 @@ export class CameraFlight {
     stage.controls.addEventListener("end", () => view.set({ eye: this.eye }));
   }
 
+  /** Where it is, or flies to. */
   get eye(): Eye {
+    if (this.flight) {
+      const [position, target] = this.flight.to;
+      return { position: position.toArray(), target: target.toArray() };
+    }
     return { position: this.stage.camera.position.toArray(), target: this.stage.controls.target.toArray() };
   }
 

@@ -12,8 +12,9 @@ import {
   ShaderMaterial,
   ShadowMaterial,
 } from "three";
-import type { PageData } from "./page_data.ts";
 import { setMatrix } from "./mesh_geometry.ts";
+import type { PageData, Point } from "./page_data.ts";
+import { compose, inverse, transformed } from "./pose.ts";
 
 /** The floor: a grid that fades into the page, and the shadows that fall on it; and where the base may stand. */
 export class FloorView {
@@ -23,7 +24,7 @@ export class FloorView {
   private readonly shadow: ShadowMaterial;
 
   /** `middle` and `reach_m`: of everything that is seen. */
-  constructor(data: PageData, middle: [number, number], reach_m: number) {
+  constructor(data: PageData, middle: Point, reach_m: number) {
     this.grid = new ShaderMaterial({
       transparent: true,
       depthWrite: false,
@@ -47,11 +48,10 @@ export class FloorView {
     plane.add(grid, shadow);
     if (data.world_from_floor) {
       const pose = data.world_from_floor;
-      setMatrix(plane.matrix, pose);
-      plane.matrix.decompose(plane.position, plane.quaternion, plane.scale);
       // Around what is seen, on the lines of the grid.
-      plane.position.x += Math.round(middle[0]) - pose[0];
-      plane.position.y += Math.round(middle[1]) - pose[1];
+      const [x, y] = transformed(inverse(pose), middle);
+      const shifted = compose(pose, [Math.round(x), Math.round(y), 0, 0, 0, 0, 1]);
+      setMatrix(plane.matrix, shifted).decompose(plane.position, plane.quaternion, plane.scale);
       this.group.add(plane);
     }
     this.area = data.floor_area ? floorArea(data.floor_area, (data.world_from_floor?.[2] ?? 0) + LIFT_M) : null;

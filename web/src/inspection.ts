@@ -28,7 +28,7 @@ export interface Inspection {
   readonly isIdle: boolean;
   /** Nodes of the search tree that are shown, 0 without one. */
   readonly treeNodes: number;
-  /** From the first script to the first frame, in milliseconds. */
+  /** From the call of the page's address to its first frame, in milliseconds. */
   readonly loadMs: number;
   /** What the server says of the posture. */
   readonly standing: Standing;
@@ -40,12 +40,12 @@ export interface Inspection {
 
 declare global {
   interface Window {
-    cranny?: Inspection;
+    readonly cranny?: Inspection;
   }
 }
 
 export function openInspection(stage: Stage, scene: SceneView, view: View, live: LiveVerdict, loadMs: number): void {
-  window.cranny = Object.freeze({
+  const door: Inspection = Object.freeze({
     get time() {
       return view.state.time_s;
     },
@@ -91,4 +91,5 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
       return { x, y };
     },
   });
+  Object.defineProperty(window, "cranny", { value: door, enumerable: true });
 }

@@ -61,7 +61,7 @@ export class SceneView {
     this.collision = new NodeView(data.collision_shapes, data.materials, geometries, COLLISION_OPACITY);
     this.bounds = new SceneBounds(this.nodes, kinematics, plans);
     const { middle, reach_m } = this.bounds;
-    this.floor = new FloorView(data, [middle[0], middle[1]], reach_m);
+    this.floor = new FloorView(data, middle, reach_m);
     this.light = new LightView(middle, reach_m, stage.isSlow);
     this.spheres = new SphereView(data);
     this.grasps = new GraspView(data.grasps, plans.length);

@@ -152,7 +152,7 @@ export class Stage {
 
   private frame(now_ms: number): void {
     const begin_ms = performance.now();
-    const elapsed_s = this.last_ms === null ? 0 : (now_ms - this.last_ms) / 1000;
+    const elapsed_s = this.last_ms === null ? 0 : Math.min((now_ms - this.last_ms) / 1000, LONGEST_S);
     this.isScheduled = false;
     this.isDue = false;
     let goesOn = false;
@@ -169,6 +169,9 @@ export class Stage {
     else this.last_ms = null;
   }
 }
+
+/** A page that was out of sight goes on where it was. */
+const LONGEST_S = 1;
 
 /** Finer than that nobody sees, and it costs. */
 const MOST_PIXELS_PER_POINT = 2;

@@ -126,8 +126,12 @@ test("several plans play in step, and each can have the robot", () =>
 test("a press on the plot of the clearance goes there and names the closest pair", () =>
   withPage(twoJointPage(), async ({ page }) => {
     const plot = page.getByRole("img", { name: /Clearance over time; least 10.00 mm at 2.00 s/ });
-    const box = (await plot.boundingBox())!;
-    await plot.click({ position: { x: box.width * 0.75, y: box.height / 2 } });
+    const [box, scrub] = [await plot.boundingBox(), await page.getByRole("slider", { name: "Time along" }).boundingBox()];
+    assert.ok(box && scrub);
+    // Below the middle of the slider's thumb.
+    const thumb = 14;
+    const x = scrub.x - box.x + thumb / 2 + 0.75 * (scrub.width - thumb);
+    await plot.click({ position: { x, y: box.height / 2 } });
     assert.ok(Math.abs((await look(page, "time")) - 1.5) < 0.02);
     assert.match(await page.getByRole("region", { name: "Time line" }).innerText(), /58\.\d mm\s+gripper – table/);
   }));
