@@ -21,7 +21,7 @@ export class PlanPanel {
           "span",
           { class: "what" },
           element("b", {}, plan.name),
-          element("span", { class: "soft" }, `${plan.planner} · ${ending(shown)}`),
+          element("span", { class: "soft", title: ending(shown) }, `${plan.planner} · ${ending(shown)}`),
         ),
         verdictMark(shown),
       );
