@@ -68,7 +68,9 @@ export class ClearancePlot {
     const style = getComputedStyle(this.canvas);
     const [ink, faint] = [style.getPropertyValue("--ink-soft"), style.getPropertyValue("--rule")];
     const most = Math.max(
-      ...shown.map(({ clearance }) => Math.min(MOST_M, clearance?.distances_m.reduce((a, b) => Math.max(a, b), 0) ?? 0)),
+      ...shown.map(({ clearance }) =>
+        Math.min(MOST_M, clearance?.distances_m.reduce((a, b) => Math.max(a, b), 0) ?? 0),
+      ),
     );
     this.scale_m = SCALES_M.find((scale) => scale >= most) ?? MOST_M;
     const [from, to] = [this.span.left, width - this.span.right];
@@ -170,12 +172,10 @@ export class ClearancePlot {
 
   private describe(plan: ShownPlan | undefined): void {
     const least = plan?.clearance?.least;
-    this.canvas.setAttribute(
-      "aria-label",
-      least
-        ? `Clearance over time; least ${millimetres(least.distance_m)} at ${least.time_s.toFixed(2)} s, ${least.first} and ${least.second}`
-        : "Clearance over time: not known for this plan",
-    );
+    const words = least
+      ? `least ${millimetres(least.distance_m)} at ${least.time_s.toFixed(2)} s, ${least.first} and ${least.second}`
+      : "not known for this plan";
+    this.canvas.setAttribute("aria-label", `Clearance over time; ${words}`);
   }
 }
 

@@ -1,4 +1,13 @@
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineSegments, LineBasicMaterial, Points, PointsMaterial } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DynamicDrawUsage,
+  Group,
+  LineSegments,
+  LineBasicMaterial,
+  Points,
+  PointsMaterial,
+} from "three";
 import type { Closest } from "./trajectory.ts";
 
 /** The line between the closest points of robot and surroundings; seen through everything. */

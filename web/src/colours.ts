@@ -8,7 +8,13 @@ const channels = (hex: string): Screen => [
 ];
 
 const hex = (colour: Screen): string =>
-  `#${colour.map((value) => Math.round(255 * value).toString(16).padStart(2, "0")).join("")}`;
+  `#${colour
+    .map((value) =>
+      Math.round(255 * value)
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;
 
 /**
  * From violet over green to yellow, which colour-blind people can tell apart and grey print keeps in order: as in
@@ -37,7 +43,10 @@ export function ofPlan(index: number): string {
 
 /** Of what inverse kinematics knows of a grasp. */
 export function ofIk(status: string): string {
-  return { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "no-solution": "#8a5cd6" }[status] ?? UNKNOWN;
+  return (
+    { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "no-solution": "#8a5cd6" }[status] ??
+    UNKNOWN
+  );
 }
 
 /** What says nothing of a grasp. */

@@ -49,7 +49,8 @@ export class GraspPanel {
     const chosen = this.plans[plan]?.plan;
     if (!chosen) return [];
     const counts = blockedCounts(chosen);
-    if (counts.length === 0) return [element("p", { class: "soft said" }, "This plan does not say what stood in the way.")];
+    if (counts.length === 0)
+      return [element("p", { class: "soft said" }, "This plan does not say what stood in the way.")];
     const named = new Set(chosen.blocked.map(({ reason }) => reason));
     return counts.map(({ reason, count: number }) => {
       // A reason that no grasp is known by has no colour in the scene.
@@ -72,7 +73,11 @@ export class GraspPanel {
     const unknown = this.grasps.length - known.length;
     const bar = element("div", { class: "scale", "aria-hidden": "true" });
     bar.style.background = `linear-gradient(to right, ${colours.SCORE_STOPS.join(", ")})`;
-    const ends = element("div", { class: "ends soft" }, ...["0", "score", "1"].map((text) => element("span", {}, text)));
+    const ends = element(
+      "div",
+      { class: "ends soft" },
+      ...["0", "score", "1"].map((text) => element("span", {}, text)),
+    );
     const scale = known.length > 0 ? [bar, ends] : [];
     return unknown > 0 ? [...scale, row(colours.UNKNOWN, "without score", unknown)] : scale;
   }
@@ -87,7 +92,9 @@ export function blockedCounts(plan: Plan): { reason: string; count: number }[] {
   return [...counts]
     .map(([reason, number]) => ({ reason, count: number }))
     .filter((each) => each.count > 0)
-    .sort((a, b) => Number(a.reason === colours.NOT_TRIED) - Number(b.reason === colours.NOT_TRIED) || b.count - a.count);
+    .sort(
+      (a, b) => Number(a.reason === colours.NOT_TRIED) - Number(b.reason === colours.NOT_TRIED) || b.count - a.count,
+    );
 }
 
 function row(colour: string, text: string, number: number): HTMLElement {

@@ -17,7 +17,7 @@ const AWAY = 14;
 
 /** Says of the grasp under the pointer what is known of it. */
 export class GraspTip {
-  readonly element = element("div", { class: "tip", role: "tooltip" });
+  readonly element = element("div", { class: "tip", role: "tooltip", "aria-live": "polite" });
   private readonly grasps: Grasp[];
   private readonly stage: Stage;
   private readonly scene: SceneView;
@@ -61,15 +61,35 @@ export class GraspTip {
   }
 
   private show(event: PointerEvent): void {
-    const { left, top, width, height } = this.stage.canvas.getBoundingClientRect();
+    const { left, top } = this.stage.canvas.getBoundingClientRect();
     const [x, y] = [event.clientX - left, event.clientY - top];
     const reach = event.pointerType === "touch" ? REACH.touch : REACH.mouse;
     const isShown = this.view.state.layers.grasps;
     const found = isShown ? this.scene.grasps.at(x, y, reach, this.stage.lens) : null;
     if (found === null) return this.hide();
-    const grasp = this.grasps[found];
-    this.view.set({ grasp: grasp.index });
-    this.element.replaceChildren(...this.words(grasp));
+    this.tell(found, x, y);
+  }
+
+  /** Points at the next grasp, or the one before: for who has no pointer. They come by their scores. */
+  step(by: number): void {
+    if (this.grasps.length === 0) return;
+    this.view.setLayer("grasps", true);
+    const order = this.grasps.map((_, place) => place).sort((a, b) => this.rank(b) - this.rank(a));
+    const now = order.findIndex((place) => this.grasps[place].index === this.view.state.grasp);
+    const first = by > 0 ? -1 : 0;
+    const next = order[((now < 0 ? first : now) + by + order.length) % order.length];
+    const { x, y } = this.stage.lens(this.scene.grasps.middle(next));
+    this.tell(next, x, y);
+  }
+
+  private rank(place: number): number {
+    return this.grasps[place].score ?? -Infinity;
+  }
+
+  private tell(place: number, x: number, y: number): void {
+    const { clientWidth: width, clientHeight: height } = this.stage.canvas;
+    this.view.set({ grasp: this.grasps[place].index });
+    this.element.replaceChildren(...this.words(this.grasps[place]));
     this.element.hidden = false;
     const [ownWidth, ownHeight] = [this.element.offsetWidth, this.element.offsetHeight];
     this.element.style.left = `${x + AWAY + ownWidth > width ? Math.max(x - AWAY - ownWidth, 4) : x + AWAY}px`;

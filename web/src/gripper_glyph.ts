@@ -14,10 +14,22 @@ const TIP_M = 0.006;
 
 /** A small gripper as rods, in the gripper frame: y is the axis along which it closes, z points out of the palm. */
 export const RODS: [Point, Point][] = [
-  [[0, HALF_OPENING_M, TIP_M], [0, HALF_OPENING_M, PALM_M]],
-  [[0, -HALF_OPENING_M, TIP_M], [0, -HALF_OPENING_M, PALM_M]],
-  [[0, -HALF_OPENING_M, PALM_M], [0, HALF_OPENING_M, PALM_M]],
-  [[0, 0, PALM_M], [0, 0, STEM_M]],
+  [
+    [0, HALF_OPENING_M, TIP_M],
+    [0, HALF_OPENING_M, PALM_M],
+  ],
+  [
+    [0, -HALF_OPENING_M, TIP_M],
+    [0, -HALF_OPENING_M, PALM_M],
+  ],
+  [
+    [0, -HALF_OPENING_M, PALM_M],
+    [0, HALF_OPENING_M, PALM_M],
+  ],
+  [
+    [0, 0, PALM_M],
+    [0, 0, STEM_M],
+  ],
 ];
 
 /** The same with a thickness. */

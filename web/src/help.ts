@@ -8,6 +8,7 @@ const MOTION: [string, string][] = [
   ["← →", "A little back or on; with shift, more"],
   ["home end", "Start and end of the path"],
   ["[ ]", "Previous, next plan"],
+  [", .", "Previous, next grasp by its score"],
 ];
 
 const VIEW: [string, string][] = [
@@ -49,7 +50,14 @@ export class Help {
       "dialog",
       { class: "help", "aria-label": "Keys" },
       button("Close", icon("close"), () => this.element.close()),
-      element("div", { class: "columns" }, part("Motion", MOTION), part("Hands", HANDS), part("View", VIEW), part("Show", layers)),
+      element(
+        "div",
+        { class: "columns" },
+        part("Motion", MOTION),
+        part("Hands", HANDS),
+        part("View", VIEW),
+        part("Show", layers),
+      ),
     );
     // A press beside it.
     this.element.addEventListener("click", (event) => {

@@ -47,7 +47,13 @@ export class JointPanel {
     });
     this.reset = button("Back to the path", "Back to the path", () => view.set({ q: null }), "text");
     const rows = this.sliders.map(({ input, value, variable }) =>
-      element("label", { class: "slider" }, element("span", { title: variable.name }, words(variable.name)), input, value),
+      element(
+        "label",
+        { class: "slider" },
+        element("span", { title: variable.name }, words(variable.name)),
+        input,
+        value,
+      ),
     );
     this.element = section("Joints", false, this.verdict, element("div", { class: "rows" }, ...rows), this.reset);
     const show = (): void => {
@@ -108,7 +114,8 @@ export class JointPanel {
         const rows = contacts
           .slice(0, MOST_CONTACTS)
           .map(({ first, second }) => element("li", {}, `${words(first)} – ${words(second)}`));
-        if (contacts.length > MOST_CONTACTS) rows.push(element("li", {}, `and ${contacts.length - MOST_CONTACTS} more`));
+        if (contacts.length > MOST_CONTACTS)
+          rows.push(element("li", {}, `and ${contacts.length - MOST_CONTACTS} more`));
         return say("contact", contacts.length > 0 ? "Contact" : "Not allowed", element("ul", {}, ...rows));
       }
     }

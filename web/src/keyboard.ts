@@ -9,6 +9,7 @@ const LARGE_STEP_S = 0.5;
 
 export interface KeyActions {
   look(view: StandardView): void;
+  stepGrasp(by: number): void;
   copyLink(): void;
   toggleTheme(): void;
   togglePanel(): void;
@@ -36,6 +37,8 @@ export function listenToKeys(
     End: () => player.seek(player.duration_s),
     "[": () => choose(-1),
     "]": () => choose(1),
+    ",": () => actions.stepGrasp(-1),
+    ".": () => actions.stepGrasp(1),
     l: () => actions.copyLink(),
     m: () => actions.toggleTheme(),
     h: () => actions.togglePanel(),

@@ -29,7 +29,13 @@ export class LayerPanel {
       this.boxes.set(layer, box);
       return element("label", { class: "switch" }, box, element("span", {}, label), element("kbd", {}, key));
     });
-    const ghosts = element("input", { type: "range", min: 2, max: MOST_GHOSTS, step: 1, "aria-label": "How many poses" });
+    const ghosts = element("input", {
+      type: "range",
+      min: 2,
+      max: MOST_GHOSTS,
+      step: 1,
+      "aria-label": "How many poses",
+    });
     const number = element("output", { class: "value" });
     ghosts.addEventListener("input", () => view.set({ ghosts: Number(ghosts.value) }));
     const howMany = element("label", { class: "slider" }, element("span", {}, "How many"), ghosts, number);
@@ -38,7 +44,9 @@ export class LayerPanel {
       howMany.hidden = !state.layers.ghosts || !available.has("ghosts");
       ghosts.value = number.value = String(state.ghosts);
     };
-    const after = rows.findIndex((_, index) => LAYERS.filter(({ layer }) => available.has(layer))[index].layer === "ghosts");
+    const after = rows.findIndex(
+      (_, index) => LAYERS.filter(({ layer }) => available.has(layer))[index].layer === "ghosts",
+    );
     if (after >= 0) rows.splice(after + 1, 0, howMany);
     this.element = section("Show", true, element("div", { class: "rows" }, ...rows));
     view.on(["layers", "ghosts"], show);

@@ -15,10 +15,14 @@ export class LinkKeeper {
     this.eye = eye;
     // A link to another view of this page; the page itself changes its address without this event.
     window.addEventListener("hashchange", () => location.reload());
-    view.on(["plan", "time_s", "speed", "q", "layers", "ghosts", "treeNodes", "graspColour", "eye", "isPlaying"], () => {
-      clearTimeout(this.timer);
-      if (!view.state.isPlaying && !view.state.isTreeGrowing) this.timer = setTimeout(() => this.keep(), REST_MS) as unknown as number;
-    });
+    view.on(
+      ["plan", "time_s", "speed", "q", "layers", "ghosts", "treeNodes", "graspColour", "eye", "isPlaying"],
+      () => {
+        clearTimeout(this.timer);
+        if (!view.state.isPlaying && !view.state.isTreeGrowing)
+          this.timer = setTimeout(() => this.keep(), REST_MS) as unknown as number;
+      },
+    );
   }
 
   /** Puts a link to this very view on the clipboard; what to tell who asked for it. */

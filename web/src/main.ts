@@ -10,7 +10,12 @@ try {
   const message = error instanceof Error ? error.message : String(error);
   const hint = /webgl/i.test(message) ? "This page draws with WebGL 2, which this browser does not offer. " : "";
   host.replaceChildren(
-    element("div", { class: "failure", role: "alert" }, element("h1", {}, "Nothing to see"), element("p", {}, hint + message)),
+    element(
+      "div",
+      { class: "failure", role: "alert" },
+      element("h1", {}, "Nothing to see"),
+      element("p", {}, hint + message),
+    ),
   );
   console.error(error);
 }

@@ -137,7 +137,11 @@ export class NodeView {
     });
   }
 
-  private material(index: number, geometry: BufferGeometry, { isLink, isTouching, isGlass }: Look): MeshStandardMaterial {
+  private material(
+    index: number,
+    geometry: BufferGeometry,
+    { isLink, isTouching, isGlass }: Look,
+  ): MeshStandardMaterial {
     const vertexColors = geometry.hasAttribute("color");
     const key = `${index} ${vertexColors} ${isTouching && isLink} ${isTouching} ${isGlass}`;
     let found = this.known.get(key);

@@ -71,6 +71,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
       // The standard view again wherever the link is opened, if it is the first of them.
       view.set({ eye: standard === STANDARD_VIEWS[0] ? null : scene.eye(standard) });
     },
+    stepGrasp: (by: number) => tip.step(by),
     copyLink: () => void links.copy().then((said) => shell.say(said)),
     toggleTheme: () => theme.toggle(),
     togglePanel: () => shell.togglePanel(),

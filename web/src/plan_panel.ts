@@ -31,7 +31,11 @@ export class PlanPanel {
     this.element = section(
       plans.length > 1 ? `Plans (${plans.length})` : "Plan",
       true,
-      element("div", { class: "rows", role: "radiogroup", "aria-label": "Plan that has the robot" }, ...radios.map(({ row }) => row)),
+      element(
+        "div",
+        { class: "rows", role: "radiogroup", "aria-label": "Plan that has the robot" },
+        ...radios.map(({ row }) => row),
+      ),
       verdict,
     );
     const show = (state: ViewState): void => {

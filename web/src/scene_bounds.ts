@@ -83,8 +83,9 @@ function common(a: Box, b: Box): Box {
 /** None of an empty box. */
 function cornersOf({ low, high }: Box): Point[] {
   if (low.some((value, i) => value > high[i])) return [];
-  return Array.from({ length: 8 }, (_, corner) =>
-    low.map((value, i) => ((corner >> i) & 1 ? high[i] : value)) as Point,
+  return Array.from(
+    { length: 8 },
+    (_, corner) => low.map((value, i) => ((corner >> i) & 1 ? high[i] : value)) as Point,
   );
 }
 

@@ -159,7 +159,10 @@ export class SceneView {
     this.grasps.paint(graspColour, shown, this.reasons, reason, this.palette?.page ?? "#ffffff");
     const ends = this.plans.filter(({ index }) => layers.others || index === plan);
     // The plan that is looked at last, over the others.
-    this.grasps.emphasise(ends.sort((a, b) => Number(a.index === plan) - Number(b.index === plan)), grasp);
+    this.grasps.emphasise(
+      ends.sort((a, b) => Number(a.index === plan) - Number(b.index === plan)),
+      grasp,
+    );
     this.stage.invalidate();
   }
 

@@ -26,11 +26,25 @@ export class Shell {
 
   constructor(data: PageData, plans: ShownPlan[]) {
     document.title = `${data.name} · Cranny`;
-    this.title = element("header", { class: "title" }, element("span", { class: "brand" }, "Cranny"), element("h1", {}, data.name));
+    this.title = element(
+      "header",
+      { class: "title" },
+      element("span", { class: "brand" }, "Cranny"),
+      element("h1", {}, data.name),
+    );
     if (plans.length === 1) this.title.append(verdictMark(plans[0]));
     this.toggle = button("Settings (h)", icon("panel"), () => this.togglePanel());
     this.toggle.setAttribute("aria-controls", "panel");
-    this.element = element("div", { class: "page" }, this.viewport, this.title, this.tools, this.panel, this.dock, this.said);
+    this.element = element(
+      "div",
+      { class: "page" },
+      this.viewport,
+      this.title,
+      this.tools,
+      this.panel,
+      this.dock,
+      this.said,
+    );
     this.showPanel();
     NARROW.addEventListener("change", () => {
       this.isPanelOpen = !NARROW.matches;

@@ -29,7 +29,12 @@ export class SphereView {
       }
     });
     this.count = this.linkOf.length;
-    const material = new MeshLambertMaterial({ color: SPHERES, transparent: true, opacity: OPACITY, depthWrite: false });
+    const material = new MeshLambertMaterial({
+      color: SPHERES,
+      transparent: true,
+      opacity: OPACITY,
+      depthWrite: false,
+    });
     this.mesh = new InstancedMesh(new IcosahedronGeometry(1, DETAIL), material, this.count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = 3;

@@ -85,8 +85,11 @@ export class TimeLine {
         ? [
             element("span", { class: "soft" }, "clearance "),
             element("b", {}, millimetres(closest.distance_m)),
-            element("div", { class: "pair", title: `${closest.first} – ${closest.second}` },
-              `${words(closest.first)} – ${words(closest.second)}`),
+            element(
+              "div",
+              { class: "pair", title: `${closest.first} – ${closest.second}` },
+              `${words(closest.first)} – ${words(closest.second)}`,
+            ),
           ]
         : [element("span", { class: "soft" }, "clearance not known")]),
     );

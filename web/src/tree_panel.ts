@@ -54,7 +54,10 @@ export class TreePanel {
       const { state } = view;
       if (!state.isTreeGrowing) return false;
       const all = total(state);
-      const nodes = Math.min((state.treeNodes ?? 0) + Math.max((elapsed_s / GROWTH_S) * all, elapsed_s > 0 ? 1 : 0), all);
+      const nodes = Math.min(
+        (state.treeNodes ?? 0) + Math.max((elapsed_s / GROWTH_S) * all, elapsed_s > 0 ? 1 : 0),
+        all,
+      );
       view.set({ treeNodes: nodes >= all ? null : nodes, isTreeGrowing: nodes < all });
       return view.state.isTreeGrowing;
     });
@@ -79,7 +82,14 @@ function treeRows(sizes: Map<number, number> | undefined): HTMLElement[] {
   const rest = ordered.slice(MOST_TREES);
   if (rest.length > 0) {
     const nodes = rest.reduce((sum, [, size]) => sum + size, 0);
-    rows.push(element("div", { class: "row soft" }, element("span", {}, `${rest.length} more trees`), element("b", {}, count(nodes))));
+    rows.push(
+      element(
+        "div",
+        { class: "row soft" },
+        element("span", {}, `${rest.length} more trees`),
+        element("b", {}, count(nodes)),
+      ),
+    );
   }
   return rows;
 }

@@ -47,7 +47,10 @@ export class TreeView {
     const dense = Math.min(this.count / DENSE_NODES, 1);
     const between = (sparse: number, full: number): number => sparse + (full - sparse) * dense;
     const opacity = between(OPACITY, DENSE_OPACITY);
-    this.lines = line(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity, depthWrite: false }));
+    this.lines = line(
+      geometry,
+      new LineBasicMaterial({ vertexColors: true, transparent: true, opacity, depthWrite: false }),
+    );
     this.group.add(this.lines);
     if (!stage.isSlow) return;
     // Lines of the picture hide each other; the picture as a whole is seen through.
@@ -58,7 +61,10 @@ export class TreeView {
     share.setIndex(
       Array.from({ length: Math.floor(this.count / stride) }, (_, i) => [2 * i * stride, 2 * i * stride + 1]).flat(),
     );
-    const sparse = line(share, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.6, depthWrite: false }));
+    const sparse = line(
+      share,
+      new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.6, depthWrite: false }),
+    );
     this.slow = { picture: new TreePicture(between(PICTURE_OPACITY, DENSE_PICTURE_OPACITY)), sparse, stride };
     this.slow.picture.quad.renderOrder = ORDER;
     this.group.add(this.slow.picture.quad, sparse);
@@ -85,7 +91,10 @@ export class TreeView {
   }
 }
 
-function line<Look extends LineBasicMaterial>(geometry: BufferGeometry, look: Look): LineSegments<BufferGeometry, Look> {
+function line<Look extends LineBasicMaterial>(
+  geometry: BufferGeometry,
+  look: Look,
+): LineSegments<BufferGeometry, Look> {
   const lines = new LineSegments(geometry, look);
   lines.frustumCulled = false;
   lines.renderOrder = ORDER;

@@ -37,7 +37,10 @@ export function fromHash(hash: string): Partial<ViewState> {
   if (speed !== null && speed > 0 && speed <= 100) found.speed = speed;
   if (asked.has("show") || asked.has("hide")) {
     found.layers = { ...INITIAL.layers };
-    for (const [key, isShown] of [["show", true], ["hide", false]] as const) {
+    for (const [key, isShown] of [
+      ["show", true],
+      ["hide", false],
+    ] as const) {
       for (const name of (asked.get(key) ?? "").split(",")) {
         if (Object.hasOwn(INITIAL.layers, name)) found.layers[name as Layer] = isShown;
       }

@@ -1,16 +1,6 @@
 /** What can be shown or not. */
 export type Layer =
-  | "visual"
-  | "collision"
-  | "spheres"
-  | "grasps"
-  | "path"
-  | "ghosts"
-  | "closest"
-  | "tree"
-  | "others"
-  | "glass"
-  | "floor";
+  "visual" | "collision" | "spheres" | "grasps" | "path" | "ghosts" | "closest" | "tree" | "others" | "glass" | "floor";
 
 /** What the colour of a grasp says. */
 export type GraspColour = "score" | "ik" | "reason";

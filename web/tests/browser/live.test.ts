@@ -47,7 +47,10 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-async function withPage(body: (opened: Opened, data: PageData) => Promise<void>, address = server.address): Promise<void> {
+async function withPage(
+  body: (opened: Opened, data: PageData) => Promise<void>,
+  address = server.address,
+): Promise<void> {
   const opened = await open(browser, address);
   try {
     const data = (await (await fetch(`${server.address}page.json`)).json()) as PageData;

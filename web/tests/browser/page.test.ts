@@ -18,7 +18,11 @@ after(() => browser.close());
 async function withPage(
   data: PageData,
   body: (opened: Opened) => Promise<void>,
-  { hash = "", judge, ...options }: { hash?: string; judge?: (q: number[]) => Verdict } & Parameters<typeof open>[2] = {},
+  {
+    hash = "",
+    judge,
+    ...options
+  }: { hash?: string; judge?: (q: number[]) => Verdict } & Parameters<typeof open>[2] = {},
 ): Promise<void> {
   const server = await serve(data, judge);
   const opened = await open(browser, server.address + hash, options);
@@ -78,12 +82,24 @@ test("a grasp that is pointed at says its score, its width and what IK knows", (
     await page.getByRole("tooltip").waitFor();
     const grasp = data.grasps[(await look(page, "grasp"))!];
     const said = await page.getByRole("tooltip").innerText();
-    for (const part of [`Grasp ${grasp.index}`, grasp.score?.toFixed(2) ?? "—", "40.0 mm", grasp.ik.replaceAll("-", " ")]) {
+    for (const part of [
+      `Grasp ${grasp.index}`,
+      grasp.score?.toFixed(2) ?? "—",
+      "40.0 mm",
+      grasp.ik.replaceAll("-", " "),
+    ]) {
       assert.ok(said.includes(part), `${said} lacks ${part}`);
     }
     await page.mouse.move(5, 300);
     await page.getByRole("tooltip").waitFor({ state: "hidden" });
     assert.equal(await look(page, "grasp"), null);
+    // Without a pointer: the best, the next, the best again, the one without score.
+    const seen: (number | null)[] = [];
+    for (const key of [".", ".", ",", ","]) {
+      await page.keyboard.press(key);
+      seen.push(await look(page, "grasp"));
+    }
+    assert.deepEqual(seen, [0, 1, 0, 4]);
   });
 });
 
@@ -126,7 +142,10 @@ test("several plans play in step, and each can have the robot", () =>
 test("a press on the plot of the clearance goes there and names the closest pair", () =>
   withPage(twoJointPage(), async ({ page }) => {
     const plot = page.getByRole("img", { name: /Clearance over time; least 10.00 mm at 2.00 s/ });
-    const [box, scrub] = [await plot.boundingBox(), await page.getByRole("slider", { name: "Time along" }).boundingBox()];
+    const [box, scrub] = [
+      await plot.boundingBox(),
+      await page.getByRole("slider", { name: "Time along" }).boundingBox(),
+    ];
     assert.ok(box && scrub);
     // Below the middle of the slider's thumb.
     const thumb = 14;
@@ -226,10 +245,11 @@ test("a screen of the size of a hand has room for all", () =>
       await page.getByRole("complementary").getByText("Collision shapes").tap();
       assert.ok(await page.getByRole("switch", { name: "Collision shapes" }).isChecked());
       await picture(page, "hand_settings");
-      const small = await page.evaluate(() =>
-        [...document.querySelectorAll("button:not(.tab)")]
-          .map((part) => part.getBoundingClientRect())
-          .filter(({ width, height }) => width > 0 && Math.min(width, height) < 32).length,
+      const small = await page.evaluate(
+        () =>
+          [...document.querySelectorAll("button:not(.tab)")]
+            .map((part) => part.getBoundingClientRect())
+            .filter(({ width, height }) => width > 0 && Math.min(width, height) < 32).length,
       );
       assert.equal(small, 0);
     },

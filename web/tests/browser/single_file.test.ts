@@ -21,7 +21,10 @@ test("the page as one file works from disk and loads nothing", async () => {
     writeFileSync(file, template.replace(SLOT, SLOT.replace("></", `>${packed}</`)));
     const { page, complaints } = await open(browser, pathToFileURL(file).href);
     const loaded = await page.evaluate(() => performance.getEntriesByType("resource").map(({ name }) => name));
-    assert.deepEqual(loaded.filter((name) => !name.startsWith("data:")), []);
+    assert.deepEqual(
+      loaded.filter((name) => !name.startsWith("data:")),
+      [],
+    );
     await page.keyboard.press("End");
     assert.equal(await look(page, "time"), 2.5);
     await page.waitForFunction(() => location.hash === "#t=2.5");

@@ -25,12 +25,23 @@ test("a joint that follows another turns by its share and its offset", () => {
 test("variables have the names and limits of the joints that they move", () => {
   assert.deepEqual(
     kinematics.variables.map(({ name, kind, upper }) => [name, kind, upper]),
-    [["base_x", "prismatic", 1], ["shoulder", "revolute", 2.5], ["elbow", "revolute", 2.8]],
+    [
+      ["base_x", "prismatic", 1],
+      ["shoulder", "revolute", 2.5],
+      ["elbow", "revolute", 2.8],
+    ],
   );
 });
 
 test("links may come in any order, but not in a circle", () => {
-  const circle = { ...ROBOT, links: [{ name: "a", parent: 1 }, { name: "b", parent: 0 }], joints: [] };
+  const circle = {
+    ...ROBOT,
+    links: [
+      { name: "a", parent: 1 },
+      { name: "b", parent: 0 },
+    ],
+    joints: [],
+  };
   assert.throws(() => new Kinematics({ ...circle, start: [] }), /circle/);
 });
 

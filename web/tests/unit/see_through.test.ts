@@ -16,7 +16,10 @@ test("a line crosses a box or passes it", () => {
 test("every standard view has all points in it and one at its edge", () => {
   const points: Point[] = Array.from({ length: 8 }, (_, i) => [(i & 1) * 2, ((i >> 1) & 1) - 3, i >> 2]);
   for (const view of STANDARD_VIEWS) {
-    for (const [width, height] of [[1.5, 0.8], [0.4, 0.7]]) {
+    for (const [width, height] of [
+      [1.5, 0.8],
+      [0.4, 0.7],
+    ]) {
       const { position, target } = framing(view, points, width, height);
       const back = unit(minus(position, target));
       const right = unit([-Math.sin((view.turn_deg * Math.PI) / 180), Math.cos((view.turn_deg * Math.PI) / 180), 0]);
@@ -26,7 +29,10 @@ test("every standard view has all points in it and one at its edge", () => {
         const away = minus(point, position);
         const depth = -dot(away, back);
         assert.ok(depth > 0);
-        return Math.max(Math.abs(dot(away, right)) / (depth * slope * width), Math.abs(dot(away, up)) / (depth * slope * height));
+        return Math.max(
+          Math.abs(dot(away, right)) / (depth * slope * width),
+          Math.abs(dot(away, up)) / (depth * slope * height),
+        );
       });
       assert.ok(Math.abs(Math.max(...filled) - 0.93) < 1e-9, `${view.name}: ${Math.max(...filled)}`);
     }

@@ -27,7 +27,10 @@ test("rows that do not fit the robot are refused", () => {
 
 test("an index is that of the last instant that is not after a time", () => {
   const times = [0, 1, 1, 2];
-  assert.deepEqual([-1, 0, 0.5, 1, 1.5, 2, 3].map((time) => indexAt(times, time)), [0, 0, 0, 2, 2, 3, 3]);
+  assert.deepEqual(
+    [-1, 0, 0.5, 1, 1.5, 2, 3].map((time) => indexAt(times, time)),
+    [0, 0, 0, 2, 2, 3, 3],
+  );
 });
 
 test("the least clearance is found, and the pair of the nearest instant", () => {
@@ -38,7 +41,15 @@ test("the least clearance is found, and the pair of the nearest instant", () => 
 });
 
 test("ghosts stand at the start, at the end, and equally far between", () => {
-  const shown: ShownPlan = { index: 0, plan, trajectory, clearance: null, tree: null, colour: "#000000", reasons: new Map() };
+  const shown: ShownPlan = {
+    index: 0,
+    plan,
+    trajectory,
+    clearance: null,
+    tree: null,
+    colour: "#000000",
+    reasons: new Map(),
+  };
   const instants = ghostInstants(shown, new Kinematics(ROBOT), 5);
   assert.equal(instants.length, 5);
   assert.deepEqual([instants[0], instants.at(-1)], [0, trajectory.times_s.length - 1]);

@@ -25,7 +25,12 @@ test("a view comes back from its link", () => {
 });
 
 test("what a damaged link says wrongly is left out", () => {
-  for (const hash of ["#t=NaN&plan=-1&ghosts=1e9&speed=0", "#eye=1,2,3&q=1,,2&by=colour", "#%%%&=&t=", "#nodes=-3&plan=1.5"]) {
+  for (const hash of [
+    "#t=NaN&plan=-1&ghosts=1e9&speed=0",
+    "#eye=1,2,3&q=1,,2&by=colour",
+    "#%%%&=&t=",
+    "#nodes=-3&plan=1.5",
+  ]) {
     assert.deepEqual(fromHash(hash), {}, hash);
   }
   assert.deepEqual(fromHash("#show=tree,nothing,__proto__").layers, { ...INITIAL.layers, tree: true });
