@@ -25,19 +25,14 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     }
 }
 
-/// Checks and builds the page, builds the program with it, and runs both in a browser.
+/// Builds the program, with the page in it, and runs both in a browser, after the page's types and unit tests.
 ///
 /// # Errors
 /// If any of these fails.
 pub fn check(here: &Surroundings) -> Result<(), String> {
-    let npm = |words: &[&str]| {
-        let mut command = here.command("npm", words);
-        command.current_dir(here.root.join("web"));
-        command
-    };
-    step::succeed(npm(&["run", "build"]))?;
     step::succeed(here.cargo(&["build", "--release", "-p", "cranny-cli"]))?;
-    let mut test = npm(&["test"]);
+    let mut test = here.command("npm", &["test"]);
+    test.current_dir(here.root.join("web"));
     test.env(PROGRAM, program(here));
     if let Some(chromium) = chromium() {
         test.env(CHROMIUM, chromium);

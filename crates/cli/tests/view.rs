@@ -36,6 +36,7 @@ fn has_page(folder: &Path) -> bool {
     let is_missing = error.contains("install Node");
     if is_missing {
         assert_eq!(error.lines().count(), 1, "{error}");
+        assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "{error}");
         eprintln!("SKIPPED: the viewer's page ({error})");
     }
     !is_missing
@@ -194,7 +195,6 @@ fn a_search_is_run_again_and_its_trees_hold_every_node() {
         let nodes = planned["statistics"]["nodes"].as_u64().expect("a count");
         let characters = usize::try_from(nodes * 4).expect("few").div_ceil(3) * 4;
         assert_eq!(tree["trees"].as_str().map(str::len), Some(characters), "{planner}: {nodes} nodes");
-        drop(viewer);
     }
 }
 
@@ -251,8 +251,7 @@ fn one_html_file_holds_everything_and_loads_nothing() {
     let data = data.map(|(data, _)| data).expect("the data of the page");
     // The first bytes of gzip, in base64.
     assert!(data.starts_with("H4sI") && data.len() > 10_000, "{} characters", data.len());
-    let again = done(folder, &["render", "011", "p.plan.json", "-o", "q.html", "--json"]);
-    drop(again);
+    done(folder, &["render", "011", "p.plan.json", "-o", "q.html", "--json"]);
     assert_eq!(
         std::fs::read_to_string(folder.join("q.html")).expect("a file"),
         html,
