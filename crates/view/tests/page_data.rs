@@ -199,11 +199,11 @@ fn spheres_of_a_link_contain_its_collision_shape() {
 
 #[test]
 fn all_grasps_are_there_with_what_is_certain_of_them() {
-    let mut scenario = scenario("021");
-    // A brick as wide as the open fingers where one of them is: its like are then blocked for certain.
+    let mut scenario = scenario("041");
+    // A rod as long as the open fingers are wide where one of them is: its like are then blocked for certain.
     let mut bodies = scenario.world.bodies().to_vec();
-    let brick = Solid::cuboid(Vector::repeat(0.06)).expect("a size");
-    bodies.push(Body::new("brick", scenario.grasps.grasps()[7].world_from_gripper, brick));
+    let rod = Solid::cuboid(Vector::new(0.004, 0.05, 0.004)).expect("a size");
+    bodies.push(Body::new("rod", scenario.grasps.grasps()[7].world_from_gripper, rod));
     scenario.world = World::new(bodies).expect("a world");
     let page = page(&scenario, &[]);
     let cell = page_cell(&scenario).expect("a cell");
