@@ -83,7 +83,7 @@ export class GraspTip {
   }
 
   private rank(place: number): number {
-    return this.grasps[place].score ?? -Infinity;
+    return this.grasps[place].score ?? -1;
   }
 
   private tell(place: number, x: number, y: number): void {
