@@ -12,6 +12,7 @@ mod released_data;
 mod step;
 mod test;
 mod tidy;
+mod web;
 
 use std::process::ExitCode;
 
@@ -21,7 +22,8 @@ Tasks of a Cranny contributor
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF, pages
+  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
+                 web (the viewer's page in a browser), pages
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
@@ -32,6 +34,9 @@ Environment:
                        that need it are skipped, and one line says so
   CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt; unset: one is made
                        under target/, or the tests that need it are skipped, and one line says so
+  CRANNY_CHROMIUM      the browser of the viewer's tests; unset: /usr/bin/chromium and the like
+  CRANNY_WEB_DIST      a built page of the viewer, for `cargo build` to put into the program; unset:
+                       web/dist, or npm builds one where Node is
   CRANNY_REQUIRE_ALL   1: whatever lacks its data or its tool fails instead of being skipped
 
 Examples:

@@ -12,6 +12,7 @@ use crate::grasps::GraspsArguments;
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
 use crate::scenario::ScenarioArguments;
+use crate::view::ViewArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///
@@ -66,8 +67,10 @@ pub enum Command {
     Object(ObjectArguments),
     /// Run campaigns of trials, join, report and replay their results
     Bench(BenchArguments),
-    /// Draw a scenario or a plan: a picture, a moving picture, animated glTF
+    /// Draw a scenario or a plan: a picture, a moving picture, animated glTF, a page in one file
     Render(Box<RenderArguments>),
+    /// Look at a scenario and at plans in the browser
+    View(ViewArguments),
 }
 
 /// Which task, under which criterion.
@@ -168,7 +171,7 @@ pub struct PlanArguments {
     /// Cut corners of the path where its clearance proves that free, instead of a stop at each
     #[arg(long, conflicts_with = "jerk_limited")]
     pub blend: bool,
-    /// Where to write the plan [default: ID.plan.json in this folder]
+    /// Where to write the plan, a failed search too [default: ID.plan.json in this folder, solved plans alone]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }

@@ -17,16 +17,19 @@ mod ik;
 mod info;
 mod list;
 mod object;
+mod page_task;
 mod plan;
 mod plan_task;
 mod progress;
 mod render;
 mod scenario;
+mod search_replay;
 mod start;
 mod task;
 mod text;
 mod timing;
 mod verify;
+mod view;
 mod whole_file;
 
 use std::io::Write;
@@ -58,6 +61,7 @@ fn main() -> ExitCode {
         Command::Object(arguments) => object::run(arguments, cli.output),
         Command::Bench(arguments) => bench::run(arguments, cli.output),
         Command::Render(arguments) => render::run(arguments, cli.output),
+        Command::View(arguments) => view::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,

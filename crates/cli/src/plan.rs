@@ -28,7 +28,6 @@ struct Answered<'a> {
     preparation_time_s: f64,
     shortcut_time_s: Option<f64>,
     iterations: u64,
-    failures: &'a [GraspFailure],
     valid: bool,
     start_faults: Vec<String>,
     plan_file: Option<&'a Path>,
@@ -75,17 +74,20 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let mut trajectory_file = None;
     if solved {
         trajectory_file = timed.as_ref().map(|timed| timed.write(arguments, &file)).transpose()?.flatten();
+    }
+    // A failed search is worth a look too, but never in the place of a plan that nobody named.
+    let is_written = solved || arguments.output.is_some();
+    if is_written {
         judged.plan.write(&file)?;
     }
     let answered = Answered {
         planning_time_s: report.statistics.planning_time_s,
         shortcut_time_s,
-        failures: &report.failures,
         preparation_time_s,
         iterations: report.statistics.iterations,
         valid: judged.valid,
         start_faults: start::faults(&problem),
-        plan_file: solved.then_some(file.as_path()),
+        plan_file: is_written.then_some(file.as_path()),
         duration_s: timed.as_ref().map(|timed| timed.trajectory.duration_s()),
         timing_time_s: timed.as_ref().map(|timed| timed.timing_time_s),
         trajectory_file: trajectory_file.as_deref(),
@@ -191,6 +193,7 @@ fn judge(
         timing: None,
         statistics: report.statistics,
         optimisation: None,
+        failures: report.failures.clone(),
     };
     Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
 }
@@ -279,7 +282,7 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         let (cost, iterations) = (improvement.cost, improvement.iterations);
         line("cost", format!("{cost:.3} after {:.3} s, {iterations} iterations", improvement.time_s));
     }
-    for (reason, count) in counted(answered.failures) {
+    for (reason, count) in counted(&plan.failures) {
         line("blocked", format!("{count:>4} grasps: {reason}"));
     }
     for fault in &answered.start_faults {
@@ -290,6 +293,9 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     if plan.outcome == Outcome::BudgetExhausted {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
+    }
+    if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {
+        line("to see it", "plan again with -o FILE, then `cranny view` that file".to_owned());
     }
     if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
         let (duration_s, method) = (timing.duration_s, timing.method.name());

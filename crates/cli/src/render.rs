@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_view::{
-    Animation, Camera, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath, StandardView,
+    Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
+    StandardView,
 };
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
+use crate::page_task::{PageRequest, PageTask};
 use crate::{progress, text};
 
 #[derive(Clone, Debug, Args)]
@@ -21,6 +23,7 @@ use crate::{progress, text};
   cranny render 021 021.plan.json -o 021.gif                 a moving picture, also .apng
   cranny render 021 021.plan.json -o frames/                 its pictures one by one
   cranny render 021 021.plan.json -o 021.glb                 animated glTF, for three.js or Blender
+  cranny render 021 021.plan.json -o 021.html                what `cranny view` shows, in one file to send
   cranny render --all -o sheet.png                           all built-in scenarios on one sheet
 
 What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
@@ -29,10 +32,12 @@ pub struct RenderArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID", required_unless_present = "all")]
     pub id: Option<String>,
-    /// A plan file (.plan.json) or way points (.csv, .try); with --all a folder of plan files ID.plan.json
+    /// A plan file (.plan.json) or way points (.csv, .try), for .html several; with --all a folder of plan files
+    /// ID.plan.json
     #[arg(value_name = "PLAN")]
-    pub plan: Option<PathBuf>,
-    /// Where to write, and what: .png, .gif, .apng, .glb, or a folder (with a / at its end) for single pictures
+    pub plans: Vec<PathBuf>,
+    /// Where to write, and what: .png, .gif, .apng, .glb, .html, or a folder (with a / at its end) for single
+    /// pictures
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// A sheet of all built-in scenarios
@@ -63,6 +68,9 @@ pub struct RenderArguments {
     /// Samples a point against jagged edges
     #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
     pub samples: String,
+    /// Run each plan's search again, as its file says, and show its trees in .html
+    #[arg(long)]
+    pub search_tree: bool,
     /// Leave obstacles solid that hide the gripper or the target
     #[arg(long)]
     pub solid: bool,
@@ -107,6 +115,7 @@ enum Format {
     Gif,
     Apng,
     Glb,
+    Html,
     Folder,
 }
 
@@ -134,6 +143,12 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
         _ if arguments.all => {
             return Err(flag("all", "a sheet is a picture: give -o a name that ends in .png"));
         }
+        (Some(_), _) if arguments.search_tree && format != Format::Html => {
+            return Err(flag("search-tree", "trees are shown in a page: give -o a name that ends in .html"));
+        }
+        (Some(_), _) if arguments.plans.len() > 1 && format != Format::Html => {
+            return Err(flag("output", "several plans are shown in a page: give a name that ends in .html"));
+        }
         (Some(id), _) => one(id, arguments, format, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
@@ -152,7 +167,7 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
 fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) -> Result<Rendered, Failure> {
     let is_moving = matches!(format, Format::Gif | Format::Apng | Format::Folder);
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
-    let scene = scene(id, arguments.plan.as_deref(), arguments, rate_hz)?;
+    let scene = scene(id, arguments.plans.first().map(PathBuf::as_path), arguments, rate_hz)?;
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 });
     let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
@@ -173,8 +188,24 @@ fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) ->
             rendered = Rendered { pictures: count, width, height, ..rendered };
             rendered.files.push(file.clone());
         }
+        Format::Html => return page(id, arguments, output),
     }
     Ok(rendered)
+}
+
+/// The viewer's page with all its data, in one file.
+fn page(id: &str, arguments: &RenderArguments, output: Output) -> Result<Rendered, Failure> {
+    // Better now than after a search.
+    PageServer::check_page()?;
+    let request = PageRequest {
+        id,
+        plans: &arguments.plans,
+        robot: arguments.robot.as_deref(),
+        geometry: arguments.geometry,
+        search_trees: arguments.search_tree,
+    };
+    PageTask::open(&request, output)?.page.write_html(&arguments.output)?;
+    Ok(Rendered { files: vec![arguments.output.clone()], ..Rendered::default() })
 }
 
 /// One view, or four of half the size.
@@ -236,7 +267,7 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
         return Err(flag("view", "a sheet has one view of each scenario"));
     };
     // With --all the only free argument is the folder of plans.
-    let folder = arguments.plan.clone().or(arguments.id.as_ref().map(PathBuf::from));
+    let folder = arguments.plans.first().cloned().or(arguments.id.as_ref().map(PathBuf::from));
     if let Some(folder) = folder.as_ref().filter(|folder| !folder.is_dir()) {
         let problem = format!("'{}' is no folder of plan files", folder.display());
         return Err(Failure::Flag { flag: "all", problem });
@@ -314,8 +345,9 @@ fn format_of(file: &Path) -> Result<Format, Failure> {
         "gif" => Ok(Format::Gif),
         "apng" => Ok(Format::Apng),
         "glb" => Ok(Format::Glb),
+        "html" => Ok(Format::Html),
         _ => {
-            let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb and / (a folder)");
+            let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb, .html and / (a folder)");
             Err(Failure::Flag { flag: "output", problem })
         }
     }

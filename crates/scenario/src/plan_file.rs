@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_plan::{Criterion, Improvement, Outcome, Statistics, TimingMethod, Trajectory};
+use cranny_plan::{Criterion, GraspFailure, Improvement, Outcome, Statistics, TimingMethod, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
@@ -62,6 +62,9 @@ pub struct PlanFile {
     /// How the path became better after the first; `None` where nobody tried.
     #[serde(default)]
     pub optimisation: Option<PlanOptimisation>,
+    /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
+    #[serde(default)]
+    pub failures: Vec<GraspFailure>,
 }
 
 /// How a path was bettered after the first search.
@@ -211,6 +214,8 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
+    use cranny_plan::FailureReason;
+
     use super::*;
 
     fn plan() -> PlanFile {
@@ -249,6 +254,11 @@ mod tests {
                 iterations: 70,
                 improvements: vec![Improvement { time_s: 0.3, iterations: 13, cost: -0.7 / 3.0 }],
             }),
+            failures: vec![GraspFailure {
+                grasp: 4,
+                reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
+                attempts: 0,
+            }],
         }
     }
 
@@ -270,13 +280,14 @@ mod tests {
     fn a_plan_without_timing_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("021.plan.json");
-        let untimed = PlanFile { timing: None, optimisation: None, ..plan() };
+        let untimed = PlanFile { timing: None, optimisation: None, failures: Vec::new(), ..plan() };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
         // As plans were written before there was timing.
         let text = fs::read_to_string(&path).unwrap();
-        let text = text.replace("  \"timing\": null,\n", "").replace(",\n  \"optimisation\": null", "");
-        assert!(!text.contains("timing") && !text.contains("optimisation"));
+        let text = text.replace("  \"timing\": null,\n", "");
+        let text = text.replace(",\n  \"optimisation\": null,\n  \"failures\": []", "");
+        assert!(["timing", "optimisation", "failures"].iter().all(|key| !text.contains(key)));
         fs::write(&path, text).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
     }

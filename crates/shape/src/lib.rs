@@ -14,6 +14,7 @@
 mod area;
 mod ball_tree;
 mod bound;
+mod closest;
 mod coarse_hull;
 mod collada;
 mod convex;
@@ -41,6 +42,7 @@ mod tessellation;
 pub use area::{AreaDistribution, SurfacePoint};
 pub use ball_tree::{BallNode, BallTree};
 pub use bound::{Aabb, Ball, Bounds};
+pub use closest::closest_points;
 pub use coarse_hull::CoarseHull;
 pub use convex_parts::{ConvexParts, DecompositionSettings, VolumeError};
 pub use cuboid_run::cuboid_of_faces;

@@ -19,6 +19,11 @@ impl Colour {
         Self(channels.map(|value| linear(value.clamp(0.0, 1.0)) as f32))
     }
 
+    /// Its screen values, 0 to 1 (sRGB): `srgb(c.to_srgb()) = c`.
+    pub fn to_srgb(self) -> [f64; 3] {
+        self.0.map(|light| screen(f64::from(light.clamp(0.0, 1.0))))
+    }
+
     /// The same towards `other`: `mix(other, 0) = self`, `mix(other, 1) = other`.
     #[must_use]
     pub fn mix(self, other: Self, share: f32) -> Self {
@@ -29,6 +34,11 @@ impl Colour {
 /// Linear light of a screen value.
 fn linear(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
+}
+
+/// The screen value of linear light, both 0 to 1.
+fn screen(light: f64) -> f64 {
+    if light <= 0.0031308 { 12.92 * light } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 }
 }
 
 /// Turns linear light into screen values, 0 to 255, by a table: the same on every machine, and fast.
@@ -42,9 +52,7 @@ const TABLE_STEPS: usize = 1 << 14;
 impl ScreenTable {
     pub fn new() -> Self {
         let value = |step: usize| {
-            let light = step as f64 / (TABLE_STEPS - 1) as f64;
-            let screen =
-                if light <= 0.0031308 { 12.92 * light } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 };
+            let screen = screen(step as f64 / (TABLE_STEPS - 1) as f64);
             // Between 0 and 255.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             (libm::round(255.0 * screen) as u8)

@@ -59,6 +59,32 @@ pub enum ViewError {
         /// What the encoder says.
         reason: String,
     },
+    /// What a page is told cannot be written as JSON.
+    #[error("what the page shows cannot be written as JSON: {reason}")]
+    PageData {
+        /// What the encoder says.
+        reason: serde_json::Error,
+    },
+    /// The program was built without the page.
+    #[error(
+        "this cranny was built without its page: install Node 20 or later (https://nodejs.org), then build it \
+         again (`touch crates/view/build.rs`, `cargo build --release`)"
+    )]
+    NoPage,
+    /// A port cannot be had.
+    #[error("port {port} of 127.0.0.1 cannot be used: {reason}; leave out --port for a free one")]
+    Port {
+        /// Which.
+        port: u16,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// Nothing can be served here.
+    #[error("the page cannot be served: {reason}")]
+    Server {
+        /// Why.
+        reason: std::io::Error,
+    },
     /// A file or folder cannot be written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {

@@ -1,5 +1,5 @@
 //! What a task looks like: one scene, from which pictures, animations and glTF files are made without a
-//! graphics card or a browser.
+//! graphics card or a browser, and a page that shows it in one ([`PageData`], [`PageServer`]).
 //!
 //! ```
 //! use cranny_scenario::{OpenOptions, Scenario};
@@ -15,12 +15,17 @@
 //!
 //! A [`Scene`] is plain data in the planning frame. Pictures have the same bytes on every machine.
 //!
+//! The page itself is built from `web/` and embedded by `build.rs`; what it is told stands in
+//! `web/src/page_data.ts`.
+//!
 //! ## Limits
 //! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
 //! light from thing to thing. What can be seen through casts no shadow; several such things are laid over each
 //! other from the farthest to the nearest by where they stand, which is wrong where they pass through each other.
+//! The clearance that a page plots is measured at instants; what lies between them only the verdict says.
 
 mod camera;
+mod clearance_profile;
 mod colour;
 mod contact_sheet;
 mod draw_list;
@@ -32,6 +37,15 @@ mod ground;
 mod light;
 mod melted_body;
 mod mesh;
+mod number_row;
+mod page;
+mod page_bundle;
+mod page_file;
+mod page_grasps;
+mod page_plan;
+mod page_robot;
+mod page_scene;
+mod page_server;
 mod paint;
 mod painter;
 mod picture;
@@ -44,13 +58,21 @@ mod scene;
 mod shown_path;
 mod stroke;
 mod task_scene;
+mod tree_recording;
+mod verdict;
+mod welding;
 
 pub use camera::{Camera, StandardView};
+pub use clearance_profile::ClearanceProfile;
 pub use colour::Colour;
 pub use error::ViewError;
 pub use mesh::{Mesh, MeshPiece};
+pub use page::{PageData, PageSettings, page_cell};
+pub use page_plan::PagePlan;
+pub use page_server::{PageServer, interrupted};
 pub use picture::{Picture, PictureSettings, SeeThrough};
 pub use picture_file::Animation;
 pub use scene::{Material, Node, Role, Scene, SceneMotion, Track};
 pub use shown_path::ShownPath;
 pub use task_scene::SceneSettings;
+pub use tree_recording::TreeRecording;

@@ -1,0 +1,143 @@
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_collision::Cell;
+use cranny_plan::{Criterion, Problem, Validity};
+use cranny_scenario::{Demands, Geometry, OpenOptions, PlanFile, PlanMargins, Scenario, read_waypoints};
+use cranny_view::{PageData, PagePlan, PageSettings, page_cell};
+
+use crate::arguments::{GeometryArgument, Output};
+use crate::failure::Failure;
+use crate::progress::{self, stop_on_interrupt};
+use crate::search_replay;
+
+/// What a page is to show.
+pub struct PageRequest<'a> {
+    /// The scenario.
+    pub id: &'a str,
+    /// Plan files or way points.
+    pub plans: &'a [PathBuf],
+    pub robot: Option<&'a Path>,
+    pub geometry: Option<GeometryArgument>,
+    /// Whether the searches are run again, and their trees shown.
+    pub search_trees: bool,
+}
+
+/// A page, and the cell that it measured in.
+pub struct PageTask {
+    pub page: PageData,
+    pub cell: Arc<Cell>,
+}
+
+/// What stands in the file of a plan.
+enum Read {
+    Plan(Box<PlanFile>),
+    Waypoints,
+}
+
+impl PageTask {
+    pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
+        let read = |file: &PathBuf| -> Result<Read, Failure> {
+            let is_plan = file.extension().is_some_and(|extension| extension == "json");
+            Ok(if is_plan { Read::Plan(Box::new(PlanFile::read(file)?)) } else { Read::Waypoints })
+        };
+        let files = request.plans.iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
+        let robot_of = |file: &Read| match file {
+            Read::Plan(plan) => plan.robot.clone().map(PathBuf::from),
+            Read::Waypoints => None,
+        };
+        let options = OpenOptions {
+            criterion: None,
+            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().find_map(robot_of)),
+            geometry: request.geometry.map(Geometry::from),
+        };
+        let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new() };
+        let own = tasks.open(None)?;
+        let shown = tasks.open(Some(Criterion::Exact))?;
+        let cell = page_cell(&shown)?;
+        let stop = if request.search_trees { Some(stop_on_interrupt()?) } else { None };
+        let mut plans = Vec::new();
+        for (file, read) in request.plans.iter().zip(&files) {
+            let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+            match read {
+                Read::Plan(plan) => {
+                    check(file, plan, &shown)?;
+                    let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
+                    let mut shown_plan = PagePlan::of_file(name, plan, &shown, &problem)?;
+                    if let Some(stop) = &stop {
+                        let replay = search_replay::replay(file, plan, &problem, stop, output)?;
+                        shown_plan.search_tree = Some(replay);
+                    }
+                    plans.push(shown_plan);
+                }
+                Read::Waypoints => {
+                    let waypoints = read_waypoints(file, shown.robot.dof())?;
+                    let problem = tasks.problem(own.criterion, PlanMargins::default(), None)?;
+                    plans.push(PagePlan::of_waypoints(name, &waypoints, &shown, &problem)?);
+                }
+            }
+        }
+        let spinner = progress::spinner("measuring clearance and inverse kinematics", output.quiet);
+        let page = PageData::of(&shown, &plans, &cell, PageSettings::default())?;
+        spinner.finish_and_clear();
+        Ok(Self { page, cell })
+    }
+}
+
+/// The scenario and its problems, each made once.
+struct Tasks<'a> {
+    id: &'a str,
+    options: OpenOptions,
+    opened: Vec<Scenario>,
+    problems: Vec<((Criterion, PlanMargins), Problem)>,
+}
+
+impl Tasks<'_> {
+    /// The scenario under a criterion; the first one that was opened, if that is its own.
+    fn open(&mut self, criterion: Option<Criterion>) -> Result<Scenario, Failure> {
+        let is_it = |scenario: &&Scenario| criterion.is_none_or(|criterion| scenario.criterion == criterion);
+        if let Some(known) = self.opened.iter().find(is_it) {
+            return Ok(known.clone());
+        }
+        let scenario = Scenario::open(self.id, &OpenOptions { criterion, ..self.options.clone() })?;
+        self.opened.push(scenario.clone());
+        Ok(scenario)
+    }
+
+    fn problem(
+        &mut self,
+        criterion: Criterion,
+        margins: PlanMargins,
+        goal_threshold: Option<f64>,
+    ) -> Result<Problem, Failure> {
+        let known = self.problems.iter().find(|(key, _)| *key == (criterion, margins));
+        let mut problem = if let Some((_, problem)) = known {
+            problem.clone()
+        } else {
+            let PlanMargins { margin_m, grasp_margin_m } = margins;
+            let problem = self.open(Some(criterion))?.problem(&Demands { margin_m, grasp_margin_m })?;
+            self.problems.push(((criterion, margins), problem.clone()));
+            problem
+        };
+        if let (Validity::Paper { threshold, .. }, Some(of_plan)) = (&mut problem.validity, goal_threshold) {
+            *threshold = of_plan;
+        }
+        Ok(problem)
+    }
+}
+
+/// Says if the plan is of another scenario, and refuses it if it is of another robot.
+fn check(file: &Path, plan: &PlanFile, scenario: &Scenario) -> Result<(), Failure> {
+    let mut pairs = plan.joint_names.iter().zip(scenario.robot.joint_names());
+    if let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) {
+        let (path, found, expected) = (file.to_owned(), found.clone(), expected.clone());
+        return Err(Failure::OtherRobot { path, found, expected });
+    }
+    if plan.scenario != scenario.id {
+        let (planned, shown) = (&plan.scenario, &scenario.id);
+        let note = format!("the plan was made for scenario '{planned}', and is shown in '{shown}'");
+        writeln!(std::io::stderr(), "note: {}: {note}", file.display())?;
+    }
+    Ok(())
+}

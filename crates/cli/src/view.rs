@@ -1,0 +1,82 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use cranny_view::{PageServer, interrupted};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::{GeometryArgument, Output};
+use crate::failure::Failure;
+use crate::page_task::{PageRequest, PageTask};
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny view 021                                  the scenario and its grasps
+  cranny view 021 021.plan.json                    a plan: play it, or click into its clearance
+  cranny view 021 reach.plan.json rrt.plan.json    several plans in one scene
+  cranny view 021 021.plan.json --search-tree      and how the search grew
+  cranny view 021 --port 8080 --no-open            for a browser that you open yourself
+
+Plans that failed are shown too, with what blocked each grasp. The page answers on this machine alone
+(127.0.0.1), loads nothing from the network, and ends with Ctrl-C. For a page to send to others:
+cranny render 021 021.plan.json -o 021.html")]
+pub struct ViewArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// Plan files (.plan.json) or way points (.csv, .try), side by side in one scene
+    #[arg(value_name = "PLAN")]
+    pub plans: Vec<PathBuf>,
+    /// Run each plan's search again, as its file says, and show its trees as they grow
+    #[arg(long)]
+    pub search_tree: bool,
+    /// Answer on this port [default: a free one]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Print the address, but open no browser
+    #[arg(long)]
+    pub no_open: bool,
+    /// Another robot's URDF instead of the scenario's
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    #[arg(long, value_enum)]
+    pub geometry: Option<GeometryArgument>,
+}
+
+/// What is printed with `--json`, as soon as the page can be opened.
+#[derive(Serialize)]
+struct Viewed<'a> {
+    scenario: &'a str,
+    url: String,
+}
+
+pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure> {
+    // Better now than after a search.
+    PageServer::check_page()?;
+    let server = PageServer::bind(arguments.port)?;
+    let request = PageRequest {
+        id: &arguments.id,
+        plans: &arguments.plans,
+        robot: arguments.robot.as_deref(),
+        geometry: arguments.geometry,
+        search_trees: arguments.search_tree,
+    };
+    let PageTask { page, cell } = PageTask::open(&request, output)?;
+    let url = server.url();
+    let mut said = Ok(());
+    server.serve(&page, cell, interrupted(), || {
+        said = if output.json {
+            text::print_json(&Viewed { scenario: &arguments.id, url: url.clone() })
+        } else {
+            text::print(&format!("{url}  (Ctrl-C ends)\n"))
+        };
+        if !arguments.no_open {
+            // Whoever has no browser here has read the address. By itself, for some browsers end before it does.
+            std::thread::spawn(move || opener::open_browser(url));
+        }
+    })?;
+    said?;
+    Ok(Answer::Done)
+}

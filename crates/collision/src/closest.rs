@@ -1,0 +1,85 @@
+use cranny_shape::{Solid, closest_points};
+use cranny_spatial::{Point, Pose};
+
+use crate::cell::{Cell, Pair, Scratch};
+use crate::contact::{Collider, Contact};
+
+/// The two things of a cell that are nearest to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closest {
+    /// A link.
+    pub first: Collider,
+    /// Another link, or a body.
+    pub second: Collider,
+    /// Their distance in metres, certified from below; negative for how deep they overlap.
+    pub distance_m: f64,
+    /// The nearest points of the two, in the planning frame; the same point twice in the overlap.
+    pub points: [Point; 2],
+}
+
+impl Cell {
+    /// The pair that is closest at `q` (m, rad; one per joint), or the one that overlaps deepest; `None` where
+    /// there is no pair. Joint limits do not enter.
+    ///
+    /// `closest(q).distance_m = clearance(q)` where nothing touches.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn closest(&self, q: &[f64], scratch: &mut Scratch) -> Option<Closest> {
+        self.robot().forward_kinematics(q, &mut scratch.frames);
+        let (mut nearest, mut least_m) = (None, f64::INFINITY);
+        for pair in &self.pairs {
+            let is_farther = self.quick_bound(pair, &scratch.frames, least_m) >= least_m;
+            // What is not a number is not farther: it is measured, and found in contact.
+            if !is_farther {
+                let distance_m = self.distance(pair, &scratch.frames, least_m).lower_m;
+                if distance_m < least_m {
+                    (nearest, least_m) = (Some(pair), distance_m);
+                }
+            }
+            if least_m <= 0.0 {
+                return self.deepest(q, scratch);
+            }
+        }
+        let pair = nearest?;
+        let first = Collider::Link(self.bodies[pair.first].link);
+        let second = self.other(pair);
+        let middle =
+            || scratch.frames.link(self.bodies[pair.first].link) * self.bodies[pair.first].bounds.ball.center;
+        let points = self.nearest_points(pair, scratch).unwrap_or_else(|| [middle(); 2]);
+        Some(Closest { first, second, distance_m: least_m, points })
+    }
+
+    fn deepest(&self, q: &[f64], scratch: &mut Scratch) -> Option<Closest> {
+        let contacts = self.contacts(q, scratch);
+        let Contact { first, second, depth_m, point, .. } =
+            contacts.into_iter().max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))?;
+        Some(Closest { first, second, distance_m: 0.0 - depth_m, points: [point; 2] })
+    }
+
+    fn nearest_points(&self, pair: &Pair, scratch: &Scratch) -> Option<[Point; 2]> {
+        let firsts = self.solids_of(Collider::Link(self.bodies[pair.first].link), scratch);
+        // Of a body all parts: none is nearer than the one of the nearest pair.
+        let seconds = self.solids_of(self.other(pair), scratch);
+        let pairs = firsts.iter().flat_map(|one| seconds.iter().map(move |other| (one, other)));
+        pairs
+            .filter_map(|((pose_a, a), (pose_b, b))| closest_points(a, pose_a, b, pose_b))
+            .min_by(|m, n| (m[1] - m[0]).norm_squared().total_cmp(&(n[1] - n[0]).norm_squared()))
+    }
+
+    /// The solids of a link or body where they are.
+    fn solids_of<'a>(&'a self, collider: Collider, scratch: &Scratch) -> Vec<(Pose, &'a Solid)> {
+        match collider {
+            Collider::Link(link) => {
+                let world_from_link = scratch.frames.link(link);
+                let body = self.bodies.iter().find(|body| body.link == link);
+                let shapes = body.into_iter().flat_map(|body| &body.shapes);
+                shapes.map(|(link_from_shape, solid)| (world_from_link * link_from_shape, solid)).collect()
+            }
+            Collider::Body(body) => {
+                let parts = self.world().bodies()[body].parts.iter();
+                parts.map(|part| (part.world_from_solid, &part.solid)).collect()
+            }
+        }
+    }
+}

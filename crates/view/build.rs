@@ -1,0 +1,169 @@
+//! Puts the built page of `web/` into the crate.
+//!
+//! 1. The folder that `CRANNY_WEB_DIST` names.
+//! 2. Else `web/dist`, if it is not older than what it is made of.
+//! 3. Else a copy of `web/` is built by npm in the folder of this build; nothing is written beside the sources.
+//! 4. Else an older `web/dist`; else nothing, and `cranny view` says what to install.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant, SystemTime};
+
+/// What a page cannot do without: the page that is served, and the one that is one file.
+const PAGES: [&str; 2] = ["index.html", "single.html"];
+
+/// Names of `web/` that the page is not made of.
+const NO_SOURCES: [&str; 7] = ["dist", "build", "node_modules", "screenshots", "tests", "check", "README.md"];
+
+/// So long npm may take for one command: twenty times what it takes, so that no build hangs on a dead network.
+const PATIENCE: Duration = Duration::from_mins(4);
+
+const DIST: &str = "CRANNY_WEB_DIST";
+
+fn main() {
+    let folder = |name: &str| PathBuf::from(std::env::var_os(name).expect("cargo names its folders"));
+    let (out, web) = (folder("OUT_DIR"), folder("CARGO_MANIFEST_DIR").join("../../web"));
+    let page = out.join("page");
+    clear(&page);
+    fs::create_dir_all(&page).expect("the folder of this build can be written");
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-env-changed={DIST}");
+    // 1.
+    if let Some(dist) = std::env::var_os(DIST).filter(|dist| !dist.is_empty()).map(PathBuf::from) {
+        println!("cargo::rerun-if-changed={}", dist.display());
+        assert!(is_ready(&dist), "{DIST}: '{}' has not all of {PAGES:?}", dist.display());
+        return copy(&dist, &page, &[]).expect("the page can be copied");
+    }
+    // 2.
+    let dist = web.join("dist");
+    let sources = sources(&web);
+    for source in &sources {
+        println!("cargo::rerun-if-changed={}", source.display());
+    }
+    if is_ready(&dist) {
+        println!("cargo::rerun-if-changed={}", dist.display());
+        if newest(&sources) <= newest(&[dist.join(PAGES[0])]) {
+            return copy(&dist, &page, &[]).expect("the page can be copied");
+        }
+    }
+    // 3.
+    match build(&web, &out.join("web")) {
+        Ok(built) => copy(&built, &page, &[]).expect("the page can be copied"),
+        Err(reason) if is_ready(&dist) => {
+            println!("cargo::warning=web/dist is older than its sources, and cannot be built: {reason}");
+            copy(&dist, &page, &[]).expect("the page can be copied");
+        }
+        Err(reason) => {
+            // Whoever installs Node changes the path.
+            println!("cargo::rerun-if-env-changed=PATH");
+            println!("cargo::warning=`cranny view` is built without its page: {reason}");
+        }
+    }
+}
+
+/// Builds a copy of `web` and returns the folder with the page.
+fn build(web: &Path, copied: &Path) -> Result<PathBuf, String> {
+    if !web.join("package-lock.json").is_file() {
+        return Err("there is no web/package-lock.json".to_owned());
+    }
+    let fault = |error: io::Error| format!("{}: {error}", copied.display());
+    clear(copied);
+    copy(web, copied, &NO_SOURCES).map_err(fault)?;
+    npm(
+        copied,
+        &[
+            "ci",
+            "--ignore-scripts",
+            "--no-audit",
+            "--no-fund",
+            "--prefer-offline",
+            "--fetch-retries=0",
+            "--fetch-timeout=20000",
+        ],
+    )?;
+    npm(copied, &["run", "build"])?;
+    // A hundred times as large as the page, and soon fetched again from npm's own store.
+    clear(&copied.join("node_modules"));
+    let dist = copied.join("dist");
+    if is_ready(&dist) { Ok(dist) } else { Err(format!("`npm run build` makes not all of {PAGES:?}")) }
+}
+
+/// Runs npm; the error is one line.
+fn npm(folder: &Path, words: &[&str]) -> Result<(), String> {
+    let program = if cfg!(windows) { "npm.cmd" } else { "npm" };
+    let log = folder.join("npm.log");
+    let lines = fs::File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
+    let errors = lines.try_clone().map_err(|error| format!("{}: {error}", log.display()))?;
+    let mut command = Command::new(program);
+    command.args(words).current_dir(folder).stdin(Stdio::null()).stdout(lines).stderr(errors);
+    let mut child =
+        command.spawn().map_err(|_| "no npm; install Node 20 or later (https://nodejs.org)".to_owned())?;
+    let begin = Instant::now();
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) if status.success() => return Ok(()),
+            Ok(Some(status)) => {
+                return Err(format!("`npm {}`: {status}, see {}", words.join(" "), log.display()));
+            }
+            Ok(None) if begin.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(50)),
+            Ok(None) | Err(_) => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(format!("`npm {}` took longer than {} s", words.join(" "), PATIENCE.as_secs()));
+            }
+        }
+    }
+}
+
+fn is_ready(dist: &Path) -> bool {
+    PAGES.iter().all(|page| dist.join(page).is_file())
+}
+
+/// The files and folders that the page is made of.
+fn sources(web: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(web).into_iter().flatten().flatten();
+    let is_source = |entry: &fs::DirEntry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        !NO_SOURCES.contains(&name.as_str()) && !name.starts_with('.')
+    };
+    let mut sources: Vec<PathBuf> = entries.filter(is_source).map(|entry| entry.path()).collect();
+    sources.sort();
+    sources
+}
+
+/// When any of these was changed last, in whatever depth.
+fn newest(paths: &[PathBuf]) -> Option<SystemTime> {
+    let of = |path: &PathBuf| {
+        let own = fs::metadata(path).and_then(|data| data.modified()).ok();
+        let inner: Vec<PathBuf> =
+            fs::read_dir(path).into_iter().flatten().flatten().map(|e| e.path()).collect();
+        own.max(newest(&inner))
+    };
+    paths.iter().filter_map(of).max()
+}
+
+/// Copies files and folders of a folder, but for entries of these names.
+fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if without.iter().any(|other| name == *other) {
+            continue;
+        }
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            copy(&entry.path(), &to.join(name), &[])?;
+        } else if kind.is_file() {
+            fs::copy(entry.path(), to.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Leaves nothing there.
+fn clear(path: &Path) {
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+}

@@ -1,0 +1,97 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Margins};
+use cranny_plan::PlanError;
+use cranny_scenario::Scenario;
+use serde::Serialize;
+
+use crate::page_grasps::{self, PageGrasp};
+use crate::page_plan::PlanEntry;
+use crate::page_robot::{FloorArea, PageRobot};
+use crate::page_scene::PageScene;
+use crate::{PagePlan, Scene, SceneSettings, ViewError, number_row};
+
+/// What a page is told of a task and its plans: the one JSON document that `web/src/page_data.ts` describes.
+#[derive(Clone, Debug, Serialize)]
+pub struct PageData {
+    format: &'static str,
+    name: String,
+    robot: PageRobot,
+    #[serde(flatten)]
+    scene: PageScene,
+    link_spheres: Vec<String>,
+    world_from_floor: Option<[f64; 7]>,
+    floor_area: Option<FloorArea>,
+    grasps: Vec<PageGrasp>,
+    plans: Vec<PlanEntry>,
+    is_live: bool,
+}
+
+/// How much a page is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PageSettings {
+    /// Instants of each path at which the closest pair is measured, at least 2. Default 240: more than a plot has
+    /// pixels between two of its dips, and some tens of milliseconds.
+    pub clearance_instants: usize,
+    /// Attempts of inverse kinematics at each grasp. Default 200: some tens of milliseconds for the grasps of a
+    /// released scenario, and nine tenths of what can be found there.
+    pub ik_attempts: usize,
+}
+
+impl Default for PageSettings {
+    fn default() -> Self {
+        Self { clearance_instants: 240, ik_attempts: 200 }
+    }
+}
+
+impl PageData {
+    /// Everything that a page shows; `cell` is the one of [`page_cell`].
+    ///
+    /// # Errors
+    /// As [`Scene::of_task`] and [`annotate_ik`](cranny_plan::annotate_ik).
+    pub fn of(
+        scenario: &Scenario,
+        plans: &[PagePlan],
+        cell: &Arc<Cell>,
+        settings: PageSettings,
+    ) -> Result<Self, ViewError> {
+        let scene = Scene::of_task(scenario, None, &SceneSettings { grasps: 0 })?;
+        let balls = cell.link_balls();
+        let spheres = balls.iter().map(|balls| {
+            let rows = balls.iter().flat_map(|b| [b.center.x, b.center.y, b.center.z, b.radius_m]);
+            number_row::floats32(rows.map(number_row::single))
+        });
+        Ok(Self {
+            format: "cranny-page/1",
+            name: scenario.id.clone(),
+            robot: PageRobot::of(scenario),
+            link_spheres: spheres.collect(),
+            world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
+            floor_area: FloorArea::of(&scenario.robot),
+            grasps: page_grasps::all(scenario, cell, plans, settings.ik_attempts)?,
+            plans: plans.iter().map(|plan| plan.entry(cell, settings.clearance_instants)).collect(),
+            scene: PageScene::of(scene, &scenario.robot),
+            is_live: false,
+        })
+    }
+
+    /// The document. Whoever serves it says whether questions are answered.
+    ///
+    /// # Errors
+    /// [`ViewError::PageData`] for a number that JSON cannot hold.
+    pub fn to_json(&self, is_live: bool) -> Result<Vec<u8>, ViewError> {
+        let page = Self { is_live, ..self.clone() };
+        serde_json::to_vec(&page).map_err(|reason| ViewError::PageData { reason })
+    }
+}
+
+/// The cell that a page measures in and that answers its questions: exact, with no margin, whatever the criterion
+/// of the scenario.
+///
+/// # Errors
+/// [`ViewError::Plan`] as [`Cell::new`].
+pub fn page_cell(scenario: &Scenario) -> Result<Arc<Cell>, ViewError> {
+    let margins = Margins { hand_links: scenario.hand_links.clone(), ..Margins::default() };
+    let cell = Cell::new(scenario.robot.clone(), scenario.world.clone(), margins);
+    Ok(Arc::new(cell.map_err(PlanError::from)?))
+}

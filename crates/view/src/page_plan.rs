@@ -1,0 +1,200 @@
+use cranny_collision::Cell;
+use cranny_plan::{GraspFailure, Problem, Verification, Violation, ViolationKind, verify};
+use cranny_scenario::{PlanFile, Scenario};
+use serde::Serialize;
+
+use crate::clearance_profile::ClearanceRows;
+use crate::tree_recording::SearchTreeRows;
+use crate::{ClearanceProfile, ShownPath, TreeRecording, ViewError, number_row};
+
+/// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
+#[derive(Clone, Debug)]
+pub struct PagePlan {
+    /// What it is called: the name of its file.
+    pub name: String,
+    /// The planner; empty for bare way points.
+    pub planner: String,
+    /// How the search ended, as the plan file says; empty for bare way points.
+    pub outcome: String,
+    /// The path in time; `None` for a plan without a path.
+    pub path: Option<ShownPath>,
+    /// What `verify` says; `None` for a plan without a path.
+    pub verification: Option<Verification>,
+    /// What stood between the robot and each grasp.
+    pub failures: Vec<GraspFailure>,
+    /// The trees of the search, if they were recorded.
+    pub search_tree: Option<TreeRecording>,
+}
+
+/// A page draws so many instants a second, screens most of which show 60, and of a long path so many in all.
+const RATE_HZ: f64 = 60.0;
+const MOST_SAMPLES: f64 = 2400.0;
+
+impl PagePlan {
+    /// The plan of a file; `problem` is what it is judged by.
+    ///
+    /// # Errors
+    /// As [`ShownPath::of_plan`] and [`verify`].
+    pub fn of_file(
+        name: impl Into<String>,
+        plan: &PlanFile,
+        scenario: &Scenario,
+        problem: &Problem,
+    ) -> Result<Self, ViewError> {
+        let duration_s = plan.timing.as_ref().map_or(plan.path_length, |timing| timing.duration_s);
+        let path = ShownPath::of_plan(scenario, plan, rate_hz(duration_s))?;
+        Ok(Self {
+            planner: plan.planner.clone(),
+            outcome: plan.outcome.name().to_owned(),
+            failures: plan.failures.clone(),
+            ..Self::judged(name.into(), path, &plan.waypoints, problem)?
+        })
+    }
+
+    /// Bare way points, from whoever planned them.
+    ///
+    /// # Errors
+    /// As [`ShownPath::of_waypoints`] and [`verify`].
+    pub fn of_waypoints(
+        name: impl Into<String>,
+        waypoints: &[Vec<f64>],
+        scenario: &Scenario,
+        problem: &Problem,
+    ) -> Result<Self, ViewError> {
+        let duration_s = cranny_plan::path_length(waypoints);
+        let path = ShownPath::of_waypoints(scenario, waypoints, rate_hz(duration_s))?;
+        Self::judged(name.into(), path, waypoints, problem)
+    }
+
+    fn judged(
+        name: String,
+        path: Option<ShownPath>,
+        waypoints: &[Vec<f64>],
+        problem: &Problem,
+    ) -> Result<Self, ViewError> {
+        let verification = if waypoints.is_empty() { None } else { Some(verify(problem, waypoints)?) };
+        let (planner, outcome) = (String::new(), String::new());
+        let failures = Vec::new();
+        Ok(Self { name, planner, outcome, path, verification, failures, search_tree: None })
+    }
+
+    /// The grasp that the path ends at: what `verify` finds, not what the file claims.
+    pub fn grasp(&self) -> Option<usize> {
+        self.verification.as_ref().filter(|v| v.valid).and_then(|v| v.goal).map(|goal| goal.grasp)
+    }
+
+    /// One line: what `verify` says.
+    pub fn verdict(&self) -> String {
+        let Some(verification) = &self.verification else {
+            let outcome = if self.outcome.is_empty() { "no way points" } else { &self.outcome };
+            return format!("no path: {outcome}");
+        };
+        let [first, rest @ ..] = &verification.violations[..] else {
+            let clearance = verification.clearance_m.map_or_else(String::new, |clearance_m| {
+                format!(", {:.2} mm or more from everything, proven", clearance_m * 1000.0)
+            });
+            return format!("valid{clearance}");
+        };
+        let more = match rest.len() {
+            0 => String::new(),
+            count => format!(", and {count} more"),
+        };
+        format!("not valid: {}{more}", sentence(first))
+    }
+
+    pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
+        let path = self.path.as_ref();
+        let row = |pick: fn(&ShownPath) -> &Vec<f64>| {
+            number_row::floats64(path.map(pick).into_iter().flatten().copied())
+        };
+        let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
+        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, most_instants));
+        PlanEntry {
+            name: self.name.clone(),
+            planner: self.planner.clone(),
+            outcome: self.outcome.clone(),
+            verdict: self.verdict(),
+            is_valid: self.verification.as_ref().is_some_and(|v| v.valid),
+            times_s: row(|path| &path.times_s),
+            configurations: number_row::floats64(configurations),
+            waypoint_times_s: row(|path| &path.waypoint_times_s),
+            grasp: self.grasp(),
+            clearance: profile.as_ref().map(ClearanceProfile::rows),
+            blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
+            blocked_counts: counted(&self.failures),
+            search_tree: self.search_tree.as_ref().map(TreeRecording::rows),
+        }
+    }
+}
+
+fn rate_hz(duration_s: f64) -> f64 {
+    RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
+}
+
+/// What is wrong, without the place of every number.
+fn sentence(violation: &Violation) -> String {
+    let Violation { kind, edge, first, second, depth_m, .. } = violation;
+    let depth_mm = depth_m * 1000.0;
+    match kind {
+        ViolationKind::Contact if second.is_empty() => format!("contact at way point {edge}"),
+        ViolationKind::Contact => format!("{first} is {depth_mm:.2} mm deep in {second} on edge {edge}"),
+        ViolationKind::Clearance => format!("{first} comes too close to {second} on edge {edge}"),
+        ViolationKind::Unresolved => {
+            format!("{first} against {second} can be neither proven nor refuted on edge {edge}")
+        }
+        ViolationKind::JointLimit => format!("{first} is beyond its limit at way point {edge}"),
+        ViolationKind::Step => format!("edge {edge} is longer than the released planners step"),
+        ViolationKind::Start => "it does not begin at the start of the scenario".to_owned(),
+        _ => "it does not end at a goal".to_owned(),
+    }
+}
+
+/// How many grasps failed for each reason, the commonest first.
+fn counted(failures: &[GraspFailure]) -> Vec<BlockedCount> {
+    let mut counts: Vec<BlockedCount> = Vec::new();
+    for failure in failures {
+        let reason = failure.reason.sentence();
+        match counts.iter_mut().find(|known| known.reason == reason) {
+            Some(known) => known.count += 1,
+            None => counts.push(BlockedCount { reason, count: 1 }),
+        }
+    }
+    counts.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.reason.cmp(&b.reason)));
+    counts
+}
+
+/// A plan as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PlanEntry {
+    name: String,
+    planner: String,
+    outcome: String,
+    verdict: String,
+    is_valid: bool,
+    times_s: String,
+    configurations: String,
+    waypoint_times_s: String,
+    grasp: Option<usize>,
+    clearance: Option<ClearanceRows>,
+    blocked: Vec<BlockedGrasp>,
+    blocked_counts: Vec<BlockedCount>,
+    search_tree: Option<SearchTreeRows>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct BlockedGrasp {
+    grasp: usize,
+    reason: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct BlockedCount {
+    reason: String,
+    count: usize,
+}
+
+impl BlockedGrasp {
+    fn of(failure: &GraspFailure) -> Self {
+        Self { grasp: failure.grasp, reason: failure.reason.sentence() }
+    }
+}

@@ -1,0 +1,67 @@
+use cranny_collision::{Cell, Collider};
+use serde::{Deserialize, Serialize};
+
+use crate::clearance_profile::PairNames;
+use crate::number_row;
+
+/// What a page asks: is this configuration free?
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct VerdictQuestion {
+    /// One value per joint (m, rad).
+    pub q: Vec<f64>,
+}
+
+/// The answer, by the exact check.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Verdict {
+    is_free: bool,
+    clearance_m: Option<f64>,
+    contacts: Vec<PairNames>,
+    world_from_gripper: [f64; 7],
+}
+
+/// Why a question has no answer.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum QuestionError {
+    #[error("the question is no JSON of the form {{\"q\": [numbers]}}: {0}")]
+    Malformed(#[from] serde_json::Error),
+    #[error("'q' has {actual} values, but the robot has {expected} joints: {joints}")]
+    JointCount { expected: usize, actual: usize, joints: String },
+    #[error("value {index} of 'q' is not finite")]
+    NotFinite { index: usize },
+}
+
+/// Answers the question in the body of a request.
+pub(crate) fn answer(cell: &Cell, body: &[u8]) -> Result<Verdict, QuestionError> {
+    let VerdictQuestion { q } = serde_json::from_slice(body)?;
+    let robot = cell.robot();
+    if q.len() != robot.dof() {
+        let joints = robot.joint_names().join(", ");
+        return Err(QuestionError::JointCount { expected: robot.dof(), actual: q.len(), joints });
+    }
+    if let Some(index) = q.iter().position(|value| !value.is_finite()) {
+        return Err(QuestionError::NotFinite { index });
+    }
+    let mut scratch = cell.scratch();
+    let name = |collider: Collider| cell.name(collider).to_owned();
+    let touching = cell.contacts(&q, &mut scratch);
+    let mut contacts: Vec<PairNames> =
+        touching.iter().map(|c| PairNames { first: name(c.first), second: name(c.second) }).collect();
+    let beyond = robot.limits().iter().zip(&q).zip(robot.joint_names());
+    contacts.extend(
+        beyond
+            .filter(|((limits, value), _)| !limits.contain(**value))
+            .map(|(_, joint)| PairNames { first: joint.clone(), second: "joint limit".to_owned() }),
+    );
+    let closest = cell.closest(&q, &mut scratch);
+    Ok(Verdict {
+        is_free: cell.is_free(&q, &mut scratch),
+        clearance_m: closest.map(|closest| closest.distance_m),
+        contacts,
+        world_from_gripper: {
+            let mut frames = robot.frames();
+            robot.forward_kinematics(&q, &mut frames);
+            number_row::pose(frames.link(robot.tip()))
+        },
+    })
+}

@@ -1,0 +1,105 @@
+use std::collections::HashMap;
+
+use crate::MeshPiece;
+
+/// Corners are put on a grid of this, in metres (61 µm): below what a page shows, and a number with few digits
+/// packs well.
+const POSITION_GRID_M: f32 = 1.0 / 16384.0;
+
+/// Normals are put on a grid of this: half a degree.
+const NORMAL_GRID: f32 = 1.0 / 128.0;
+
+/// Corners in one place are one if their normals are less than 8° apart: less than those of neighbouring faces of
+/// a cylinder of 40, which stay apart. As a cosine.
+const SAME_COSINE: f32 = 0.99;
+
+impl MeshPiece {
+    /// The same surface with few corners and few digits, to be sent: many mesh files repeat each corner for each
+    /// triangle. Triangles that vanish on the grid are left out.
+    #[must_use]
+    pub(crate) fn welded(&self) -> Self {
+        let mut piece = Self { material: self.material, ..Self::default() };
+        let mut known: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        let mut welded = Vec::with_capacity(self.positions.len());
+        for (corner, (position, normal)) in self.positions.iter().zip(&self.normals).enumerate() {
+            let colour = self.colours.get(corner);
+            let place = position.map(|x| steps(x, POSITION_GRID_M));
+            let here = known.entry(place).or_default();
+            let is_same = |&other: &u32| {
+                let other = other as usize;
+                let cosine: f32 = piece.normals[other].iter().zip(normal).map(|(a, b)| a * b).sum();
+                cosine > SAME_COSINE && piece.colours.get(other) == colour
+            };
+            let index = here.iter().copied().find(is_same).unwrap_or_else(|| {
+                let index = u32::try_from(piece.positions.len()).unwrap_or(u32::MAX);
+                // Few enough digits for `f32`.
+                #[allow(clippy::cast_precision_loss)]
+                piece.positions.push(place.map(|step| step as f32 * POSITION_GRID_M));
+                piece.normals.push(*normal);
+                piece.colours.extend(colour);
+                here.push(index);
+                index
+            });
+            welded.push(index);
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let on_grid = |x: f32| steps(x, NORMAL_GRID) as f32 * NORMAL_GRID;
+        for normal in &mut piece.normals {
+            *normal = normal.map(on_grid);
+        }
+        let triangles = self.triangles.iter().map(|triangle| triangle.map(|corner| welded[corner as usize]));
+        piece.triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        piece
+    }
+}
+
+/// Which step of a grid is nearest.
+// What is drawn is far smaller than the range.
+#[allow(clippy::cast_possible_truncation)]
+fn steps(value: f32, grid: f32) -> i64 {
+    (value / grid).round() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_shape::TriangleSoup;
+
+    use super::*;
+
+    #[test]
+    fn a_surface_keeps_its_shape_and_its_edges() {
+        let ball = MeshPiece::of_soup(&TriangleSoup::geodesic_sphere(0.3, 3), 4);
+        // As many files have it: three corners of its own for each triangle.
+        let corners: Vec<usize> = ball.triangles.iter().flatten().map(|&corner| corner as usize).collect();
+        let loose = MeshPiece {
+            positions: corners.iter().map(|&corner| ball.positions[corner]).collect(),
+            normals: corners.iter().map(|&corner| ball.normals[corner]).collect(),
+            triangles: (0..1280).map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner)).collect(),
+            ..ball.clone()
+        };
+        let welded = loose.welded();
+        assert_eq!((welded.positions.len(), welded.triangles.len(), welded.material), (642, 1280, 4));
+        for (one, other) in loose.triangles.iter().zip(&welded.triangles) {
+            for (a, b) in one.iter().zip(other) {
+                for axis in 0..3 {
+                    let moved = loose.positions[*a as usize][axis] - welded.positions[*b as usize][axis];
+                    assert!(moved.abs() <= 0.51 * POSITION_GRID_M);
+                }
+            }
+        }
+        let half_extents = cranny_spatial::Vector::new(0.1, 0.2, 0.3);
+        let cuboid = MeshPiece::of_soup(&cranny_shape::Surface::cuboid_soup(&half_extents), 0);
+        assert_eq!(cuboid.welded().positions.len(), 24, "each side keeps its own corners");
+    }
+
+    #[test]
+    fn what_vanishes_is_left_out() {
+        let piece = MeshPiece {
+            positions: vec![[0.0; 3], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]],
+            normals: vec![[0.0, 0.0, 1.0]; 3],
+            triangles: vec![[0, 1, 2]],
+            ..MeshPiece::default()
+        };
+        assert!(piece.welded().triangles.is_empty());
+    }
+}

@@ -1,0 +1,296 @@
+//! The server of the page: it answers this machine alone, with its own files, and ends when it is told to.
+
+use std::io::{Read, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use cranny_collision::Cell;
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_spatial::Stream;
+use cranny_view::{PageData, PageServer, PageSettings, ViewError, page_cell};
+use serde_json::{Value, json};
+use tokio::sync::oneshot;
+
+/// A server that runs until it is dropped.
+struct Running {
+    port: u16,
+    cell: Arc<Cell>,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<Result<(), ViewError>>>,
+}
+
+impl Running {
+    fn start() -> Self {
+        let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
+        let cell = page_cell(&scenario).expect("a cell");
+        let page = PageData::of(&scenario, &[], &cell, PageSettings::default()).expect("a page");
+        let server = PageServer::bind(0).expect("a free port");
+        let url = server.url();
+        let address =
+            url.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/')).expect("an address");
+        let address: SocketAddr = address.parse().expect("an address");
+        assert_eq!(address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
+        let (stop, told) = oneshot::channel();
+        let (tell_ready, ready) = mpsc::channel();
+        let of_server = cell.clone();
+        let thread = std::thread::spawn(move || {
+            let stop = async {
+                let _ = told.await;
+            };
+            server.serve(&page, of_server, stop, || tell_ready.send(()).expect("somebody waits"))
+        });
+        ready.recv().expect("it is ready");
+        Self { port: address.port(), cell, stop: Some(stop), thread: Some(thread) }
+    }
+
+    fn host(&self) -> String {
+        format!("127.0.0.1:{}", self.port)
+    }
+
+    /// Sends these bytes and returns status, head and body.
+    fn raw(&self, request: &str) -> (u16, String, String) {
+        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).expect("it listens");
+        stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
+        stream.write_all(request.as_bytes()).expect("it reads");
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).expect("it answers");
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let (head, body) = answer.split_once("\r\n\r\n").expect("a head and a body");
+        let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).expect("a status");
+        (status, head.to_lowercase(), body.to_owned())
+    }
+
+    fn get(&self, path: &str, host: &str) -> (u16, String, String) {
+        self.raw(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"))
+    }
+
+    fn ask(&self, body: &str) -> (u16, Value) {
+        let (host, length) = (self.host(), body.len());
+        let (status, _, answer) = self.raw(&format!(
+            "POST /verdict HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n\
+             Content-Length: {length}\r\nConnection: close\r\n\r\n{body}"
+        ));
+        (status, serde_json::from_str(&answer).expect("JSON"))
+    }
+
+    fn end(&mut self) -> Result<(), ViewError> {
+        if let Some(stop) = self.stop.take() {
+            stop.send(()).expect("it runs");
+        }
+        self.thread.take().map_or(Ok(()), |thread| thread.join().expect("no panic"))
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.end();
+    }
+}
+
+#[test]
+fn the_page_gets_its_data_and_a_policy_that_forbids_the_network() {
+    let server = Running::start();
+    let (status, head, body) = server.get("/page.json", &server.host());
+    assert_eq!(status, 200);
+    let page: Value = serde_json::from_str(&body).expect("JSON");
+    assert_eq!((&page["name"], &page["is_live"]), (&"021".into(), &true.into()));
+    for header in ["content-type: application/json", "x-content-type-options: nosniff", "default-src 'none'"]
+    {
+        assert!(head.contains(header), "no '{header}' in {head}");
+    }
+    assert!(!head.contains("http:") && !head.contains("https:"), "{head}");
+    let (status, _, _) = server.get("/page.json", &format!("localhost:{}", server.port));
+    assert_eq!(status, 200);
+}
+
+#[test]
+fn the_page_itself_is_served_where_the_program_has_one() {
+    if let Err(missing) = PageServer::check_page() {
+        assert!(missing.to_string().contains("Node"), "{missing}");
+        assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "{missing}");
+        eprintln!("SKIPPED: the page itself ({missing})");
+        return;
+    }
+    let server = Running::start();
+    let (status, head, body) = server.get("/", &server.host());
+    assert_eq!(status, 200);
+    assert!(head.contains("content-type: text/html") && head.contains("script-src 'self'"), "{head}");
+    assert!(body.to_lowercase().starts_with("<!doctype html>"));
+    assert_eq!(server.get("/index.html", &server.host()).2, body);
+}
+
+#[test]
+fn nothing_outside_the_page_is_served() {
+    let server = Running::start();
+    let paths = [
+        "/../Cargo.toml",
+        "/../../../../../../etc/passwd",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "/%2e%2e%2f%2e%2e%2fetc%2fpasswd",
+        "/..%5c..%5cetc%5cpasswd",
+        "/./../etc/passwd",
+        "//etc/passwd",
+        "/etc/passwd",
+        "/assets/../../etc/passwd",
+        "/assets/",
+        "/%00",
+        "/C:/Windows/win.ini",
+        "/page.json/../etc/passwd",
+    ];
+    for path in paths {
+        let (status, _, body) = server.get(path, &server.host());
+        assert!([400, 404].contains(&status), "{path}: {status}");
+        assert!(!body.contains("root:") && !body.contains("[package]"), "{path}: {body}");
+    }
+    // A whole address in place of the path changes nothing.
+    let absolute =
+        format!("GET file:///etc/passwd HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", server.host());
+    assert!([400, 404].contains(&server.raw(&absolute).0));
+}
+
+#[test]
+fn other_hosts_and_other_origins_are_turned_away() {
+    let server = Running::start();
+    let port = server.port;
+    for host in [
+        "evil.example",
+        &format!("evil.example:{port}"),
+        "127.0.0.1:1",
+        "127.0.0.1",
+        "",
+        &format!("0.0.0.0:{port}"),
+    ] {
+        let (status, _, body) = server.get("/page.json", host);
+        assert!([400, 403].contains(&status), "'{host}': {status}");
+        assert!(!body.contains("cranny-page"), "'{host}'");
+    }
+    let body = json!({"q": vec![0.0; server.cell.robot().dof()]}).to_string();
+    for (origin, expected) in [
+        ("http://evil.example".to_owned(), 403),
+        ("null".to_owned(), 403),
+        (format!("http://127.0.0.1:{port}"), 200),
+    ] {
+        let (status, _, _) = server.raw(&format!(
+            "POST /verdict HTTP/1.1\r\nHost: {}\r\nOrigin: {origin}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            server.host(),
+            body.len()
+        ));
+        assert_eq!(status, expected, "{origin}");
+    }
+}
+
+#[test]
+fn verdicts_are_those_of_the_cell() {
+    let server = Running::start();
+    let cell = &server.cell;
+    let mut scratch = cell.scratch();
+    let mut random = Stream::new(7, 0);
+    let (mut free, mut touching) = (0, 0);
+    for _ in 0..40 {
+        let limits = cell.robot().limits();
+        let q: Vec<f64> = limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect();
+        let (status, verdict) = server.ask(&json!({ "q": q }).to_string());
+        assert_eq!(status, 200);
+        let is_free = cell.is_free(&q, &mut scratch);
+        assert_eq!(verdict["is_free"], is_free);
+        let contacts = cell.contacts(&q, &mut scratch);
+        let named: Vec<Value> = contacts
+            .iter()
+            .map(|c| json!({"first": cell.name(c.first), "second": cell.name(c.second)}))
+            .collect();
+        assert_eq!(verdict["contacts"], Value::from(named));
+        let clearance_m = verdict["clearance_m"].as_f64().expect("a number");
+        if is_free {
+            assert!((clearance_m - cell.clearance(&q, &mut scratch)).abs() < 1e-9);
+        } else {
+            let deepest = contacts.iter().map(|c| c.depth_m).fold(0.0, f64::max);
+            assert!((clearance_m + deepest).abs() < 1e-9 || clearance_m < 1e-5, "{clearance_m} {deepest}");
+        }
+        let mut frames = cell.robot().frames();
+        cell.robot().forward_kinematics(&q, &mut frames);
+        let gripper = frames.link(cell.robot().tip()).translation.vector;
+        for (axis, value) in gripper.iter().enumerate() {
+            let told = verdict["world_from_gripper"][axis].as_f64().expect("a number");
+            assert!((told - value).abs() < 1e-12);
+        }
+        free += usize::from(is_free);
+        touching += usize::from(!is_free);
+    }
+    assert!(free > 2 && touching > 2, "{free} free, {touching} touching");
+}
+
+#[test]
+fn a_joint_beyond_its_limit_is_named() {
+    let server = Running::start();
+    let robot = server.cell.robot();
+    let mut q = vec![0.0, 0.0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534];
+    assert_eq!(server.ask(&json!({ "q": q }).to_string()).1["contacts"], json!([]));
+    q[0] = 1.5;
+    let (status, verdict) = server.ask(&json!({ "q": q }).to_string());
+    assert_eq!((status, &verdict["is_free"]), (200, &false.into()));
+    let expected = json!({"first": robot.joint_names()[0], "second": "joint limit"});
+    assert!(verdict["contacts"].as_array().is_some_and(|contacts| contacts.contains(&expected)), "{verdict}");
+}
+
+#[test]
+fn a_malformed_question_is_told_what_is_wrong() {
+    let server = Running::start();
+    let dof = server.cell.robot().dof();
+    let full = |value: &str| format!("{{\"q\": [{}]}}", vec![value; dof].join(", "));
+    let cases = [
+        (String::new(), "JSON"),
+        ("{}".to_owned(), "missing field `q`"),
+        ("{\"q\": 1}".to_owned(), "invalid type"),
+        ("{\"q\": []}".to_owned(), "'q' has 0 values, but the robot has 9 joints"),
+        ("{\"q\": [1, 2]}".to_owned(), "'q' has 2 values"),
+        (full("NaN"), "JSON"),
+        (full("null"), "invalid type"),
+        (full("1e999"), "out of range"),
+        (full("\"0\""), "invalid type"),
+        ("\u{0}\u{1}".to_owned(), "JSON"),
+        (full("0")[..20].to_owned(), "EOF"),
+    ];
+    for (body, word) in cases {
+        let (status, answer) = server.ask(&body);
+        let message = answer["error"].as_str().expect("an error");
+        assert_eq!(status, 400, "{body}: {message}");
+        assert!(message.contains(word), "no '{word}' in '{message}'");
+    }
+    let (status, answer) = server.ask(&full(&format!("0.{}", "0".repeat(20_000))));
+    assert_eq!(status, 413, "{answer}");
+    assert!(answer["error"].is_string());
+}
+
+#[test]
+fn other_methods_are_refused() {
+    let server = Running::start();
+    for (method, path) in [("POST", "/page.json"), ("DELETE", "/"), ("PUT", "/verdict"), ("GET", "/verdict")]
+    {
+        let request = format!(
+            "{method} {path} HTTP/1.1\r\nHost: {}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n",
+            server.host()
+        );
+        assert_eq!(server.raw(&request).0, 405, "{method} {path}");
+    }
+}
+
+#[test]
+fn it_stops_when_told_even_with_a_client_that_says_nothing() {
+    let mut server = Running::start();
+    let mut silent = TcpStream::connect((Ipv4Addr::LOCALHOST, server.port)).expect("it listens");
+    silent.write_all(b"GET /page.json HTTP/1.1\r\nHo").expect("it reads");
+    server.end().expect("a clean end");
+    assert!(TcpStream::connect((Ipv4Addr::LOCALHOST, server.port)).is_err(), "nobody listens any more");
+}
+
+#[test]
+fn a_port_that_is_taken_is_an_error_with_a_hint() {
+    let server = PageServer::bind(0).expect("a free port");
+    let url = server.url();
+    let port: u16 =
+        url.rsplit(':').next().and_then(|rest| rest.trim_end_matches('/').parse().ok()).expect("a port");
+    let message = PageServer::bind(port).expect_err("it is taken").to_string();
+    assert!(message.contains(&port.to_string()) && message.contains("--port"), "{message}");
+}

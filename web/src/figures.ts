@@ -1,0 +1,33 @@
+/** Numbers as people read them. */
+
+export function seconds(time_s: number): string {
+  return `${time_s.toFixed(2)} s`;
+}
+
+/** A length of the size of a clearance. */
+export function millimetres(length_m: number): string {
+  const mm = 1000 * length_m;
+  const text = Math.abs(mm) < 10 ? mm.toFixed(2) : Math.abs(mm) < 100 ? mm.toFixed(1) : mm.toFixed(0);
+  return `${text.replace("-", "−")} mm`;
+}
+
+export function score(value: number | null): string {
+  return value === null ? "—" : value.toFixed(2);
+}
+
+/** With a thin space between thousands. */
+export function count(value: number): string {
+  return value.toString().replace(/\B(?=(\d{3})+$)/g, "\u2009");
+}
+
+/** Of a joint: degrees or metres. */
+export function jointValue(kind: "revolute" | "prismatic", value: number): string {
+  const text = kind === "revolute" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${value.toFixed(3)} m`;
+  // Nothing is minus nothing.
+  return text.replace(/^-(?=[0.]+(°| m)$)/, "").replace("-", "−");
+}
+
+/** "hand-collides" as words. */
+export function words(name: string): string {
+  return name.replace(/[-_]+/g, " ");
+}

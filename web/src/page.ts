@@ -1,0 +1,146 @@
+import * as colours from "./colours.ts";
+import { CameraFlight } from "./camera_flight.ts";
+import { STANDARD_VIEWS } from "./framing.ts";
+import { GraspPanel } from "./grasp_panel.ts";
+import { GraspTip } from "./grasp_tip.ts";
+import { Help } from "./help.ts";
+import { openInspection } from "./inspection.ts";
+import { JointPanel } from "./joint_panel.ts";
+import { listenToKeys } from "./keyboard.ts";
+import { Kinematics } from "./kinematics.ts";
+import { LayerPanel } from "./layer_panel.ts";
+import { LinkKeeper } from "./link_keeper.ts";
+import { LiveVerdict } from "./live_verdict.ts";
+import type { PageData } from "./page_data.ts";
+import { Player } from "./player.ts";
+import { PlanPanel } from "./plan_panel.ts";
+import { SceneView } from "./scene_view.ts";
+import { Shell } from "./shell.ts";
+import { Stage } from "./stage.ts";
+import { Theme } from "./theme.ts";
+import { TimeLine } from "./time_line.ts";
+import { ClearanceCurve, type ShownPlan, Trajectory } from "./trajectory.ts";
+import { TreePanel } from "./tree_panel.ts";
+import { fromHash } from "./view_link.ts";
+import { INITIAL, type Layer, View, type ViewState } from "./view_state.ts";
+
+/** Puts the page together: one scene, one view of it, and the panels that change the view. */
+export function openPage(host: HTMLElement, data: PageData): void {
+  // 1. What there is to show.
+  const root = data.robot.links.findIndex(({ parent }) => parent === null);
+  const kinematics = new Kinematics(data.robot, data.nodes[root]?.parent_from_node);
+  const plans = shownPlans(data);
+  const reasons = [...new Set(plans.flatMap(({ reasons }) => [...reasons.values()]))].filter(
+    (reason) => reason !== colours.NOT_TRIED,
+  );
+  const available = availableLayers(data, plans);
+  const view = new View(firstView(data, plans, reasons));
+
+  // 2. The scene.
+  const theme = new Theme();
+  const shell = new Shell(data, plans);
+  host.replaceChildren(shell.element);
+  const stage = new Stage(shell.viewport);
+  shell.onInsets((insets) => stage.setInsets(insets));
+  const scene = new SceneView(data, plans, kinematics, { stage, view, reasons });
+  theme.on((palette, name) => scene.setTheme(palette, name));
+  const player = new Player(view, stage, plans);
+  const flight = new CameraFlight(stage, view);
+  const live = new LiveVerdict(data.is_live);
+
+  // 3. The panels.
+  const timeLine = new TimeLine(view, player, plans, theme);
+  shell.dock.append(timeLine.element);
+  const parts: HTMLElement[] = [];
+  if (plans.length > 0) parts.push(new PlanPanel(view, plans).element);
+  parts.push(new LayerPanel(view, available).element);
+  if (data.grasps.length > 0) parts.push(new GraspPanel(view, data.grasps, plans, reasons).element);
+  if (scene.trees.size > 0) parts.push(new TreePanel(view, scene, stage).element);
+  parts.push(new JointPanel(view, scene, kinematics, live).element);
+  shell.panel.append(...parts);
+  const tip = new GraspTip(stage, scene, view, data.grasps, plans);
+  const help = new Help();
+  shell.viewport.append(tip.element);
+  shell.element.append(help.element);
+
+  // 4. What hands and keys do.
+  const links = new LinkKeeper(view, () => flight.eye);
+  const actions = {
+    look: (standard: (typeof STANDARD_VIEWS)[number]) => {
+      flight.fly(scene.eye(standard));
+      // The standard view again wherever the link is opened, if it is the first of them.
+      view.set({ eye: standard === STANDARD_VIEWS[0] ? null : scene.eye(standard) });
+    },
+    stepGrasp: (by: number) => tip.step(by),
+    copyLink: () => void links.copy().then((said) => shell.say(said)),
+    toggleTheme: () => theme.toggle(),
+    togglePanel: () => shell.togglePanel(),
+    toggleHelp: () => help.toggle(),
+  };
+  shell.addTools(actions, theme);
+  listenToKeys(view, player, plans.length, available, actions);
+
+  // 5. The first look. Without a chosen eye, the view follows the size of the window.
+  const first = view.state.eye ?? scene.eye(STANDARD_VIEWS[0]);
+  flight.fly(first, true);
+  shell.onInsets(() => {
+    if (view.state.eye === null) flight.fly(scene.eye(STANDARD_VIEWS[0]), true);
+  });
+  const describe = ({ time_s, plan }: ViewState): void => {
+    const name = plans[plan] ? `, plan ${plans[plan].plan.name} at ${time_s.toFixed(2)} seconds` : "";
+    stage.canvas.ariaLabel = `The robot in scenario ${data.name}${name}`;
+  };
+  view.on(["plan", "isPlaying"], describe);
+  describe(view.state);
+  let isFirst = true;
+  stage.onFrame(() => {
+    if (isFirst) requestAnimationFrame((now_ms) => openInspection(stage, scene, view, live, now_ms));
+    isFirst = false;
+    return false;
+  });
+}
+
+function shownPlans(data: PageData): ShownPlan[] {
+  return data.plans.map((plan, index) => ({
+    index,
+    plan,
+    trajectory: new Trajectory(plan, data.robot.start.length),
+    clearance: plan.clearance ? new ClearanceCurve(plan.clearance) : null,
+    tree: plan.search_tree,
+    colour: colours.ofPlan(index),
+    reasons: new Map(plan.blocked.map(({ grasp, reason }) => [grasp, reason])),
+  }));
+}
+
+/** The layers in which there is something to see. */
+function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
+  const hasPath = plans.some(({ trajectory }) => !trajectory.isEmpty);
+  const layers: [Layer, boolean][] = [
+    ["visual", true],
+    ["collision", data.collision_shapes.length > 0],
+    ["spheres", data.link_spheres.some((spheres) => spheres !== "")],
+    ["grasps", data.grasps.length > 0],
+    ["path", hasPath],
+    ["ghosts", hasPath],
+    ["closest", plans.some(({ clearance }) => clearance !== null)],
+    ["tree", plans.some(({ tree }) => tree !== null)],
+    ["others", plans.length > 1],
+    ["floor", data.floor_area !== null],
+    ["glass", data.nodes.some(({ role }) => role === "obstacle")],
+  ];
+  return new Set(layers.flatMap(([layer, isThere]) => (isThere ? [layer] : [])));
+}
+
+/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps. */
+function firstView(data: PageData, plans: ShownPlan[], reasons: string[]): ViewState {
+  const asked = fromHash(location.hash);
+  const state = { ...INITIAL, ...asked };
+  if (state.plan >= plans.length) state.plan = 0;
+  const last_s = Math.max(0, ...plans.map(({ trajectory }) => trajectory.duration_s));
+  state.time_s = Math.min(state.time_s, last_s);
+  if (state.q?.length !== data.robot.start.length) state.q = null;
+  const first = plans[state.plan];
+  if (!asked.graspColour && first?.trajectory.isEmpty && reasons.length > 0) state.graspColour = "reason";
+  if (state.graspColour === "reason" && reasons.length === 0) state.graspColour = "score";
+  return state;
+}

@@ -1,0 +1,60 @@
+import { element, section, swatch } from "./element.ts";
+import { seconds, words } from "./figures.ts";
+import type { ShownPlan } from "./trajectory.ts";
+import type { View, ViewState } from "./view_state.ts";
+
+/** Which plan has the robot, and what is said of it. */
+export class PlanPanel {
+  readonly element: HTMLElement;
+
+  constructor(view: View, plans: ShownPlan[]) {
+    const radios = plans.map((shown) => {
+      const { index, plan, colour } = shown;
+      const radio = element("input", { type: "radio", name: "plan", value: index });
+      radio.addEventListener("change", () => view.set({ plan: index, q: null, treeNodes: null }));
+      const row = element(
+        "label",
+        { class: "plan" },
+        radio,
+        swatch(colour),
+        element(
+          "span",
+          { class: "what" },
+          element("b", {}, plan.name),
+          element("span", { class: "soft", title: ending(shown) }, `${plan.planner} · ${ending(shown)}`),
+        ),
+        verdictMark(shown),
+      );
+      return { radio, row };
+    });
+    const verdict = element("p", { class: "soft said" });
+    this.element = section(
+      plans.length > 1 ? `Plans (${plans.length})` : "Plan",
+      true,
+      element(
+        "div",
+        { class: "rows", role: "radiogroup", "aria-label": "Plan that has the robot" },
+        ...radios.map(({ row }) => row),
+      ),
+      verdict,
+    );
+    const show = (state: ViewState): void => {
+      radios.forEach(({ radio }, index) => (radio.checked = index === state.plan));
+      verdict.textContent = plans[state.plan]?.plan.verdict ?? "";
+    };
+    view.on(["plan"], show);
+    show(view.state);
+  }
+}
+
+/** How long it takes, or why there is none. */
+function ending({ plan, trajectory }: ShownPlan): string {
+  return trajectory.isEmpty ? words(plan.outcome) : seconds(trajectory.duration_s);
+}
+
+/** What became of a plan, in one or two words. */
+export function verdictMark({ plan, trajectory }: ShownPlan): HTMLElement {
+  if (plan.is_valid) return element("span", { class: "mark", "data-kind": "free" }, "valid");
+  if (trajectory.isEmpty) return element("span", { class: "mark", "data-kind": "failed" }, "no path");
+  return element("span", { class: "mark", "data-kind": "contact" }, "not valid");
+}

@@ -1,0 +1,117 @@
+import type { Kinematics } from "./kinematics.ts";
+import { type NodeView, worldFromNodes } from "./node_view.ts";
+import type { Node, Point, Pose } from "./page_data.ts";
+import { transformed } from "./pose.ts";
+import type { ShownPlan } from "./trajectory.ts";
+
+/** Obstacles farther away from robot and target than this, in metres, may lie outside the picture. */
+const NEAR_M = 0.3;
+
+/** Points of the gripper's way that should be seen. */
+const PATH_POINTS = 12;
+
+/** What the view has to show: where things are, and where they come to. */
+export class SceneBounds {
+  /** Corners of boxes around robot and target, wherever they move, and around what of the obstacles is near. */
+  readonly focus: Point[];
+  readonly middle: Point;
+  /** How far everything reaches from the middle. */
+  readonly reach_m: number;
+  /** Points of target, gripper and the robot at its start that should not be hidden. */
+  readonly wanted: Point[];
+
+  constructor(view: NodeView, kinematics: Kinematics, plans: ShownPlan[]) {
+    const start = kinematics.worldFromLinks(kinematics.robot.start);
+    const postures: Pose[][] = [start];
+    for (const { trajectory } of plans.filter((plan) => !plan.trajectory.isEmpty)) {
+      for (const share of [0, 1 / 3, 2 / 3, 1]) {
+        postures.push(kinematics.worldFromLinks(trajectory.at(share * trajectory.duration_s)));
+      }
+    }
+    const corners = (counts: (node: Node) => boolean): Point[][] =>
+      postures.flatMap((posture, index) => {
+        view.pose(worldFromNodes(view.nodes, posture));
+        // What does not move is looked at once.
+        return view.nodes.flatMap((node, i) =>
+          counts(node) && (index === 0 || node.role === "link") ? [boxCorners(view, i)] : [],
+        );
+      });
+    const matters = corners((node) => node.role !== "obstacle").flat();
+    const obstacles = corners((node) => node.role === "obstacle").filter((points) => points.length > 0);
+    view.pose(worldFromNodes(view.nodes, start));
+    const near = matters.length > 0 ? grown(around(matters), NEAR_M) : null;
+    const parts = near ? obstacles.flatMap((points) => cornersOf(common(around(points), near))) : obstacles.flat();
+    this.focus = [...matters, ...parts];
+    const all = around([...matters, ...obstacles.flat()]);
+    const isEmpty = all.low[0] > all.high[0];
+    const half = (i: number): number => (isEmpty ? 1 : (all.high[i] - all.low[i]) / 2);
+    this.middle = [0, 1, 2].map((i) => (isEmpty ? 0 : (all.low[i] + all.high[i]) / 2)) as Point;
+    this.reach_m = Math.max(Math.hypot(half(0), half(1), half(2)), 0.05);
+    const links = start.map(([x, y, z]): Point => [x, y, z]).filter((_, link) => view.nodes[link]?.mesh !== null);
+    this.wanted = [...targetPoints(view), ...links, ...plans.flatMap((plan) => pathPoints(plan, kinematics))];
+  }
+}
+
+interface Box {
+  low: Point;
+  high: Point;
+}
+
+function around(points: Point[]): Box {
+  const low: Point = [Infinity, Infinity, Infinity];
+  const high: Point = [-Infinity, -Infinity, -Infinity];
+  for (const point of points) {
+    point.forEach((value, i) => {
+      low[i] = Math.min(low[i], value);
+      high[i] = Math.max(high[i], value);
+    });
+  }
+  return { low, high };
+}
+
+function grown({ low, high }: Box, by: number): Box {
+  return { low: low.map((value) => value - by) as Point, high: high.map((value) => value + by) as Point };
+}
+
+function common(a: Box, b: Box): Box {
+  return {
+    low: a.low.map((value, i) => Math.max(value, b.low[i])) as Point,
+    high: a.high.map((value, i) => Math.min(value, b.high[i])) as Point,
+  };
+}
+
+/** None of an empty box. */
+function cornersOf({ low, high }: Box): Point[] {
+  if (low.some((value, i) => value > high[i])) return [];
+  return Array.from(
+    { length: 8 },
+    (_, corner) => low.map((value, i) => ((corner >> i) & 1 ? high[i] : value)) as Point,
+  );
+}
+
+function boxCorners(view: NodeView, index: number): Point[] {
+  const box = view.box(index);
+  return box ? cornersOf(box).map((corner) => transformed(view.worldFromNodes[index], corner)) : [];
+}
+
+/** The upper half of the target: what it lies on does not hide it. */
+function targetPoints(view: NodeView): Point[] {
+  return view.nodes.flatMap((node, index) => {
+    const corners = node.role === "target" ? boxCorners(view, index) : [];
+    if (corners.length === 0) return [];
+    const { low, high } = around(corners);
+    const z = 0.15 * low[2] + 0.85 * high[2];
+    const middle = [0, 1, 2].map((i) => (low[i] + high[i]) / 2) as Point;
+    return [middle, ...[low[0], high[0]].flatMap((x) => [low[1], high[1]].map((y): Point => [x, y, z]))];
+  });
+}
+
+function pathPoints({ trajectory }: ShownPlan, kinematics: Kinematics): Point[] {
+  const last = trajectory.times_s.length - 1;
+  if (last < 0) return [];
+  return Array.from({ length: PATH_POINTS }, (_, index) => {
+    const row = trajectory.row(Math.round((index / (PATH_POINTS - 1)) * last));
+    const [x, y, z] = kinematics.worldFromGripper(row);
+    return [x, y, z];
+  });
+}

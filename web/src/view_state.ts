@@ -1,0 +1,104 @@
+/** What can be shown or not. */
+export type Layer =
+  "visual" | "collision" | "spheres" | "grasps" | "path" | "ghosts" | "closest" | "tree" | "others" | "glass" | "floor";
+
+/** What the colour of a grasp says. */
+export type GraspColour = "score" | "ik" | "reason";
+
+export interface Eye {
+  position: [number, number, number];
+  /** What is looked at. */
+  target: [number, number, number];
+}
+
+/** All that a person has chosen, and all that a link to this view holds. */
+export interface ViewState {
+  /** Index of the plan that has the robot; the others are shown beside it. */
+  plan: number;
+  time_s: number;
+  isPlaying: boolean;
+  /** Seconds of the path in a second of the clock. */
+  speed: number;
+  /** The robot as it was posed by hand; null: where the path has it. */
+  q: number[] | null;
+  layers: Record<Layer, boolean>;
+  ghosts: number;
+  /** How many nodes of the search tree are shown; null: all. */
+  treeNodes: number | null;
+  isTreeGrowing: boolean;
+  graspColour: GraspColour;
+  /** The grasp that is pointed at. */
+  grasp: number | null;
+  /** The reason that is pointed at in the list. */
+  reason: string | null;
+  /** Null: the standard view. */
+  eye: Eye | null;
+}
+
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+
+export const MOST_GHOSTS = 12;
+
+export const INITIAL: ViewState = {
+  plan: 0,
+  time_s: 0,
+  isPlaying: false,
+  speed: 1,
+  q: null,
+  layers: {
+    visual: true,
+    collision: false,
+    spheres: false,
+    grasps: true,
+    path: true,
+    ghosts: false,
+    closest: true,
+    tree: false,
+    others: true,
+    glass: true,
+    floor: false,
+  },
+  ghosts: 5,
+  treeNodes: null,
+  isTreeGrowing: false,
+  graspColour: "score",
+  grasp: null,
+  reason: null,
+  eye: null,
+};
+
+type Changed = ReadonlySet<keyof ViewState>;
+
+/** The one place where the state of the view is kept. Whoever shows a part of it is told when it changes. */
+export class View {
+  private current: ViewState;
+  private readonly listeners: ((state: ViewState, changed: Changed) => void)[] = [];
+
+  constructor(state: ViewState = INITIAL) {
+    this.current = state;
+  }
+
+  get state(): Readonly<ViewState> {
+    return this.current;
+  }
+
+  /** Calls `listener` with every change of one of the keys. */
+  on(keys: (keyof ViewState)[], listener: (state: ViewState) => void): void {
+    this.listeners.push((state, changed) => {
+      if (keys.some((key) => changed.has(key))) listener(state);
+    });
+  }
+
+  set(part: Partial<ViewState>): void {
+    const keys = Object.keys(part) as (keyof ViewState)[];
+    const changed = new Set(keys.filter((key) => !Object.is(part[key], this.current[key])));
+    if (changed.size === 0) return;
+    this.current = { ...this.current, ...part };
+    for (const listener of this.listeners) listener(this.current, changed);
+  }
+
+  setLayer(layer: Layer, isShown: boolean): void {
+    if (this.current.layers[layer] === isShown) return;
+    this.set({ layers: { ...this.current.layers, [layer]: isShown } });
+  }
+}
