@@ -1,0 +1,59 @@
+"""What a notebook shows of a scenario and a plan."""
+
+from __future__ import annotations
+
+import base64
+import os
+from pathlib import Path
+
+from cranny._cranny import Plan, Scenario, moving_picture, picture
+
+
+class View:
+    """A scenario as a notebook shows it, with a plan where there is one: what `scenario.show(plan)` gives.
+
+    A notebook calls `_repr_html_` and shows what it returns; a plan moves.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        plan: Plan | None = None,
+        *,
+        view: str = "three-quarter",
+        width: int = 640,
+        height: int = 480,
+    ) -> None:
+        self._scenario, self._plan = scenario, plan
+        self._view, self._width, self._height = view, width, height
+
+    def png(self) -> bytes:
+        """A still picture: the end of the plan with the way to it, or the scenario at its start."""
+        return picture(self._scenario, self._plan, view=self._view, width=self._width, height=self._height)
+
+    def apng(self, rate: int = 10) -> bytes:
+        """The motion as an animated PNG, `rate` pictures a second, which browsers show like a picture."""
+        if self._plan is None:
+            raise ValueError("there is no plan to move along")
+        return moving_picture(
+            self._scenario, self._plan, view=self._view, width=self._width, height=self._height, rate=rate
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a picture: `.png`, or `.apng` for the motion."""
+        path = Path(path)
+        if path.suffix not in (".png", ".apng"):
+            raise ValueError(f"{path}: pictures are .png or .apng")
+        path.write_bytes(self.apng() if path.suffix == ".apng" else self.png())
+
+    def html(self) -> str:
+        """What stands in the notebook. The one place for a viewer of one page: an iframe around it."""
+        moves = self._plan is not None and bool(self._plan)
+        data = base64.b64encode(self.apng() if moves else self.png()).decode("ascii")
+        return f'<img width="{self._width}" height="{self._height}" src="data:image/png;base64,{data}">'
+
+    def _repr_html_(self) -> str:
+        return self.html()
+
+    def _repr_png_(self) -> bytes:
+        return self.png()
