@@ -71,7 +71,8 @@ class Reference:
         at = self.pin.neutral(whole)
         for name, value in fixed.items():
             at[whole.joints[whole.getJointId(name)].idx_q] = value
-        geometry = self.pin.buildGeomFromUrdf(whole, str(urdf), self.pin.GeometryType.COLLISION, [str(urdf.parent)])
+        collision, folders = self.pin.GeometryType.COLLISION, [str(urdf.parent)]
+        geometry = self.pin.buildGeomFromUrdf(whole, str(urdf), collision, package_dirs=folders)
         self.model, self.geometry = self.pin.buildReducedModel(whole, geometry, locked, at)
         self.data = self.model.createData()
         self.robot = robot

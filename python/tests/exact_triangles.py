@@ -3,8 +3,8 @@
 1. The coordinates, which are binary fractions, are taken as they are.
 2. Two triangles meet if an edge of one meets the other, or if they lie in one plane and an edge of one meets an edge
    of the other or a corner lies inside (Möller 1997 does the same with floats).
-3. If no triangles meet, one mesh may hold the other: a ray from a corner of each crosses the other's surface an odd
-   number of times. A ray that meets an edge is drawn anew.
+3. If no triangles meet, one mesh may hold the other: a ray from a point of each crosses the other's surface an odd
+   number of times. Point and ray are drawn anew if anything is in one plane.
 
 Slow, and meant for the few configurations that two fast checks disagree on.
 """
@@ -29,7 +29,7 @@ def meshes_touch(a: Mesh, b: Mesh) -> bool:
     near_a, near_b = _near(a, b), _near(b, a)
     if any(triangles_touch(s, t) for s in near_a for t in near_b if _boxes_meet(s, t)):
         return True
-    return _holds(a, _vector(b[0][b[1][0, 0]])) or _holds(b, _vector(a[0][a[1][0, 0]]))
+    return _holds(a, _triangles(b)[0]) or _holds(b, _triangles(a)[0])
 
 
 def triangles_touch(s: Triangle, t: Triangle) -> bool:
@@ -119,18 +119,25 @@ def _segment_meets_in_plane(p: Vector, q: Vector, triangle: Triangle) -> bool:
     return inside(p) or inside(q) or any(cross(p, q, c, d) for c, d in edges)
 
 
-def _holds(mesh: Mesh, point: Vector) -> bool:
+def _holds(mesh: Mesh, triangle: Triangle) -> bool:
+    """Whether the mesh holds a triangle that does not meet its surface."""
     draws = random.Random(0)
     triangles = _triangles(mesh)
     while True:
-        direction = tuple(Fraction(draws.randint(-(10**6), 10**6)) for _ in range(3))
-        far = (point[0] + direction[0], point[1] + direction[1], point[2] + direction[2])
+        weights = [Fraction(draws.randint(1, 1000)) for _ in range(3)]
+        point = _sum([w / sum(weights) for w in weights], triangle)
+        far = _sum([Fraction(1)] * 2, (point, _vector([draws.uniform(-1e3, 1e3) for _ in range(3)])))
         crossings = 0
         for a, b, c in triangles:
             above, below = _volume(a, b, c, point), _volume(a, b, c, far)
             sides = [_volume(point, far, a, b), _volume(point, far, b, c), _volume(point, far, c, a)]
-            if any(side == 0 for side in sides):
+            if above * below == 0 or any(side == 0 for side in sides):
                 break
-            crossings += above * below <= 0 and (all(s > 0 for s in sides) or all(s < 0 for s in sides))
+            crossings += above * below < 0 and (all(s > 0 for s in sides) or all(s < 0 for s in sides))
         else:
             return crossings % 2 == 1
+
+
+def _sum(weights: Sequence[Fraction], points: Sequence[Vector]) -> Vector:
+    x, y, z = (sum((w * p[k] for w, p in zip(weights, points, strict=True)), Fraction(0)) for k in range(3))
+    return x, y, z

@@ -131,14 +131,21 @@ def settled(cell: cranny.Cell, coal_cell: CoalCell, q: NDArray[np.float64]) -> l
     """Who is right about each pair that two checks disagree on, farther than 0.1 mm from contact."""
     touching = {(contact.first, contact.second) for contact in cell.contacts(q)}
     name_of = {number: name for group in (coal_cell.links, coal_cell.bodies) for name in group for number in group[name]}
-    settled = []
+    # A link and a body are a pair, however many solids they are made of.
+    nearest: dict[tuple[str, str], float] = {}
+    solids: dict[tuple[str, str], list[tuple[int, int]]] = {}
     for distance, first, second in coal_cell.distances(q):
-        a, b = name_of[first], name_of[second]
+        pair = name_of[first], name_of[second]
+        nearest.setdefault(pair, distance)
+        solids.setdefault(pair, []).append((first, second))
+    settled = []
+    for (a, b), distance in nearest.items():
         here = (a, b) in touching or (b, a) in touching
         if here == (distance <= 0.0) or abs(distance) < NEAR_M:
             continue
-        meshes = coal_cell.mesh(first), coal_cell.mesh(second)
-        truth = None if meshes[0] is None or meshes[1] is None else meshes_touch(meshes[0], meshes[1])
+        meshes = [(coal_cell.mesh(first), coal_cell.mesh(second)) for first, second in solids[a, b]]
+        flat = [(s, t) for s, t in meshes if s is not None and t is not None]
+        truth = any(meshes_touch(s, t) for s, t in flat) if len(flat) == len(meshes) else None
         settled.append({"q": q.tolist(), "pair": [a, b], "coal_m": distance, "cranny": here, "triangles": truth})
     return settled
 

@@ -150,8 +150,9 @@ fn file_name(word: &str) -> &str {
     Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word)
 }
 
+/// Links stay links: the Python of a virtual environment is one, and only by that name finds its packages.
 fn absolute(word: &str) -> Option<String> {
-    Some(Path::new(word).canonicalize().ok()?.to_str()?.to_owned())
+    Some(std::path::absolute(word).ok()?.to_str()?.to_owned())
 }
 
 fn checksum(word: &str) -> String {
