@@ -138,8 +138,8 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    A mapping of `planners` gives them names. `heard` is called from time to time with the number of trials that
-    ended, that are to be run, and that were solved.
+    A mapping of `planners` gives them names. `heard` is called whenever trials have ended, with the numbers of those
+    that ended, that are to be run, and that were solved.
     """
     for what, given in (("scenarios", scenarios), ("planners", planners)):
         if isinstance(given, str):

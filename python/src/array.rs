@@ -216,6 +216,11 @@ pub fn triangles(mesh: &Bound<'_, PyAny>) -> PyResult<TriangleSoup> {
     Ok(soup)
 }
 
+/// An index as NumPy counts: there are far fewer things than it can tell apart.
+pub fn index(index: usize) -> i64 {
+    i64::try_from(index).unwrap_or(i64::MAX)
+}
+
 /// Values in an array of this shape.
 pub fn shaped<'py, T: numpy::Element>(
     py: Python<'py>,
@@ -226,10 +231,10 @@ pub fn shaped<'py, T: numpy::Element>(
 }
 
 /// (N, 4, 4).
-pub fn matrices<'py>(
-    py: Python<'py>,
+pub fn matrices(
+    py: Python<'_>,
     poses: impl ExactSizeIterator<Item = Pose>,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
     let count = poses.len();
     shaped(py, poses.flat_map(|pose| rows_of_pose(&pose)).collect(), &[count, 4, 4])
 }

@@ -106,14 +106,11 @@ impl PyBody {
     /// The triangles of all its solids in the planning frame, normals outwards: vertices (V, 3) in metres and
     /// faces (F, 3), such that `trimesh.Trimesh(*body.triangles())` is its mesh. Round shapes are faceted; a floor
     /// has none.
-    fn triangles<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<i64>>)> {
-        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Triangles<'py>> {
+        let (mut vertices, mut faces): (Vec<f64>, Vec<i64>) = (Vec::new(), Vec::new());
         for Part { world_from_solid, solid } in &self.body.parts {
             let Some(soup) = solid.tessellation() else { continue };
-            let first = (vertices.len() / 3) as i64;
+            let first = crate::array::index(vertices.len() / 3);
             for vertex in &soup.vertices {
                 vertices.extend_from_slice((world_from_solid * vertex).coords.as_slice());
             }
@@ -127,6 +124,9 @@ impl PyBody {
         format!("<cranny.Body '{}': {}>", self.body.name, self.kinds().join(", "))
     }
 }
+
+/// Vertices (V, 3) and faces (F, 3).
+type Triangles<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<i64>>);
 
 impl PyBody {
     fn of(name: String, solid: Solid, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {

@@ -25,8 +25,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 ///
 /// `planners`: tuples of a name, what to call (the name of a built-in planner, or the words of a command that
 /// speaks the exec protocol), and settings that differ from the defaults, or None. `worker`: the words of the
-/// command that serves trials. `heard`: called with the trials that ended, those to run and those solved, from
-/// time to time; or None.
+/// command that serves trials. `heard`: called with the trials that ended, those to run and those solved, whenever
+/// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
     memory_limit_mb, workers, judge_both, measure_clearance, command, heard=None))]
@@ -133,14 +133,20 @@ struct Progress {
     to_run: AtomicUsize,
     ended: AtomicUsize,
     solved: AtomicUsize,
+    /// How many had ended when it was last told, and one more; 0: it never was.
+    told: AtomicUsize,
 }
 
 impl Progress {
     fn tell(&self, py: Python<'_>, heard: Option<&Py<PyAny>>) -> PyResult<()> {
         py.check_signals()?;
         let count = |counter: &AtomicUsize| counter.load(Ordering::Relaxed);
-        if let Some(heard) = heard {
-            heard.call1(py, (count(&self.ended), count(&self.to_run), count(&self.solved)))?;
+        let (ended, to_run) = (count(&self.ended), count(&self.to_run));
+        if let Some(heard) = heard
+            && to_run > 0
+            && self.told.swap(ended + 1, Ordering::Relaxed) != ended + 1
+        {
+            heard.call1(py, (ended, to_run, count(&self.solved)))?;
         }
         Ok(())
     }

@@ -71,7 +71,7 @@ impl PyCell {
 
     /// Whether `q` is within the joint limits and every pair of things keeps its distance: a bool; of a batch,
     /// an array (N,) of bools, computed in vector lanes.
-    #[pyo3(signature = (q, *, threads=Some(1)))]
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn is_free<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
         let threads = thread_count(threads)?;
@@ -98,7 +98,7 @@ impl PyCell {
 
     /// The least distance in metres over all pairs of things at `q`, certified from below; 0 in contact, infinite
     /// where there is nothing to touch. A float; of a batch, an array (N,). Joint limits do not enter.
-    #[pyo3(signature = (q, *, threads=Some(1)))]
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn clearance<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
         let q = Configurations::read(q, "q", cell.robot())?;
@@ -120,7 +120,7 @@ impl PyCell {
 
     /// What is closer at `q` than it may be: the first pair in a fixed order, hand and wrist before the base; None
     /// if every pair keeps its distance. Of a batch, a list of N of them. Joint limits do not enter.
-    #[pyo3(signature = (q, *, threads=Some(1)))]
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn first_contact<'py>(
         &self,
         q: &Bound<'py, PyAny>,
@@ -155,7 +155,7 @@ impl PyCell {
 
     /// Whether the whole straight motion from `a` to `b` is proven free: a bool. Of batches, (N, dof) both or one
     /// of them (dof,), an array (N,) of bools.
-    #[pyo3(signature = (a, b, *, threads=Some(1)))]
+    #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
     fn motion_is_free<'py>(
         &self,
         a: &Bound<'py, PyAny>,
@@ -171,7 +171,7 @@ impl PyCell {
     }
 
     /// The same with what prevents the proof, and where: a Motion; of batches, a list of N of them.
-    #[pyo3(signature = (a, b, *, threads=Some(1)))]
+    #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
     fn motion<'py>(
         &self,
         a: &Bound<'py, PyAny>,
@@ -240,13 +240,11 @@ impl PyCell {
 }
 
 fn scalar_or_array(py: Python<'_>, is_single: bool, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
-    match (is_single, &values[..]) {
-        (true, [only]) => Ok(only.into_pyobject(py)?.into_any()),
-        _ => {
-            let count = values.len();
-            Ok(shaped(py, values, &[count])?.into_any())
-        }
+    if let (true, [only]) = (is_single, &values[..]) {
+        return only.into_bound_py_any(py);
     }
+    let count = values.len();
+    Ok(shaped(py, values, &[count])?.into_any())
 }
 
 fn single_or_list<'py, T>(py: Python<'py>, is_single: bool, mut told: Vec<T>) -> PyResult<Bound<'py, PyAny>>

@@ -34,8 +34,12 @@ const MOST_APPROACHES: usize = 360;
 /// grasps that the open hand can take, along the last `approach_m` (m) in a straight line. The same `seed` gives
 /// the same grasps on any number of threads. Poses are in the frame of the mesh.
 #[pyfunction]
-#[pyo3(signature = (mesh, gripper=None, *, count=200, candidates=None, friction=DEFAULT_FRICTION, approaches=12,
-    approach_m=APPROACH_M, bare=false, seed=0))]
+#[pyo3(
+    signature = (mesh, gripper=None, *, count=200, candidates=None, friction=DEFAULT_FRICTION, approaches=12,
+        approach_m=APPROACH_M, bare=false, seed=0),
+    text_signature = "(mesh, gripper=None, *, count=200, candidates=None, friction=0.24, approaches=12, \
+        approach_m=0.05, bare=False, seed=0)"
+)]
 #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
 pub fn sample_grasps(
     mesh: &Bound<'_, PyAny>,

@@ -71,7 +71,7 @@ impl PyGrasps {
 
     /// Indices (N,) from the highest score down; unscored grasps come last.
     fn by_score<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
-        shaped(py, self.set.by_score().into_iter().map(|index| index as i64).collect(), &[self.set.len()])
+        shaped(py, self.set.by_score().into_iter().map(array::index).collect(), &[self.set.len()])
     }
 
     /// The nearest grasp to a gripper at `pose` (4, 4): its index, metres and radians between them.
@@ -85,7 +85,10 @@ impl PyGrasps {
 
     /// How much of these grasps those of `other` cover: the share, in [0, 1], that is within `threshold`
     /// (millimetres plus degrees) of one of them.
-    #[pyo3(signature = (other, *, threshold=COVERAGE_THRESHOLD))]
+    #[pyo3(
+        signature = (other, *, threshold=COVERAGE_THRESHOLD),
+        text_signature = "($self, other, *, threshold=15.0)"
+    )]
     fn covered_by(&self, py: Python<'_>, other: &Self, threshold: f64) -> f64 {
         py.detach(|| coverage(self.set.grasps(), other.set.grasps(), threshold))
     }

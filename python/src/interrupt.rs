@@ -25,7 +25,10 @@ impl Interrupt {
     pub fn asks(&mut self) -> bool {
         if self.raised.is_none() && self.looked.elapsed() >= LOOK_EVERY {
             self.looked = Instant::now();
-            self.raised = Python::attach(|py| py.check_signals()).err();
+            #[allow(clippy::redundant_closure_for_method_calls)]
+            // The method is not general enough in its lifetime.
+            let looked = Python::attach(|py| py.check_signals());
+            self.raised = looked.err();
         }
         self.raised.is_some()
     }

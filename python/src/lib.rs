@@ -8,6 +8,11 @@
 //! Arrays are read where they lie: one that another thread writes to during a call gives answers about neither
 //! its old nor its new values. A search looks for Ctrl-C between its iterations, a batch between blocks of rows.
 
+// Doc comments of what is exported are help texts of Python, which show marks as they are.
+#![allow(clippy::doc_markdown)]
+// What Python hands over is a value, whatever becomes of it.
+#![allow(clippy::needless_pass_by_value)]
+
 mod array;
 mod body;
 mod campaign;

@@ -39,15 +39,14 @@ impl PyPlan {
         let demands =
             Demands { margin_m: file.margins.margin_m, grasp_margin_m: file.margins.grasp_margin_m };
         let named;
-        let scenario = match scenario {
-            Some(scenario) => scenario,
-            None => {
-                let what = (file.scenario.clone(),);
-                let criterion = PyDict::new(py);
-                criterion.set_item("criterion", file.criterion.name())?;
-                named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
-                &named
-            }
+        let scenario = if let Some(scenario) = scenario {
+            scenario
+        } else {
+            let what = (file.scenario.clone(),);
+            let criterion = PyDict::new(py);
+            criterion.set_item("criterion", file.criterion.name())?;
+            named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
+            &named
         };
         let task = Task::of(scenario, &demands)?;
         let expected = task.problem.robot.joint_names();

@@ -64,31 +64,11 @@ pub fn plan(
     let margins = PlanMargins { margin_m, grasp_margin_m };
     let task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
     let settings = settings_of(settings)?;
-    let planner = match planner {
-        Some(name) => planner_with(name, &settings).map_err(fault)?,
-        None => {
-            let default = default_planner(task.problem.criterion());
-            planner_with(default.name(), &settings).map_err(fault)?
-        }
-    };
+    let planner = planner.unwrap_or_else(|| default_planner(task.problem.criterion()).name());
+    let planner = planner_with(planner, &settings).map_err(fault)?;
     let budget =
         Budget { iterations: iterations.unwrap_or(u64::MAX), time: seconds("time_limit_s", time_limit_s)? };
-    let optimise = match (optimise_s, &task.problem.validity) {
-        (None, _) => None,
-        (Some(time_s), Validity::Exact(_)) if score_weight.is_finite() && score_weight >= 0.0 => {
-            Some(OptimiseSettings { time: seconds("optimise_s", time_s)?, score_weight })
-        }
-        (Some(_), Validity::Exact(_)) => {
-            return Err(bad_value(format!(
-                "score_weight is {score_weight}, but must be finite and at least 0"
-            )));
-        }
-        (Some(_), Validity::Paper { .. }) => {
-            return Err(bad_value(
-                "optimise_s: only a proven path can be bettered, under the exact criterion",
-            ));
-        }
-    };
+    let optimise = optimise_settings(&task.problem, optimise_s, score_weight)?;
     let timing = Timing {
         method: if jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal },
         blend,
@@ -164,6 +144,22 @@ pub fn plan(
         is_valid: verification.is_some_and(|verification| verification.valid),
         failures: report.failures,
     })
+}
+
+/// How to look for better paths, if that is asked for.
+fn optimise_settings(
+    problem: &Problem,
+    optimise_s: Option<f64>,
+    score_weight: f64,
+) -> PyResult<Option<OptimiseSettings>> {
+    let Some(time_s) = optimise_s else { return Ok(None) };
+    if let Validity::Paper { .. } = problem.validity {
+        return Err(bad_value("optimise_s: only a proven path can be bettered, under the exact criterion"));
+    }
+    if !(score_weight.is_finite() && score_weight >= 0.0) {
+        return Err(bad_value(format!("score_weight is {score_weight}, but must be finite and at least 0")));
+    }
+    Ok(Some(OptimiseSettings { time: seconds("optimise_s", time_s)?, score_weight }))
 }
 
 /// Judges a path (N, dof), whoever made it, by the criterion of `scenario` (a Scenario or a MoveItProblem), as

@@ -172,7 +172,7 @@ impl PyRobot {
     /// Pose `root_from_link` of `link`, by default the tip, at `q`: (4, 4), metres; (N, 4, 4) of a batch.
     ///
     /// Limits are not checked. `threads`: how many cores share a batch; None: all.
-    #[pyo3(signature = (q, link=None, *, threads=Some(1)))]
+    #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn fk<'py>(
         &self,
         q: &Bound<'py, PyAny>,
@@ -210,7 +210,7 @@ impl PyRobot {
     /// Geometric Jacobian of `link`, by default the tip, at its origin, in the root frame: (6, dof), or (N, 6, dof)
     /// of a batch. Rows 0–2: metres of the origin; rows 3–5: radians of its rotation; per metre or radian of
     /// each joint.
-    #[pyo3(signature = (q, link=None, *, threads=Some(1)))]
+    #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn jacobian<'py>(
         &self,
         q: &Bound<'py, PyAny>,
@@ -253,7 +253,10 @@ impl PyRobot {
     ///
     /// At most `attempts` searches begin at random configurations drawn from `seed`; with `start` (dof,), a
     /// single one begins there instead. `cell`: only solutions that are free there count.
-    #[pyo3(signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)))]
+    #[pyo3(
+        signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)),
+        text_signature = "($self, pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=1)"
+    )]
     #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
     fn ik<'py>(
         &self,

@@ -7,6 +7,7 @@ mod checkout;
 mod gltf;
 mod member;
 mod problem;
+mod python_package;
 mod python_tools;
 mod released_data;
 mod step;
@@ -21,7 +22,7 @@ Tasks of a Cranny contributor
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF, pages
+  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF, Python, pages
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
@@ -30,8 +31,9 @@ Tasks:
 Environment:
   CRANNY_DATA          folder of the paper's released data (it holds `jogramop`); unset: the tests
                        that need it are skipped, and one line says so
-  CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt; unset: one is made
-                       under target/, or the tests that need it are skipped, and one line says so
+  CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt, into which the
+                       package cranny is installed; unset: one is made under target/, or the tests
+                       that need it are skipped, and one line says so
   CRANNY_REQUIRE_ALL   1: whatever lacks its data or its tool fails instead of being skipped
 
 Examples:

@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use crate::gltf;
 use crate::member;
+use crate::python_package;
 use crate::python_tools;
 use crate::released_data;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
 
 /// The steps. One that needs a tool of its own says so in `needs`.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -32,6 +33,7 @@ const STEPS: [Step; 7] = [
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
+    Step { name: "Python", needs: python_package::readiness, action: python_package::check },
     Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
 ];
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use cranny_collision::{Body, Part, World};
 use cranny_robot::Robot;
 use cranny_shape::ShapeError;
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::Pose;
 
 use crate::moveit_world::bodies;
 use crate::{RecipeShape, ScenarioError, atomic_file, yaml};
@@ -78,9 +78,9 @@ fn write_body(text: &mut String, body: &Body, frame: &str) -> Result<(), Scenari
                 (list(pose.translation.vector.as_slice()), list(pose.rotation.coords.as_slice()));
             format!("        - {{position: {position}, orientation: {orientation}}}\n")
         };
-        if let Some((kind, dimensions, shift)) = primitive(part)? {
+        if let Some(Primitive { kind, dimensions, shift_m }) = primitive(part)? {
             let _ = writeln!(primitives, "        - {{type: {kind}, dimensions: {}}}", list(&dimensions));
-            primitive_poses += &pose(&(part.world_from_solid * Pose::translation(0.0, 0.0, shift)));
+            primitive_poses += &pose(&(part.world_from_solid * Pose::translation(0.0, 0.0, shift_m)));
         } else {
             let soup = part.solid.tessellation().ok_or(ShapeError::Empty)?;
             let vertices: Vec<String> = soup.vertices.iter().map(|v| list(v.coords.as_slice())).collect();
@@ -105,16 +105,26 @@ fn write_body(text: &mut String, body: &Body, frame: &str) -> Result<(), Scenari
     Ok(())
 }
 
-/// Kind and dimensions of a shape that `MoveIt` has, and how far its middle lies above that of the part, in metres.
-fn primitive(part: &Part) -> Result<Option<(&'static str, Vec<f64>, f64)>, ScenarioError> {
+/// A shape that `MoveIt` has.
+struct Primitive {
+    kind: &'static str,
+    dimensions: Vec<f64>,
+    /// How far its middle lies above that of the part, in metres.
+    shift_m: f64,
+}
+
+/// The part as such a shape; None where it is none.
+fn primitive(part: &Part) -> Result<Option<Primitive>, ScenarioError> {
+    let of =
+        |kind, dimensions: &[f64]| Some(Primitive { kind, dimensions: dimensions.to_vec(), shift_m: 0.0 });
     if part.solid.is_half_space() {
-        let size = Vector::new(FLOOR_SIDE_M, FLOOR_SIDE_M, FLOOR_DEPTH_M);
-        return Ok(Some(("box", size.as_slice().to_vec(), -0.5 * FLOOR_DEPTH_M)));
+        let floor = of("box", &[FLOOR_SIDE_M, FLOOR_SIDE_M, FLOOR_DEPTH_M]);
+        return Ok(floor.map(|floor| Primitive { shift_m: -0.5 * FLOOR_DEPTH_M, ..floor }));
     }
     Ok(match RecipeShape::of(&part.solid)? {
-        RecipeShape::Cuboid(size) => Some(("box", size.as_slice().to_vec(), 0.0)),
-        RecipeShape::Sphere(radius_m) => Some(("sphere", vec![radius_m], 0.0)),
-        RecipeShape::Cylinder(radius_m, length_m) => Some(("cylinder", vec![length_m, radius_m], 0.0)),
+        RecipeShape::Cuboid(size) => of("box", size.as_slice()),
+        RecipeShape::Sphere(radius_m) => of("sphere", &[radius_m]),
+        RecipeShape::Cylinder(radius_m, length_m) => of("cylinder", &[length_m, radius_m]),
         _ => None,
     })
 }
