@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from cranny._cranny import ResultsFile, planner_names, run_campaign
 from cranny.own_planner import PlannerFunction, registered
@@ -49,7 +49,7 @@ class Results:
     @property
     def summary(self) -> dict[str, Any]:
         """Every figure of a report: `rows`, `curves`, `comparisons`, `worst`, … as `cranny bench report` gives them."""
-        return cast("dict[str, Any]", self._file.summary())
+        return self._file.summary()
 
     @property
     def rows(self) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dis
 import inspect
 import textwrap
 import types
@@ -63,8 +64,8 @@ class _Module:
 
 
 def _names_of(code: types.CodeType) -> list[str]:
-    """The names that code reads from outside, those of the functions inside of it too."""
-    names = list(code.co_names)
+    """The names that code reads from its module, those of the functions inside of it too; attributes are none."""
+    names = [step.argval for step in dis.get_instructions(code) if step.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
             names.extend(_names_of(constant))

@@ -8,6 +8,9 @@ from pathlib import Path
 
 from cranny._cranny import Plan, Scenario, moving_picture, picture
 
+NOTEBOOK_RATE_HZ = 4
+"""Pictures a second in a notebook: each takes some tenths of a second to draw."""
+
 
 class View:
     """A scenario as a notebook shows it, with a plan where there is one: what `scenario.show(plan)` gives.
@@ -49,7 +52,7 @@ class View:
     def html(self) -> str:
         """What stands in the notebook. The one place for a viewer of one page: an iframe around it."""
         moves = self._plan is not None and bool(self._plan)
-        data = base64.b64encode(self.apng() if moves else self.png()).decode("ascii")
+        data = base64.b64encode(self.apng(NOTEBOOK_RATE_HZ) if moves else self.png()).decode("ascii")
         return f'<img width="{self._width}" height="{self._height}" src="data:image/png;base64,{data}">'
 
     def _repr_html_(self) -> str:

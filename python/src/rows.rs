@@ -57,7 +57,8 @@ pub fn computed<T: Clone + Default + Send, S>(
         let helpers = threads.min(count.div_ceil(block.max(1))).saturating_sub(1);
         thread::scope(|scope| {
             for _ in 0..helpers {
-                scope.spawn(|| serve(None));
+                // One that the system refuses is not needed: the others take its blocks.
+                let _ = thread::Builder::new().spawn_scoped(scope, || serve(None));
             }
             serve(Some(&mut interrupt));
         });

@@ -49,7 +49,7 @@ def broken(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
 def results(tmp_path_factory: pytest.TempPathFactory) -> bench.Results:
     """Two built-in planners and three of one's own, two seeds each."""
     told: list[tuple[int, int, int]] = []
-    planners = ["reach", ("ik-rrt", {"p_goal": 0.2}), straight, "through-walls", "broken"]
+    planners: list[Any] = ["reach", ("ik-rrt", {"p_goal": 0.2}), straight, "through-walls", "broken"]
     output = tmp_path_factory.mktemp("bench") / "results.db"
     results = bench.run(
         ["021"], planners, output, runs=2, time_limit_s=20, heard=lambda *counts: told.append(counts)
@@ -139,10 +139,6 @@ def test_a_campaign_without_pandas_gives_columns(results: bench.Results, monkeyp
     assert isinstance(columns, dict) and len(columns["seed"]) >= 10
 
 
-LIMIT = 3
-"""What a function of a notebook may read."""
-
-
 def test_a_function_of_a_notebook_is_written_down_with_what_it_uses(tmp_path: Path) -> None:
     script = tmp_path / "cells.py"
     script.write_text(NOTEBOOK)
@@ -158,6 +154,7 @@ import math
 import numpy as np
 from cranny.function_source import source_of
 LIMIT = 3
+of = floor = object()  # As attributes are called below.
 
 class Sum:
     def of(self, a):
