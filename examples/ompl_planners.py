@@ -24,6 +24,10 @@ from numpy.typing import NDArray
 GOALS = 10
 """Configurations to aim at: one for each of the best grasps that have any."""
 
+RESERVE_S = 1.0
+"""Kept back from the time limit, in seconds: the process began before this function, and OMPL looks at its clock only
+between two motions."""
+
 
 def solve(problem: cranny.Problem, budget: cranny.Budget, seed: int, name: str) -> Any:
     """Way points by the OMPL planner of that name, or None."""
@@ -74,7 +78,7 @@ def solve(problem: cranny.Problem, budget: cranny.Budget, seed: int, name: str) 
         objective = base.PathLengthOptimizationObjective(information)
         objective.setCostThreshold(base.Cost(float("inf")))
         setup.setOptimizationObjective(objective)
-    setup.solve(max(0.01, budget.left_s()))
+    setup.solve(max(0.01, budget.left_s() - RESERVE_S))
     if not setup.haveExactSolutionPath():
         return None
     return [values(state) for state in setup.getSolutionPath().getStates()]

@@ -183,6 +183,18 @@ mod tests {
         assert_ne!(a.settings(), call(&there, "two").settings());
     }
 
+    /// The Python of a virtual environment finds its packages only by the name of the link that it is.
+    #[cfg(unix)]
+    #[test]
+    fn a_program_is_called_by_the_name_that_it_was_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let (program, link) = (folder.path().join("program"), folder.path().join("link"));
+        fs::write(&program, "#!/bin/sh\n").unwrap();
+        std::os::unix::fs::symlink(&program, &link).unwrap();
+        let call = PlannerCall::parse(&format!("exec:{}", link.display())).unwrap();
+        assert_eq!(call, PlannerCall::Exec { command: vec![link.display().to_string()] });
+    }
+
     #[test]
     fn the_settings_of_a_built_in_planner_are_all_its_settings() {
         let call = PlannerCall::parse("ik-rrt").unwrap();
