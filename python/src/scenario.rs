@@ -172,8 +172,8 @@ impl PyScenario {
         self.scenario.write_folder(&folder).map_err(fault)
     }
 
-    /// Writes the world and the start as a MoveIt planning scene (YAML), in the frame of the robot's root. Capsules,
-    /// hulls and meshes become triangles, the floor a box of 20 m × 20 m × 1 m below it.
+    /// Writes the world and the start as a MoveIt planning scene (YAML), in the frame of the robot's root. A capsule
+    /// becomes a cylinder and two spheres, the floor a box of 20 m × 20 m × 1 m below it.
     fn save_moveit_scene(&self, path: PathBuf) -> PyResult<()> {
         let Scenario { id, robot, world, start, .. } = &*self.scenario;
         write_moveit_scene(&path, id, robot, world, start).map_err(fault)

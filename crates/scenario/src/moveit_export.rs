@@ -29,8 +29,8 @@ pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioEr
 }
 
 /// The text of a `PlanningScene`: `world` as collision objects in the frame of the robot's root, `start` (m, rad;
-/// one value per joint) as the robot's state. Capsules, hulls and meshes are written as triangles, a floor as a
-/// box of 20 m × 20 m × 1 m below it. [`read_moveit_scene`] reads it back.
+/// one value per joint) as the robot's state. A capsule is written as a cylinder and two spheres, a hull or a mesh as
+/// triangles, a floor as a box of 20 m × 20 m × 1 m below it. [`read_moveit_scene`] reads it back.
 ///
 /// # Errors
 /// [`ScenarioError::ShapeFile`] for a shape without triangles.
@@ -78,10 +78,12 @@ fn write_body(text: &mut String, body: &Body, frame: &str) -> Result<(), Scenari
                 (list(pose.translation.vector.as_slice()), list(pose.rotation.coords.as_slice()));
             format!("        - {{position: {position}, orientation: {orientation}}}\n")
         };
-        if let Some(Primitive { kind, dimensions, shift_m }) = primitive(part)? {
-            let _ = writeln!(primitives, "        - {{type: {kind}, dimensions: {}}}", list(&dimensions));
-            primitive_poses += &pose(&(part.world_from_solid * Pose::translation(0.0, 0.0, shift_m)));
-        } else {
+        let known = primitives_of(part)?;
+        for Primitive { kind, dimensions, shift_m } in &known {
+            let _ = writeln!(primitives, "        - {{type: {kind}, dimensions: {}}}", list(dimensions));
+            primitive_poses += &pose(&(part.world_from_solid * Pose::translation(0.0, 0.0, *shift_m)));
+        }
+        if known.is_empty() {
             let soup = part.solid.tessellation().ok_or(ShapeError::Empty)?;
             let vertices: Vec<String> = soup.vertices.iter().map(|v| list(v.coords.as_slice())).collect();
             let triangles: Vec<String> =
@@ -113,19 +115,22 @@ struct Primitive {
     shift_m: f64,
 }
 
-/// The part as such a shape; None where it is none.
-fn primitive(part: &Part) -> Result<Option<Primitive>, ScenarioError> {
-    let of =
-        |kind, dimensions: &[f64]| Some(Primitive { kind, dimensions: dimensions.to_vec(), shift_m: 0.0 });
+/// The part as such shapes; none where it has to be triangles. A capsule is a cylinder and two spheres.
+fn primitives_of(part: &Part) -> Result<Vec<Primitive>, ScenarioError> {
+    let of = |kind, dimensions: &[f64], shift_m| Primitive { kind, dimensions: dimensions.to_vec(), shift_m };
     if part.solid.is_half_space() {
-        let floor = of("box", &[FLOOR_SIDE_M, FLOOR_SIDE_M, FLOOR_DEPTH_M]);
-        return Ok(floor.map(|floor| Primitive { shift_m: -0.5 * FLOOR_DEPTH_M, ..floor }));
+        return Ok(vec![of("box", &[FLOOR_SIDE_M, FLOOR_SIDE_M, FLOOR_DEPTH_M], -0.5 * FLOOR_DEPTH_M)]);
     }
     Ok(match RecipeShape::of(&part.solid)? {
-        RecipeShape::Cuboid(size) => of("box", size.as_slice()),
-        RecipeShape::Sphere(radius_m) => of("sphere", &[radius_m]),
-        RecipeShape::Cylinder(radius_m, length_m) => of("cylinder", &[length_m, radius_m]),
-        _ => None,
+        RecipeShape::Cuboid(size) => vec![of("box", size.as_slice(), 0.0)],
+        RecipeShape::Sphere(radius_m) => vec![of("sphere", &[radius_m], 0.0)],
+        RecipeShape::Cylinder(radius_m, length_m) => vec![of("cylinder", &[length_m, radius_m], 0.0)],
+        RecipeShape::Capsule(radius_m, length_m) => vec![
+            of("cylinder", &[length_m, radius_m], 0.0),
+            of("sphere", &[radius_m], 0.5 * length_m),
+            of("sphere", &[radius_m], -0.5 * length_m),
+        ],
+        _ => Vec::new(),
     })
 }
 
