@@ -41,6 +41,10 @@ export class LinkKeeper {
     // An eye that was let go glides on a little.
     const { state } = this.view;
     const hash = toHash({ ...state, eye: state.eye && this.eye() });
-    history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
+    try {
+      history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
+    } catch {
+      // In the frame of a notebook the page has no address of its own.
+    }
   }
 }

@@ -7,6 +7,7 @@ mod checkout;
 mod gltf;
 mod member;
 mod problem;
+mod python_package;
 mod python_tools;
 mod released_data;
 mod step;
@@ -23,7 +24,7 @@ Usage: cargo xtask <TASK>
 
 Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
-                 web (the viewer's page in a browser), pages
+                 web (the viewer's page in a browser), Python, pages
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
@@ -32,8 +33,9 @@ Tasks:
 Environment:
   CRANNY_DATA          folder of the paper's released data (it holds `jogramop`); unset: the tests
                        that need it are skipped, and one line says so
-  CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt; unset: one is made
-                       under target/, or the tests that need it are skipped, and one line says so
+  CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt, into which the
+                       package cranny is installed; unset: one is made under target/, or the tests
+                       that need it are skipped, and one line says so
   CRANNY_CHROMIUM      the browser of the viewer's tests; unset: /usr/bin/chromium and the like
   CRANNY_WEB_DIST      a built page of the viewer, for `cargo build` to put into the program; unset:
                        web/dist, or npm builds one where Node is

@@ -7,6 +7,9 @@ use cargo_metadata::{DependencyKind, MetadataCommand, Package};
 /// The folder that holds the rooms of the house.
 pub const ROOMS: &str = "crates/";
 
+/// The one room beside it, where Python looks for its packages.
+const PYTHON: &str = "python";
+
 /// A crate of the workspace.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Member {
@@ -30,7 +33,7 @@ impl Member {
 
     /// Whether the crate is a room of the house, and so stands on a floor.
     pub fn is_room(&self) -> bool {
-        self.folder.starts_with(ROOMS)
+        self.folder.starts_with(ROOMS) || self.folder == PYTHON
     }
 }
 

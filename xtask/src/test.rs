@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use crate::gltf;
 use crate::member;
+use crate::python_package;
 use crate::python_tools;
 use crate::released_data;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
@@ -11,7 +12,7 @@ use crate::tidy;
 use crate::web;
 
 /// The steps. One that needs a tool of its own says so in `needs`.
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -34,6 +35,7 @@ const STEPS: [Step; 8] = [
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "web", needs: web::readiness, action: web::check },
+    Step { name: "Python", needs: python_package::readiness, action: python_package::check },
     Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
 ];
 

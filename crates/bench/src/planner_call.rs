@@ -150,8 +150,9 @@ fn file_name(word: &str) -> &str {
     Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word)
 }
 
+/// Links stay links: the Python of a virtual environment is one, and only by that name finds its packages.
 fn absolute(word: &str) -> Option<String> {
-    Some(Path::new(word).canonicalize().ok()?.to_str()?.to_owned())
+    Some(std::path::absolute(word).ok()?.to_str()?.to_owned())
 }
 
 fn checksum(word: &str) -> String {
@@ -180,6 +181,18 @@ mod tests {
         assert_eq!(a.name(), "exec:planner.py");
         assert!(!a.settings().contains(here.path().to_str().unwrap()));
         assert_ne!(a.settings(), call(&there, "two").settings());
+    }
+
+    /// The Python of a virtual environment finds its packages only by the name of the link that it is.
+    #[cfg(unix)]
+    #[test]
+    fn a_program_is_called_by_the_name_that_it_was_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let (program, link) = (folder.path().join("program"), folder.path().join("link"));
+        fs::write(&program, "#!/bin/sh\n").unwrap();
+        std::os::unix::fs::symlink(&program, &link).unwrap();
+        let call = PlannerCall::parse(&format!("exec:{}", link.display())).unwrap();
+        assert_eq!(call, PlannerCall::Exec { command: vec![link.display().to_string()] });
     }
 
     #[test]

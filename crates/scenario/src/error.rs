@@ -165,6 +165,24 @@ pub enum ScenarioError {
         /// The name.
         name: String,
     },
+    /// A body is added under the name of another.
+    #[error("there is a body '{name}' already (names are unique)")]
+    BodyName {
+        /// The name.
+        name: String,
+    },
+    /// There is no object to be grasped.
+    #[error("scenario '{id}' has no target")]
+    NoTarget {
+        /// The scenario.
+        id: String,
+    },
+    /// The floor is not where a scenario's files have it.
+    #[error("only one floor, at {height_m} m in the planning frame, can be written: there the robot stands")]
+    OtherFloor {
+        /// Where it would have to be.
+        height_m: f64,
+    },
     /// A shape entry is not exactly one shape.
     #[error(
         "{at}: a shape is exactly one of box, sphere, cylinder, capsule, mesh, hull, but {actual} of them are \

@@ -20,6 +20,7 @@
 //! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
 //! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
 
+mod alteration;
 mod archive;
 mod atomic_file;
 mod builtin_object;
@@ -34,6 +35,7 @@ mod hand;
 mod identity;
 mod inspection;
 mod moveit;
+mod moveit_export;
 mod moveit_file;
 mod moveit_request;
 mod moveit_robot;
@@ -43,6 +45,7 @@ mod object;
 mod object_folder;
 mod object_library;
 mod obstacle;
+mod own_export;
 mod own_layout;
 mod plan_file;
 mod recipe;
@@ -72,6 +75,7 @@ pub use gripper_file::read_gripper;
 pub use identity::Identity;
 pub use inspection::{check, check_folder};
 pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};
+pub use moveit_export::{moveit_scene_text, read_moveit_scene, write_moveit_scene};
 pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object_folder::OBJECT_FILE;
 pub use obstacle::Obstacle;

@@ -179,7 +179,7 @@ impl RecipeShape {
         })
     }
 
-    fn of(solid: &Solid) -> Result<Self, ShapeError> {
+    pub(crate) fn of(solid: &Solid) -> Result<Self, ShapeError> {
         Ok(match solid.outline() {
             Outline::Cuboid { half_extents } => Self::Cuboid(half_extents * 2.0),
             Outline::Segment { half_length_m: 0.0, radius_m } => Self::Sphere(radius_m),

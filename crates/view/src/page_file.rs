@@ -21,25 +21,30 @@ const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"def
      base-uri 'none'; form-action 'none'\">";
 
 impl PageData {
-    /// Writes the page as one HTML file that opens from a disk: scripts and styles in it, and the data as
-    /// base64 of gzip (RFC 1952), which the page unpacks. The same data give the same bytes.
+    /// The page as one HTML document that opens from a disk: scripts and styles in it, and the data as base64
+    /// of gzip (RFC 1952), which the page unpacks. The same data give the same bytes.
     ///
     /// # Errors
-    /// [`ViewError::NoPage`] if the program was built without a page, [`ViewError::PageData`],
-    /// [`ViewError::Unwritable`].
-    pub fn write_html(&self, path: &Path) -> Result<(), ViewError> {
+    /// [`ViewError::NoPage`] if the program was built without a page, [`ViewError::PageData`].
+    pub fn html(&self) -> Result<String, ViewError> {
         let html = page_bundle::single()?;
         let (before, after) = html.split_once(PLACE).ok_or(ViewError::NoPage)?;
         let before = before.replacen(HEAD, &format!("{HEAD}{POLICY}"), 1);
-        let packed = packed(&self.to_json(false)?)
-            .map_err(|reason| ViewError::Encoding { path: path.to_owned(), reason: reason.to_string() })?;
-        let data = STANDARD.encode(packed);
-        write_whole(path, [&before, PLACE, &data, after].concat().as_bytes())
+        let data = STANDARD.encode(packed(&self.to_json(false)?));
+        Ok([&before, PLACE, &data, after].concat())
+    }
+
+    /// Writes [`Self::html`] to a file.
+    ///
+    /// # Errors
+    /// As [`Self::html`], and [`ViewError::Unwritable`].
+    pub fn write_html(&self, path: &Path) -> Result<(), ViewError> {
+        write_whole(path, self.html()?.as_bytes())
     }
 }
 
-fn packed(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
+fn packed(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes)?;
-    encoder.finish()
+    let packed = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    packed.expect("memory takes what is written to it")
 }

@@ -1,0 +1,79 @@
+//! Scenarios made from others: a body more or less, the object elsewhere.
+
+use cranny_collision::{Body, World};
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_spatial::Pose;
+
+use crate::{Scenario, ScenarioError};
+
+impl Scenario {
+    /// The same scenario with one obstacle more. The triangles of a released export, which do not have it, are
+    /// left out.
+    ///
+    /// # Errors
+    /// [`ScenarioError::BodyName`] if there is a body of that name, [`ScenarioError::Collision`] for a pose that
+    /// is none.
+    pub fn with_body(&self, body: Body) -> Result<Self, ScenarioError> {
+        if self.world.body_index(&body.name).is_ok() {
+            return Err(ScenarioError::BodyName { name: body.name });
+        }
+        let mut bodies = self.world.bodies().to_vec();
+        // Obstacles first, then the target, then the floor.
+        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
+        let behind = self.target.unwrap_or_else(|| bodies.iter().take_while(|body| !is_floor(body)).count());
+        bodies.insert(behind, body);
+        let target = self.target.map(|target| target + 1);
+        Ok(Self { world: World::new(bodies)?, target, export: None, ..self.clone() })
+    }
+
+    /// The same scenario without the body of that name; without the target, there is none.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Collision`] if there is no such body.
+    pub fn without_body(&self, name: &str) -> Result<Self, ScenarioError> {
+        let removed = self.world.body_index(name)?;
+        let mut bodies = self.world.bodies().to_vec();
+        bodies.remove(removed);
+        let target = self
+            .target
+            .filter(|&target| target != removed)
+            .map(|target| if removed < target { target - 1 } else { target });
+        Ok(Self { world: World::new(bodies)?, target, export: None, ..self.clone() })
+    }
+
+    /// The same scenario with the target moved by `motion`, a rigid motion of the planning frame, and all grasps
+    /// with it. Known IK solutions no longer hold and are left out.
+    ///
+    /// # Errors
+    /// [`ScenarioError::NoTarget`] if there is nothing to move, [`ScenarioError::Collision`] for a motion that
+    /// leads too far away.
+    pub fn with_target_moved(&self, motion: &Pose) -> Result<Self, ScenarioError> {
+        let Some(target) = self.target else { return Err(ScenarioError::NoTarget { id: self.id.clone() }) };
+        let mut bodies = self.world.bodies().to_vec();
+        for part in &mut bodies[target].parts {
+            part.world_from_solid = motion * part.world_from_solid;
+        }
+        let moved = |grasp: &Grasp| Grasp { world_from_gripper: motion * grasp.world_from_gripper, ..*grasp };
+        Ok(Self {
+            world: World::new(bodies)?,
+            grasps: GraspSet::new(self.grasps.grasps().iter().map(moved).collect())?,
+            ik: Vec::new(),
+            export: None,
+            ..self.clone()
+        })
+    }
+
+    /// The same scenario with other grasps; known IK solutions are left out.
+    #[must_use]
+    pub fn with_grasps(&self, grasps: GraspSet) -> Self {
+        Self { grasps, ik: Vec::new(), ..self.clone() }
+    }
+
+    /// The same scenario from another start (m, rad; one value per joint).
+    ///
+    /// # Errors
+    /// [`ScenarioError::StartCount`] if there is not one value per joint.
+    pub fn with_start(&self, start: Vec<f64>) -> Result<Self, ScenarioError> {
+        Self { start, ..self.clone() }.with_checked_start(&self.id)
+    }
+}

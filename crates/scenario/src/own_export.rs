@@ -1,0 +1,45 @@
+//! Scenarios as folders of Cranny's own layout.
+
+use std::fs;
+use std::path::Path;
+
+use cranny_collision::Body;
+use cranny_plan::Criterion;
+
+use crate::released::{FLOOR_M, planning_from_scene};
+use crate::{Recipe, Scenario, ScenarioError, own_layout};
+
+impl Scenario {
+    /// Writes the scenario as a folder of Cranny's own layout, which is made: what [`Scenario::open`] reads back,
+    /// with the built-in robot.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::OtherRobot`] if the robot has
+    /// other joints than the built-in one, [`ScenarioError::OtherFloor`] unless the floor is where the built-in
+    /// robot stands on it, [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
+    pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
+        if folder.exists() {
+            return Err(ScenarioError::Exists { path: folder.to_owned() });
+        }
+        let recipe = Recipe::of_scenario(self)?;
+        let is_floor = |body: &&Body| body.parts.iter().all(|part| part.solid.is_half_space());
+        let mut heights = self.world.bodies().iter().filter(is_floor).flat_map(|body| &body.parts);
+        let has_floor = heights.next().is_some_and(|part| {
+            let scene_from_floor = planning_from_scene().inverse() * part.world_from_solid;
+            (scene_from_floor.translation.z).abs() < SAME_FLOOR_M
+        });
+        if !has_floor || heights.next().is_some() {
+            return Err(ScenarioError::OtherFloor { height_m: FLOOR_M });
+        }
+        recipe.write_folder(folder)?;
+        if self.criterion == Criterion::Paper {
+            let path = folder.join(own_layout::FILE);
+            let text = format!("{}criterion: {}\n", recipe.yaml(), self.criterion.name());
+            fs::write(&path, text).map_err(|reason| ScenarioError::Unwritable { path, reason })?;
+        }
+        Ok(())
+    }
+}
+
+/// Two floors that differ by less are one, in metres: rounding.
+const SAME_FLOOR_M: f64 = 1e-9;

@@ -1,0 +1,66 @@
+"""Cranny: joint grasp and motion planning in confined spaces.
+
+>>> import cranny
+>>> scenario = cranny.Scenario("021")
+>>> plan = cranny.plan(scenario)
+>>> bool(plan), plan.path.shape[1]
+(True, 9)
+
+Lengths are metres, angles radians, times seconds; poses are (4, 4) homogeneous matrices in the planning frame, the
+root frame of the robot; configurations `q` are (dof,), batches of them (N, dof). What is wrong with a call raises
+`TypeError` or `ValueError`; `CrannyError`, a `ValueError`, says what is wrong with a file or a scene.
+
+`cranny.bench` runs campaigns and reads their results, `cranny.planner` brings a planner of one's own into them,
+`cranny.ros` writes trajectories as ROS 2 has them.
+"""
+
+from cranny import bench, ros
+from cranny._cranny import (
+    Body,
+    Cell,
+    Contact,
+    CrannyError,
+    Grasps,
+    Motion,
+    MoveItProblem,
+    Plan,
+    Robot,
+    Samples,
+    Scenario,
+    Verification,
+    __version__,
+    plan,
+    planner_names,
+    sample_grasps,
+    scenario_ids,
+    verify_path,
+)
+from cranny.notebook import View
+from cranny.own_planner import Budget, Problem, planner
+
+__all__ = [
+    "Body",
+    "Budget",
+    "Cell",
+    "Contact",
+    "CrannyError",
+    "Grasps",
+    "Motion",
+    "MoveItProblem",
+    "Plan",
+    "Problem",
+    "Robot",
+    "Samples",
+    "Scenario",
+    "Verification",
+    "View",
+    "__version__",
+    "bench",
+    "plan",
+    "planner",
+    "planner_names",
+    "ros",
+    "sample_grasps",
+    "scenario_ids",
+    "verify_path",
+]

@@ -1,0 +1,52 @@
+"""The processes of a campaign.
+
+`python -m cranny.worker` serves trials; `python -m cranny.worker FILE FUNCTION` is a planner of one's own, which
+speaks the exec protocol (docs/exec_protocol.md).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+from cranny._cranny import serve_trials
+from cranny.own_planner import PlannerFunction, answer
+
+MODULE = "__cranny_planner__"
+"""What the module of a planner is called in its process: not `__main__`, so that a script does not run itself."""
+
+
+def load(file: Path, function: str) -> PlannerFunction:
+    """The function of that name in a file of Python."""
+    specification = importlib.util.spec_from_file_location(MODULE, file)
+    if specification is None or specification.loader is None:
+        raise SystemExit(f"{file}: no file of Python")
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[MODULE] = module
+    sys.path.insert(0, str(file.parent))
+    specification.loader.exec_module(module)
+    found: PlannerFunction | None = getattr(module, function, None)
+    if found is None:
+        raise SystemExit(f"{file}: there is no function `{function}`")
+    return found
+
+
+def main(words: list[str]) -> None:
+    """Serves what `words` ask for."""
+    if not words:
+        serve_trials()
+        return
+    if len(words) != 2:
+        raise SystemExit("usage: python -m cranny.worker [FILE FUNCTION]")
+    # What a planner prints is no path.
+    with contextlib.redirect_stdout(sys.stderr):
+        told = answer(load(Path(words[0]), words[1]), json.load(sys.stdin))
+    json.dump(told, sys.stdout)
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,146 @@
+//! `Body`: a thing in the world.
+
+use cranny_collision::{Body, Part};
+use cranny_shape::{Outline, Solid};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use crate::array::{matrices, pose_or_translation, triangles, vector};
+use crate::fault::{bad_value, fault};
+
+/// A thing in the world under one name, made of solids. Poses are in the planning frame, the root frame of the
+/// robot: (4, 4), or (3,) for a translation in metres; without one, the thing stands at the origin. Immutable.
+#[pyclass(name = "Body", module = "cranny", frozen)]
+pub struct PyBody {
+    pub body: Body,
+}
+
+#[pymethods]
+impl PyBody {
+    /// A box of full lengths `size` (3,) along x, y, z, in metres, its middle at `pose`.
+    #[staticmethod]
+    #[pyo3(signature = (name, size, pose=None))]
+    pub fn r#box(name: String, size: &Bound<'_, PyAny>, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        Self::of(name, Solid::cuboid(vector(size, "size")? * 0.5).map_err(fault)?, pose)
+    }
+
+    /// A ball of `radius` (m), its middle at `pose`.
+    #[staticmethod]
+    #[pyo3(signature = (name, radius, pose=None))]
+    fn sphere(name: String, radius: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        Self::of(name, Solid::sphere(radius).map_err(fault)?, pose)
+    }
+
+    /// A cylinder of `radius` and full `length` (m) along the z of `pose`, its middle there.
+    #[staticmethod]
+    #[pyo3(signature = (name, radius, length, pose=None))]
+    fn cylinder(name: String, radius: f64, length: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose)
+    }
+
+    /// A capsule of `radius` (m) along the z of `pose`; `length` (m) is that of its cylindrical part.
+    #[staticmethod]
+    #[pyo3(signature = (name, radius, length, pose=None))]
+    fn capsule(name: String, radius: f64, length: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose)
+    }
+
+    /// What a closed mesh encloses: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of
+    /// arrays (V, 3) in metres and (F, 3) of indices. `hull`: its convex hull, which need not be closed.
+    #[staticmethod]
+    #[pyo3(signature = (name, mesh, pose=None, *, hull=false))]
+    fn mesh(
+        name: String,
+        mesh: &Bound<'_, PyAny>,
+        pose: Option<&Bound<'_, PyAny>>,
+        hull: bool,
+    ) -> PyResult<Self> {
+        let soup = triangles(mesh)?;
+        let solid = if hull { Solid::hull(&soup.vertices) } else { Solid::mesh(&soup) };
+        Self::of(name, solid.map_err(fault)?, pose)
+    }
+
+    /// The floor: everything below `height` (m) in the planning frame. Its name is "floor".
+    #[staticmethod]
+    #[pyo3(signature = (height=0.0))]
+    fn floor(height: f64) -> PyResult<Self> {
+        if !height.is_finite() {
+            return Err(bad_value(format!("height is {height}, but must be finite")));
+        }
+        Ok(Self { body: Body::floor(height) })
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.body.name
+    }
+
+    /// What each of its solids is: "box", "sphere", "cylinder", "capsule", "floor" or "mesh" (a hull too).
+    #[getter]
+    fn kinds(&self) -> Vec<&'static str> {
+        self.body.parts.iter().map(|part| kind(&part.solid)).collect()
+    }
+
+    /// Sizes of each of its solids in metres, as its constructor takes them: (x, y, z) of a box, (radius,) of a
+    /// sphere, (radius, length) of a cylinder or capsule, () of others.
+    #[getter]
+    fn sizes(&self) -> Vec<Vec<f64>> {
+        let sizes = |solid: &Solid| match solid.outline() {
+            Outline::Cuboid { half_extents } => (half_extents * 2.0).as_slice().to_vec(),
+            Outline::Segment { half_length_m: 0.0, radius_m } => vec![radius_m],
+            Outline::Segment { half_length_m, radius_m } | Outline::Cylinder { half_length_m, radius_m } => {
+                vec![radius_m, 2.0 * half_length_m]
+            }
+            _ => Vec::new(),
+        };
+        self.body.parts.iter().map(|part| sizes(&part.solid)).collect()
+    }
+
+    /// Where its solids are: (K, 4, 4) in the planning frame.
+    #[getter]
+    fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        matrices(py, self.body.parts.iter().map(|part| part.world_from_solid))
+    }
+
+    /// The triangles of all its solids in the planning frame, normals outwards: vertices (V, 3) in metres and
+    /// faces (F, 3), such that `trimesh.Trimesh(*body.triangles())` is its mesh. Round shapes are faceted; a floor
+    /// has none.
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Triangles<'py>> {
+        let (mut vertices, mut faces): (Vec<f64>, Vec<i64>) = (Vec::new(), Vec::new());
+        for Part { world_from_solid, solid } in &self.body.parts {
+            let Some(soup) = solid.tessellation() else { continue };
+            let first = crate::array::index(vertices.len() / 3);
+            for vertex in &soup.vertices {
+                vertices.extend_from_slice((world_from_solid * vertex).coords.as_slice());
+            }
+            faces.extend(soup.triangles.iter().flatten().map(|corner| first + i64::from(*corner)));
+        }
+        let (v, f) = (vertices.len() / 3, faces.len() / 3);
+        Ok((crate::array::shaped(py, vertices, &[v, 3])?, crate::array::shaped(py, faces, &[f, 3])?))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cranny.Body '{}': {}>", self.body.name, self.kinds().join(", "))
+    }
+}
+
+/// Vertices (V, 3) and faces (F, 3).
+type Triangles<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<i64>>);
+
+impl PyBody {
+    fn of(name: String, solid: Solid, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        Ok(Self { body: Body::new(name, pose_or_translation(pose, "pose")?, solid) })
+    }
+}
+
+fn kind(solid: &Solid) -> &'static str {
+    match solid.outline() {
+        Outline::Cuboid { .. } => "box",
+        Outline::Segment { half_length_m: 0.0, .. } => "sphere",
+        Outline::Segment { .. } => "capsule",
+        Outline::Cylinder { .. } => "cylinder",
+        Outline::HalfSpace => "floor",
+        Outline::Other => "mesh",
+    }
+}

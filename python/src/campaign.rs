@@ -1,0 +1,164 @@
+//! Campaigns: run here, in worker processes of this interpreter.
+
+use std::io::{BufReader, stdin, stdout};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use cranny_bench::{
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results, RunInformation,
+    TrialRecord, WorkerProgram,
+};
+use pyo3::prelude::*;
+
+use crate::fault::{bad_type, bad_value, fault};
+use crate::json::settings_of;
+use crate::planning::seconds;
+use crate::scenario::criterion_of;
+
+/// How often the interpreter is asked for signals, and told how far the campaign is.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Runs what is not in `output` yet of a campaign: `scenarios` by `planners` by `criteria` by seeds. What `bench.run`
+/// calls.
+///
+/// `planners`: tuples of a name, what to call (the name of a built-in planner, or the words of a command that
+/// speaks the exec protocol), and settings that differ from the defaults, or None. `worker`: the words of the
+/// command that serves trials. `heard`: called with the trials that ended, those to run and those solved, whenever
+/// these change; or None.
+#[pyfunction]
+#[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
+    memory_limit_mb, workers, judge_both, measure_clearance, command, heard=None))]
+#[allow(clippy::too_many_arguments)] // What a campaign is.
+pub fn run_campaign(
+    py: Python<'_>,
+    scenarios: Vec<String>,
+    planners: Vec<(String, Bound<'_, PyAny>, Option<Bound<'_, PyAny>>)>,
+    output: PathBuf,
+    worker: Vec<String>,
+    criteria: Vec<String>,
+    runs: u64,
+    first_seed: u64,
+    time_limit_s: f64,
+    iterations: Option<u64>,
+    memory_limit_mb: u64,
+    workers: usize,
+    judge_both: bool,
+    measure_clearance: bool,
+    command: &str,
+    heard: Option<Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let [program, arguments @ ..] = &worker[..] else { return Err(bad_value("worker is no command")) };
+    if !(1..=1024).contains(&workers) {
+        return Err(bad_value(format!("workers is {workers}, but 1 to 1024 are expected")));
+    }
+    let campaign = Campaign {
+        scenarios,
+        planners: planners.iter().map(campaign_planner).collect::<PyResult<_>>()?,
+        criteria: criteria.iter().map(|name| criterion_of(name)).collect::<PyResult<_>>()?,
+        runs,
+        first_seed,
+        time_limit_s: seconds("time_limit_s", time_limit_s)?.as_secs_f64(),
+        iteration_limit: iterations,
+        memory_limit_bytes: memory_limit_mb.saturating_mul(1 << 20),
+        judge_both,
+        measure_clearance,
+        exceptions: Vec::new(),
+    };
+    let schedule = py.detach(|| campaign.schedule()).map_err(fault)?;
+    let settings = CampaignSettings {
+        worker: WorkerProgram { program: program.into(), arguments: arguments.to_vec() },
+        workers,
+        memory_limit_bytes: campaign.memory_limit_bytes,
+        information: RunInformation::here(None, command, workers),
+    };
+    let (stop, progress) = (AtomicBool::new(false), Progress::default());
+    let heard = heard.map(Bound::unbind);
+    let (ended, raised) = py.detach(|| {
+        thread::scope(|scope| {
+            let campaign = scope.spawn(|| -> Result<(), cranny_bench::BenchError> {
+                let mut results = Results::create(&output)?;
+                cranny_bench::run_campaign(&schedule, &settings, &mut results, &mut &progress, &stop)
+                    .map(drop)
+            });
+            let mut raised = None;
+            while !campaign.is_finished() {
+                thread::sleep(LOOK_EVERY);
+                if raised.is_none() {
+                    raised = Python::attach(|py| progress.tell(py, heard.as_ref())).err();
+                    stop.store(raised.is_some(), Ordering::Relaxed);
+                }
+            }
+            (campaign.join(), raised)
+        })
+    });
+    if let Some(raised) = raised {
+        return Err(raised);
+    }
+    progress.tell(py, heard.as_ref())?;
+    match ended {
+        Ok(ended) => ended.map_err(fault),
+        Err(_) => Err(fault("the campaign ended by itself, which is a fault of Cranny's; please report it")),
+    }
+}
+
+/// Serves the trials of a campaign that comes in on standard input, then ends the process: what
+/// `python -m cranny.worker` calls.
+#[pyfunction]
+pub fn serve_trials(py: Python<'_>) -> PyResult<()> {
+    py.detach(|| cranny_bench::serve(BufReader::new(stdin()), &mut stdout())).map_err(fault)
+}
+
+fn campaign_planner(
+    (name, call, settings): &(String, Bound<'_, PyAny>, Option<Bound<'_, PyAny>>),
+) -> PyResult<CampaignPlanner> {
+    let call = if let Ok(planner) = call.extract::<String>() {
+        PlannerCall::BuiltIn { planner, settings: settings_of(settings.as_ref())? }
+    } else {
+        let command = call.extract::<Vec<String>>().map_err(|_| {
+            bad_type(format!(
+                "planner '{name}': the name of a planner or the words of a command are expected"
+            ))
+        })?;
+        PlannerCall::Exec { command }
+    };
+    let planner = CampaignPlanner::new(call.checked().map_err(fault)?);
+    Ok(CampaignPlanner { name: name.clone(), ..planner })
+}
+
+/// How far a campaign is.
+#[derive(Debug, Default)]
+struct Progress {
+    to_run: AtomicUsize,
+    ended: AtomicUsize,
+    solved: AtomicUsize,
+    /// How many had ended when it was last told, and one more; 0: it never was.
+    told: AtomicUsize,
+}
+
+impl Progress {
+    fn tell(&self, py: Python<'_>, heard: Option<&Py<PyAny>>) -> PyResult<()> {
+        py.check_signals()?;
+        let count = |counter: &AtomicUsize| counter.load(Ordering::Relaxed);
+        let (ended, to_run) = (count(&self.ended), count(&self.to_run));
+        if let Some(heard) = heard
+            && to_run > 0
+            && self.told.swap(ended + 1, Ordering::Relaxed) != ended + 1
+        {
+            heard.call1(py, (ended, to_run, count(&self.solved)))?;
+        }
+        Ok(())
+    }
+}
+
+impl CampaignObserver for &Progress {
+    fn begins(&mut self, to_run: usize, _known: usize) {
+        self.to_run.store(to_run, Ordering::Relaxed);
+    }
+
+    fn trial_ended(&mut self, record: &TrialRecord) {
+        self.solved.fetch_add(usize::from(record.is_solved()), Ordering::Relaxed);
+        self.ended.fetch_add(1, Ordering::Relaxed);
+    }
+}

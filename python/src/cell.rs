@@ -1,0 +1,262 @@
+//! `Cell`: a robot in a world.
+
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Contact, Margins, Motion, World};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::PyBool;
+
+use crate::array::{Configurations, shaped};
+use crate::body::PyBody;
+use crate::contact::{PyContact, PyMotion};
+use crate::fault::{bad_value, fault};
+use crate::robot::PyRobot;
+use crate::rows::{computed, thread_count};
+
+/// A robot in a world: is a configuration, is a whole motion free, and by how much?
+///
+/// Links and bodies are solids; what is nearer than 10 µm, or than a demanded margin, counts as contact. The same
+/// answers as in Rust, bit for bit. Wherever `q` of shape (dof,) is taken, so is a batch (N, dof); `threads`: how
+/// many cores share it, None: all. Immutable.
+#[pyclass(name = "Cell", module = "cranny", frozen)]
+pub struct PyCell {
+    pub cell: Arc<Cell>,
+}
+
+/// Rows of one piece of work of vector lanes: some milliseconds.
+const LANE_BLOCK: usize = 8192;
+
+/// Rows of one piece of exact work: some milliseconds.
+const EXACT_BLOCK: usize = 64;
+
+#[pymethods]
+impl PyCell {
+    /// Puts `robot` into a world of `bodies`; every answer then demands `margin_m` (m) between any two things.
+    ///
+    /// `scenario.cell()` gives that of a scenario, with its target.
+    #[new]
+    #[pyo3(signature = (robot, bodies, *, margin_m=0.0))]
+    fn new(robot: &PyRobot, bodies: Vec<Py<PyBody>>, margin_m: f64) -> PyResult<Self> {
+        let bodies: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
+        for (index, body) in bodies.iter().enumerate() {
+            if bodies[..index].iter().any(|other| other.name == body.name) {
+                return Err(bad_value(format!("there are two bodies '{}'; names are unique", body.name)));
+            }
+        }
+        let world = World::new(bodies).map_err(fault)?;
+        let margins = Margins { margin_m, ..Margins::default() };
+        let cell = Cell::new(robot.robot.clone(), world, margins).map_err(fault)?;
+        Ok(Self { cell: Arc::new(cell) })
+    }
+
+    /// The robot.
+    #[getter]
+    fn robot(&self) -> PyRobot {
+        PyRobot { robot: self.cell.robot().clone() }
+    }
+
+    /// All bodies, in the planning frame.
+    #[getter]
+    fn world(&self) -> Vec<PyBody> {
+        self.cell.world().bodies().iter().map(|body| PyBody { body: body.clone() }).collect()
+    }
+
+    /// Pairs of links that are checked against each other, by their names.
+    #[getter]
+    fn self_pairs(&self) -> Vec<(String, String)> {
+        let name = |link: usize| self.cell.robot().links()[link].name.clone();
+        self.cell.self_pairs().into_iter().map(|(a, b)| (name(a), name(b))).collect()
+    }
+
+    /// Whether `q` is within the joint limits and every pair of things keeps its distance: a bool; of a batch,
+    /// an array (N,) of bools, computed in vector lanes.
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
+    fn is_free<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
+        let threads = thread_count(threads)?;
+        let q = Configurations::read(q, "q", cell.robot())?;
+        let values = q.values()?;
+        if q.is_single {
+            let is_free = py.detach(|| cell.is_free(values, &mut cell.scratch()));
+            return Ok(PyBool::new(py, is_free).to_owned().into_any());
+        }
+        let room = || (cell.scratch(), Vec::new());
+        let free = computed(
+            py,
+            (q.count, 1),
+            LANE_BLOCK,
+            threads,
+            room,
+            |(scratch, verdicts), range, out: &mut [bool]| {
+                cell.are_free(&values[range.start * dof..range.end * dof], scratch, verdicts);
+                out.copy_from_slice(verdicts);
+            },
+        )?;
+        Ok(shaped(py, free, &[q.count])?.into_any())
+    }
+
+    /// The least distance in metres over all pairs of things at `q`, certified from below; 0 in contact, infinite
+    /// where there is nothing to touch. A float; of a batch, an array (N,). Joint limits do not enter.
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
+    fn clearance<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
+        let q = Configurations::read(q, "q", cell.robot())?;
+        let values = q.values()?;
+        let least = computed(
+            py,
+            (q.count, 1),
+            EXACT_BLOCK,
+            thread_count(threads)?,
+            || cell.scratch(),
+            |scratch, range, out: &mut [f64]| {
+                for (index, out) in range.zip(out) {
+                    *out = cell.clearance(&values[index * dof..][..dof], scratch);
+                }
+            },
+        )?;
+        scalar_or_array(py, q.is_single, least)
+    }
+
+    /// What is closer at `q` than it may be: the first pair in a fixed order, hand and wrist before the base; None
+    /// if every pair keeps its distance. Of a batch, a list of N of them. Joint limits do not enter.
+    #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
+    fn first_contact<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
+        let q = Configurations::read(q, "q", cell.robot())?;
+        let values = q.values()?;
+        let found = computed(
+            py,
+            (q.count, 1),
+            EXACT_BLOCK,
+            thread_count(threads)?,
+            || cell.scratch(),
+            |scratch, range, out: &mut [Option<Contact>]| {
+                for (index, out) in range.zip(out) {
+                    *out = cell.first_contact(&values[index * dof..][..dof], scratch);
+                }
+            },
+        )?;
+        let told: Vec<_> =
+            found.iter().map(|found| found.as_ref().map(|contact| PyContact::of(cell, contact))).collect();
+        single_or_list(py, q.is_single, told)
+    }
+
+    /// Every pair that is closer at `q`, (dof,), than it may be, once each.
+    fn contacts(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<PyContact>> {
+        let q = crate::array::configuration(q, "q", self.cell.robot())?;
+        let contacts = self.cell.contacts(&q, &mut self.cell.scratch());
+        Ok(contacts.iter().map(|contact| PyContact::of(&self.cell, contact)).collect())
+    }
+
+    /// Whether the whole straight motion from `a` to `b` is proven free: a bool. Of batches, (N, dof) both or one
+    /// of them (dof,), an array (N,) of bools.
+    #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
+    fn motion_is_free<'py>(
+        &self,
+        a: &Bound<'py, PyAny>,
+        b: &Bound<'py, PyAny>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (is_single, motions) = self.motions(a, b, threads)?;
+        let proven: Vec<bool> = motions.iter().map(Motion::is_proven).collect();
+        match (is_single, &proven[..]) {
+            (true, [only]) => Ok(PyBool::new(a.py(), *only).to_owned().into_any()),
+            _ => Ok(shaped(a.py(), proven.clone(), &[proven.len()])?.into_any()),
+        }
+    }
+
+    /// The same with what prevents the proof, and where: a Motion; of batches, a list of N of them.
+    #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
+    fn motion<'py>(
+        &self,
+        a: &Bound<'py, PyAny>,
+        b: &Bound<'py, PyAny>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = a.py();
+        let (is_single, motions) = self.motions(a, b, threads)?;
+        let told: Vec<_> =
+            motions.iter().map(|motion| PyMotion::of(py, &self.cell, motion)).collect::<PyResult<_>>()?;
+        single_or_list(py, is_single, told)
+    }
+
+    /// The least distance in metres over all pairs along the straight motion from `a` to `b`, (dof,) each: a
+    /// certified lower bound, at most 10 µm too low; 0 if there is contact. Joint limits do not enter.
+    fn least_clearance(&self, py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let a = crate::array::configuration(a, "a", self.cell.robot())?;
+        let b = crate::array::configuration(b, "b", self.cell.robot())?;
+        Ok(py.detach(|| self.cell.least_clearance(&a, &b, &mut self.cell.scratch())))
+    }
+
+    fn __repr__(&self) -> String {
+        let (robot, bodies) = (self.cell.robot().name(), self.cell.world().bodies().len());
+        format!("<cranny.Cell: {robot} among {bodies} bodies>")
+    }
+}
+
+impl PyCell {
+    fn motions(
+        &self,
+        a: &Bound<'_, PyAny>,
+        b: &Bound<'_, PyAny>,
+        threads: Option<usize>,
+    ) -> PyResult<(bool, Vec<Motion>)> {
+        let (py, cell, dof) = (a.py(), &*self.cell, self.cell.robot().dof());
+        let a = Configurations::read(a, "a", cell.robot())?;
+        let b = Configurations::read(b, "b", cell.robot())?;
+        let count = match (a.is_single, b.is_single) {
+            (true, _) => b.count,
+            (_, true) => a.count,
+            _ if a.count == b.count => a.count,
+            _ => {
+                return Err(bad_value(format!(
+                    "a has shape ({}, {dof}) and b has shape ({}, {dof}), but as many rows are expected",
+                    a.count, b.count
+                )));
+            }
+        };
+        let (from, to) = (a.values()?, b.values()?);
+        let (a_step, b_step) = (usize::from(!a.is_single) * dof, usize::from(!b.is_single) * dof);
+        let motions = computed(
+            py,
+            (count, 1),
+            EXACT_BLOCK,
+            thread_count(threads)?,
+            || cell.scratch(),
+            |scratch, range, out: &mut [Option<Motion>]| {
+                for (index, out) in range.zip(out) {
+                    let (a, b) = (&from[index * a_step..][..dof], &to[index * b_step..][..dof]);
+                    *out = Some(cell.motion_is_free(a, b, scratch));
+                }
+            },
+        )?;
+        Ok((a.is_single && b.is_single, motions.into_iter().flatten().collect()))
+    }
+}
+
+fn scalar_or_array(py: Python<'_>, is_single: bool, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
+    if let (true, [only]) = (is_single, &values[..]) {
+        return only.into_bound_py_any(py);
+    }
+    let count = values.len();
+    Ok(shaped(py, values, &[count])?.into_any())
+}
+
+fn single_or_list<'py, T>(py: Python<'py>, is_single: bool, mut told: Vec<T>) -> PyResult<Bound<'py, PyAny>>
+where
+    T: IntoPyObjectExt<'py>,
+    Vec<T>: IntoPyObjectExt<'py>,
+{
+    match (is_single, told.pop()) {
+        (true, Some(only)) => only.into_bound_py_any(py),
+        (_, last) => {
+            told.extend(last);
+            told.into_bound_py_any(py)
+        }
+    }
+}

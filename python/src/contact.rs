@@ -1,0 +1,109 @@
+//! `Contact` and `Motion`: what a cell says besides yes and no.
+
+use cranny_collision::{Cell, Contact, Motion};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use crate::array::shaped;
+
+/// Two things that are closer than they may be.
+#[pyclass(name = "Contact", module = "cranny", frozen)]
+pub struct PyContact {
+    /// The link.
+    #[pyo3(get)]
+    first: String,
+    /// Another link, or a body.
+    #[pyo3(get)]
+    second: String,
+    /// Their distance in metres; 0 where they overlap.
+    #[pyo3(get)]
+    clearance_m: f64,
+    /// The clearance that was demanded, in metres.
+    #[pyo3(get)]
+    required_m: f64,
+    /// How deep they overlap, in metres; 0 where they only come too close.
+    #[pyo3(get)]
+    depth_m: f64,
+    point: [f64; 3],
+}
+
+impl PyContact {
+    pub fn of(cell: &Cell, contact: &Contact) -> Self {
+        Self {
+            first: cell.name(contact.first).to_owned(),
+            second: cell.name(contact.second).to_owned(),
+            clearance_m: contact.clearance_m,
+            required_m: contact.required_m,
+            depth_m: contact.depth_m,
+            point: contact.point.coords.into(),
+        }
+    }
+}
+
+#[pymethods]
+impl PyContact {
+    /// Where, (3,) in the planning frame, in metres: a point in the overlap, or the middle of the link.
+    #[getter]
+    fn point<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        shaped(py, self.point.to_vec(), &[3])
+    }
+
+    fn __repr__(&self) -> String {
+        let Self { first, second, depth_m, clearance_m, .. } = self;
+        if *depth_m > 0.0 {
+            format!("<cranny.Contact: {first} is {:.2} mm deep in {second}>", depth_m * 1000.0)
+        } else {
+            format!("<cranny.Contact: {first} is {:.2} mm from {second}>", clearance_m * 1000.0)
+        }
+    }
+}
+
+/// What is known about a straight motion between two configurations. True only if all of it is proven free.
+#[pyclass(name = "Motion", module = "cranny", frozen)]
+pub struct PyMotion {
+    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of what is demanded)
+    /// or "out-of-limits".
+    #[pyo3(get)]
+    kind: &'static str,
+    /// Where along the motion, in [0, 1], it is not free; None if it is, or if an end is out of limits.
+    #[pyo3(get)]
+    at: Option<f64>,
+    /// The pair that touches or is in doubt there.
+    #[pyo3(get)]
+    contact: Option<Py<PyContact>>,
+    /// The joint that is out of its limits.
+    #[pyo3(get)]
+    joint: Option<String>,
+}
+
+impl PyMotion {
+    pub fn of(py: Python<'_>, cell: &Cell, motion: &Motion) -> PyResult<Self> {
+        let with = |kind, at: f64, contact: &Contact| -> PyResult<Self> {
+            let contact = Some(Py::new(py, PyContact::of(cell, contact))?);
+            Ok(Self { kind, at: Some(at), contact, joint: None })
+        };
+        match motion {
+            Motion::Proven => Ok(Self { kind: "proven", at: None, contact: None, joint: None }),
+            Motion::Contact { at, contact } => with("contact", *at, contact),
+            Motion::Unresolved { at, contact } => with("unresolved", *at, contact),
+            Motion::OutOfLimits { joint } => {
+                let joint = Some(cell.robot().joint_names()[*joint].clone());
+                Ok(Self { kind: "out-of-limits", at: None, contact: None, joint })
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl PyMotion {
+    fn __bool__(&self) -> bool {
+        self.kind == "proven"
+    }
+
+    fn __repr__(&self) -> String {
+        match self.at {
+            Some(at) => format!("<cranny.Motion: {} at {at:.3}>", self.kind),
+            None => format!("<cranny.Motion: {}>", self.kind),
+        }
+    }
+}

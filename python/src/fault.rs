@@ -1,0 +1,29 @@
+//! What Python hears of bad input.
+
+use std::fmt::Display;
+
+use pyo3::PyErr;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+
+pyo3::create_exception!(
+    cranny,
+    CrannyError,
+    PyValueError,
+    "What is wrong with a file, a scene, a robot or a call. The message is complete in itself: file and line \
+     where there is one, and a hint. A `ValueError`."
+);
+
+/// The error of a lower room.
+pub fn fault(reason: impl Display) -> PyErr {
+    CrannyError::new_err(reason.to_string())
+}
+
+/// A value that is of the right type, and wrong.
+pub fn bad_value(message: impl Into<String>) -> PyErr {
+    PyValueError::new_err(message.into())
+}
+
+/// A value of the wrong type.
+pub fn bad_type(message: impl Into<String>) -> PyErr {
+    PyTypeError::new_err(message.into())
+}

@@ -1,0 +1,112 @@
+//! `sample_grasps`: antipodal grasps of a mesh.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use cranny_collision::{Body, World};
+use cranny_grasp::{
+    COVERAGE_THRESHOLD, GraspSet, Gripper, SampledGrasp, SamplerSettings, covering_subset,
+    sample_grasps as sample,
+};
+use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_scenario::{DEFAULT_FRICTION, panda_hand, read_gripper};
+use cranny_shape::{Solid, Surface};
+use cranny_spatial::Pose;
+use pyo3::prelude::*;
+
+use crate::array::triangles;
+use crate::fault::{bad_value, fault};
+use crate::grasp_set::PyGrasps;
+use crate::interrupt::Interrupt;
+
+/// More grasps than this are a mistake: they would be compared with each other.
+const MOST_GRASPS: usize = 1_000_000;
+
+/// More directions than this about one axis are a mistake.
+const MOST_APPROACHES: usize = 360;
+
+/// Antipodal grasps of an object, scored by the friction that they need, from which `count` are chosen that lie
+/// near as many as possible of all `candidates` (by default ten times as many).
+///
+/// `mesh`: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of arrays (V, 3) in metres and
+/// (F, 3) of indices. `gripper`: a YAML file; by default the hand of the built-in robot. `friction`: the
+/// coefficient between pads and object. `approaches`: directions about each closing axis. Unless `bare`, only
+/// grasps that the open hand can take, along the last `approach_m` (m) in a straight line. The same `seed` gives
+/// the same grasps on any number of threads. Poses are in the frame of the mesh.
+#[pyfunction]
+#[pyo3(
+    signature = (mesh, gripper=None, *, count=200, candidates=None, friction=DEFAULT_FRICTION, approaches=12,
+        approach_m=APPROACH_M, bare=false, seed=0),
+    text_signature = "(mesh, gripper=None, *, count=200, candidates=None, friction=0.24, approaches=12, \
+        approach_m=0.05, bare=False, seed=0)"
+)]
+#[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+pub fn sample_grasps(
+    mesh: &Bound<'_, PyAny>,
+    gripper: Option<PathBuf>,
+    count: usize,
+    candidates: Option<usize>,
+    friction: f64,
+    approaches: usize,
+    approach_m: f64,
+    bare: bool,
+    seed: u64,
+) -> PyResult<PyGrasps> {
+    let py = mesh.py();
+    let wished = candidates.unwrap_or(count.saturating_mul(10)).max(count);
+    for (what, value, most) in [("count", wished, MOST_GRASPS), ("approaches", approaches, MOST_APPROACHES)] {
+        if value > most {
+            return Err(bad_value(format!("{what} is {value}, but at most {most} make sense")));
+        }
+    }
+    let mesh = triangles(mesh)?;
+    let (gripper, hand) = match gripper {
+        Some(path) => {
+            let gripper = read_gripper(&path).map_err(fault)?;
+            let hand = Hand::of_gripper(&gripper).map_err(fault)?;
+            (gripper, hand)
+        }
+        None => (Gripper::panda_hand(), panda_hand().map_err(fault)?),
+    };
+    let interrupt = Mutex::new(Interrupt::new());
+    let found = py.detach(|| -> PyResult<GraspSet> {
+        let surface = Surface::new(&mesh).map_err(fault)?;
+        let settings = SamplerSettings {
+            count: wished,
+            friction,
+            opening_m: gripper.opening_m,
+            approaches,
+            // What the filter of the hand would refuse anyway, sooner.
+            finger_depth_m: Some(gripper.finger_depth_m()).filter(|depth_m| !bare && *depth_m > 0.0),
+            seed,
+            ..SamplerSettings::default()
+        };
+        let filter = if bare { None } else { Some(hand_filter(&hand, &mesh, &surface, approach_m)?) };
+        let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
+        let found = sample(&surface, &settings, &accept, &mut |_| {
+            !interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks())
+        });
+        let grasps: Vec<_> = found.map_err(fault)?.grasps.iter().map(|sampled| sampled.grasp).collect();
+        let chosen = covering_subset(&grasps, count, COVERAGE_THRESHOLD);
+        GraspSet::new(chosen.into_iter().map(|index| grasps[index]).collect()).map_err(fault)
+    });
+    if let Ok(interrupt) = interrupt.into_inner() {
+        interrupt.result()?;
+    }
+    Ok(PyGrasps { set: found? })
+}
+
+/// The hand against the object; one with holes is only a surface.
+fn hand_filter(
+    hand: &Hand,
+    mesh: &cranny_shape::TriangleSoup,
+    surface: &Surface,
+    approach_m: f64,
+) -> PyResult<HandFilter> {
+    let solid = Solid::mesh(mesh).ok();
+    let is_open = solid.is_none();
+    let bodies = solid.into_iter().map(|solid| Body::new("object", Pose::identity(), solid)).collect();
+    let world = World::new(bodies).map_err(fault)?;
+    let filter = HandFilter::new(hand, world, approach_m).map_err(fault)?;
+    Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
+}

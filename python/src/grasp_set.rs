@@ -1,0 +1,124 @@
+//! `Grasps`: a set of grasps as arrays.
+
+use std::path::PathBuf;
+
+use cranny_grasp::{COVERAGE_THRESHOLD, Grasp, GraspSet, coverage, read_csv, write_csv};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use crate::array::{self, Numbers, matrices, shaped};
+use crate::fault::{bad_value, fault};
+
+/// Ways to hold an object, N of them: poses of the gripper frame, scores and widths. Immutable.
+///
+/// The gripper frame has its origin between the finger pads, y along the axis on which the fingers close, z out of
+/// the palm; a gripper turned by 180° about z is the same grasp. Poses are in the planning frame, those of
+/// `sample_grasps` in the frame of the mesh.
+#[pyclass(name = "Grasps", module = "cranny", frozen)]
+pub struct PyGrasps {
+    pub set: GraspSet,
+}
+
+#[pymethods]
+impl PyGrasps {
+    /// Grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all:
+    /// not known.
+    #[new]
+    #[pyo3(signature = (poses, scores=None, widths=None))]
+    fn new(
+        poses: &Bound<'_, PyAny>,
+        scores: Option<&Bound<'_, PyAny>>,
+        widths: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (_, poses) = array::poses(poses, "poses")?;
+        let scores = known(scores, "scores", poses.len())?;
+        let widths = known(widths, "widths", poses.len())?;
+        let grasps = poses.into_iter().zip(scores).zip(widths);
+        let grasps = grasps
+            .map(|((world_from_gripper, score), width_m)| Grasp { world_from_gripper, score, width_m })
+            .collect();
+        Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
+    }
+
+    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width in each line.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        Ok(Self { set: read_csv(&path).map_err(fault)? })
+    }
+
+    /// Writes a `grasps.csv`, as a whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        write_csv(&path, &self.set).map_err(fault)
+    }
+
+    /// Poses of the gripper frame, (N, 4, 4), metres.
+    #[getter]
+    fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        matrices(py, self.set.grasps().iter().map(|grasp| grasp.world_from_gripper))
+    }
+
+    /// How good each is, (N,), in [0, 1]; NaN where nobody scored it.
+    #[getter]
+    fn scores<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each(py, |grasp| grasp.score)
+    }
+
+    /// Width of the object between the fingers, (N,), in metres; NaN where it is not known.
+    #[getter]
+    fn widths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each(py, |grasp| grasp.width_m)
+    }
+
+    /// Indices (N,) from the highest score down; unscored grasps come last.
+    fn by_score<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
+        shaped(py, self.set.by_score().into_iter().map(array::index).collect(), &[self.set.len()])
+    }
+
+    /// The nearest grasp to a gripper at `pose` (4, 4): its index, metres and radians between them.
+    fn nearest(&self, pose: &Bound<'_, PyAny>) -> PyResult<Option<(usize, f64, f64)>> {
+        let (true, poses) = array::poses(pose, "pose")? else {
+            return Err(bad_value("pose is a batch, but one pose of shape (4, 4) is expected"));
+        };
+        let nearest = poses.first().and_then(|pose| self.set.nearest(pose));
+        Ok(nearest.map(|(index, difference)| (index, difference.translation_m, difference.rotation_rad)))
+    }
+
+    /// How much of these grasps those of `other` cover: the share, in [0, 1], that is within `threshold`
+    /// (millimetres plus degrees) of one of them.
+    #[pyo3(
+        signature = (other, *, threshold=COVERAGE_THRESHOLD),
+        text_signature = "($self, other, *, threshold=15.0)"
+    )]
+    fn covered_by(&self, py: Python<'_>, other: &Self, threshold: f64) -> f64 {
+        py.detach(|| coverage(self.set.grasps(), other.set.grasps(), threshold))
+    }
+
+    fn __len__(&self) -> usize {
+        self.set.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cranny.Grasps: {}>", self.set.len())
+    }
+}
+
+impl PyGrasps {
+    fn each<'py>(
+        &self,
+        py: Python<'py>,
+        value: impl Fn(&Grasp) -> Option<f64>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let values = self.set.grasps().iter().map(|grasp| value(grasp).unwrap_or(f64::NAN)).collect();
+        shaped(py, values, &[self.set.len()])
+    }
+}
+
+/// One value for each grasp; NaN is none.
+fn known(value: Option<&Bound<'_, PyAny>>, what: &str, count: usize) -> PyResult<Vec<Option<f64>>> {
+    let Some(value) = value else { return Ok(vec![None; count]) };
+    let numbers = Numbers::read(value, what)?;
+    if *numbers.shape() != [count] {
+        return Err(numbers.wrong_shape(&format!("({count},) for the {count} poses")));
+    }
+    Ok(numbers.values()?.iter().map(|value| Some(*value).filter(|value| !value.is_nan())).collect())
+}

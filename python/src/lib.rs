@@ -1,0 +1,78 @@
+//! Cranny for Python: the same nouns as in Rust, NumPy in and out, no logic of its own.
+//!
+//! This crate turns arrays into what the rooms below take, and what they give into arrays. Every batch leaves the
+//! interpreter to others, shares its rows among as many cores as it is told, and hears Ctrl-C. What a notebook, a
+//! data frame or another middleware wants is made of that in Python (`python/cranny`).
+//!
+//! ## Limits
+//! Arrays are read where they lie: one that another thread writes to during a call gives answers about neither
+//! its old nor its new values. A search looks for Ctrl-C between its iterations, a batch between blocks of rows.
+
+// Doc comments of what is exported are help texts of Python, which show marks as they are.
+#![allow(clippy::doc_markdown)]
+// What Python hands over is a value, whatever becomes of it.
+#![allow(clippy::needless_pass_by_value)]
+
+mod array;
+mod body;
+mod campaign;
+mod cell;
+mod contact;
+mod fault;
+mod grasp_sampling;
+mod grasp_set;
+mod interrupt;
+mod json;
+mod moveit_problem;
+mod picture;
+mod plan;
+mod planning;
+mod results;
+mod robot;
+mod rows;
+mod scenario;
+mod task;
+mod trajectory;
+mod verification;
+
+/// What the package `cranny` is made of.
+#[pyo3::pymodule]
+mod _cranny {
+    #[pymodule_export]
+    use crate::body::PyBody;
+    #[pymodule_export]
+    use crate::campaign::{run_campaign, serve_trials};
+    #[pymodule_export]
+    use crate::cell::PyCell;
+    #[pymodule_export]
+    use crate::contact::{PyContact, PyMotion};
+    #[pymodule_export]
+    use crate::fault::CrannyError;
+    #[pymodule_export]
+    use crate::grasp_sampling::sample_grasps;
+    #[pymodule_export]
+    use crate::grasp_set::PyGrasps;
+    #[pymodule_export]
+    use crate::moveit_problem::PyMoveItProblem;
+    #[pymodule_export]
+    use crate::picture::{moving_picture, page, picture};
+    #[pymodule_export]
+    use crate::plan::PyPlan;
+    #[pymodule_export]
+    use crate::planning::{plan, planner_names, verify_path};
+    #[pymodule_export]
+    use crate::results::PyResultsFile;
+    #[pymodule_export]
+    use crate::robot::PyRobot;
+    #[pymodule_export]
+    use crate::scenario::{PyScenario, scenario_ids};
+    #[pymodule_export]
+    use crate::trajectory::PySamples;
+    #[pymodule_export]
+    use crate::verification::PyVerification;
+
+    /// The version.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)] // Python's name for it.
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,125 @@
+//! Pictures and pages of scenarios and plans, as the bytes or the text of files.
+
+use std::path::Path;
+
+use cranny_scenario::Scenario;
+use cranny_view::{
+    Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,
+    StandardView, ViewError, page_cell,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::fault::{bad_value, fault};
+use crate::interrupt::Interrupt;
+use crate::plan::PyPlan;
+use crate::scenario::PyScenario;
+
+/// Instants a second of a path that only one is shown of.
+const STILL_RATE_HZ: f64 = 20.0;
+
+/// What errors call a file that is none.
+const IN_MEMORY: &str = "picture";
+
+/// The longest motion that is drawn at once, in pictures.
+const MOST_FRAMES: usize = 2000;
+
+/// A PNG of `scenario`, of the end of `plan` with the way to it where one is given. `view`: "three-quarter",
+/// "front", "side" or "top". `width` and `height` in points, 16 to 8192.
+#[pyfunction]
+#[pyo3(signature = (scenario, plan=None, *, view="three-quarter", width=960, height=720))]
+pub fn picture<'py>(
+    py: Python<'py>,
+    scenario: &PyScenario,
+    plan: Option<&PyPlan>,
+    view: &str,
+    width: usize,
+    height: usize,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let view = standard_view(view)?;
+    let settings = PictureSettings { width, height, ..PictureSettings::default() };
+    let bytes = py.detach(|| {
+        let scene = scene_of(&scenario.scenario, plan, STILL_RATE_HZ)?;
+        let picture = Picture::of(&scene, view, &settings).map_err(fault)?;
+        picture.png(Path::new(IN_MEMORY)).map_err(fault)
+    })?;
+    Ok(PyBytes::new(py, &bytes))
+}
+
+/// An animated PNG of `plan` in `scenario`, at `rate` pictures a second, 1 to 50.
+#[pyfunction]
+#[pyo3(signature = (scenario, plan, *, view="three-quarter", width=640, height=480, rate=10))]
+pub fn moving_picture<'py>(
+    py: Python<'py>,
+    scenario: &PyScenario,
+    plan: &PyPlan,
+    view: &str,
+    width: usize,
+    height: usize,
+    rate: u16,
+) -> PyResult<Bound<'py, PyBytes>> {
+    if !(1..=50).contains(&rate) {
+        return Err(bad_value(format!("rate is {rate}, but 1 to 50 pictures a second are expected")));
+    }
+    let view = standard_view(view)?;
+    let settings = PictureSettings { width, height, ghosts: 0, ..PictureSettings::default() };
+    let mut interrupt = Interrupt::new();
+    let bytes = py.detach(|| -> PyResult<Vec<u8>> {
+        let scene = scene_of(&scenario.scenario, Some(plan), f64::from(rate))?;
+        let Some(last) = scene.last_frame() else { return Err(bad_value("the plan has no path to show")) };
+        if last >= MOST_FRAMES {
+            return Err(bad_value(format!(
+                "{last} pictures, but at most {MOST_FRAMES} are drawn: lower the rate"
+            )));
+        }
+        let mut pictures = Vec::new();
+        let frames: Vec<usize> = (0..=last).collect();
+        // A few at a time, so that Ctrl-C is heard between them.
+        for some in frames.chunks(8) {
+            pictures.extend(
+                Animation::draw(&scene, view, &settings, some, |_, picture| Ok(picture)).map_err(fault)?,
+            );
+            if interrupt.asks() {
+                return Ok(Vec::new());
+            }
+        }
+        let file = tempfile::NamedTempFile::new().map_err(fault)?;
+        Animation { pictures, rate_hz: rate }.write_apng(file.path()).map_err(fault)?;
+        std::fs::read(file.path()).map_err(fault)
+    });
+    interrupt.result()?;
+    Ok(PyBytes::new(py, &bytes?))
+}
+
+/// The viewer with `scenario`, and with `plan` where one is given, as one HTML document; None if the package was
+/// built without the viewer (Node was missing).
+#[pyfunction]
+#[pyo3(signature = (scenario, plan=None))]
+pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<Option<String>> {
+    let html = py.detach(|| {
+        let shown = &scenario.scenario;
+        let cell = page_cell(shown)?;
+        let of_plan = |plan: &PyPlan| PagePlan::of_file("plan", &plan.file, shown, &plan.task.problem);
+        let plans = plan.map(of_plan).transpose()?;
+        PageData::of(shown, plans.as_slice(), &cell, PageSettings::default())?.html()
+    });
+    match html {
+        Err(ViewError::NoPage) => Ok(None),
+        html => html.map(Some).map_err(fault),
+    }
+}
+
+fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {
+    let path = match plan {
+        Some(plan) => ShownPath::of_plan(scenario, &plan.file, rate_hz).map_err(fault)?,
+        None => None,
+    };
+    Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)
+}
+
+fn standard_view(name: &str) -> PyResult<StandardView> {
+    StandardView::ALL.into_iter().find(|view| view.name() == name).ok_or_else(|| {
+        let known = StandardView::ALL.map(StandardView::name).join(", ");
+        bad_value(format!("there is no view '{name}' (there are: {known})"))
+    })
+}

@@ -1,0 +1,189 @@
+//! `Plan`: an answer, with all that is needed to judge it and to find it again.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use cranny_plan::{GraspFailure, Outcome, Trajectory, verify};
+use cranny_scenario::{Demands, PlanFile, write_trajectory_csv};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{rows, shaped};
+use crate::fault::{bad_value, fault};
+use crate::json::python_of;
+use crate::planning::Timing;
+use crate::scenario::PyScenario;
+use crate::task::Task;
+use crate::trajectory::PySamples;
+use crate::verification::PyVerification;
+
+/// An answer: a path, its time, its proof and what the search cost. True if there is a path and it is valid.
+#[pyclass(name = "Plan", module = "cranny", frozen)]
+pub struct PyPlan {
+    pub task: Task,
+    pub file: PlanFile,
+    pub trajectory: Option<Arc<Trajectory>>,
+    pub is_valid: bool,
+    pub failures: Vec<GraspFailure>,
+}
+
+#[pymethods]
+impl PyPlan {
+    /// Reads a `.plan.json` of `scenario` (a Scenario or a MoveItProblem); None: the built-in one that it names.
+    /// The path is judged anew.
+    #[staticmethod]
+    #[pyo3(signature = (path, scenario=None))]
+    fn load(py: Python<'_>, path: PathBuf, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let file = PlanFile::read(&path).map_err(fault)?;
+        let demands =
+            Demands { margin_m: file.margins.margin_m, grasp_margin_m: file.margins.grasp_margin_m };
+        let named;
+        let scenario = if let Some(scenario) = scenario {
+            scenario
+        } else {
+            let what = (file.scenario.clone(),);
+            let criterion = PyDict::new(py);
+            criterion.set_item("criterion", file.criterion.name())?;
+            named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
+            &named
+        };
+        let task = Task::of(scenario, &demands)?;
+        let expected = task.problem.robot.joint_names();
+        if file.joint_names != expected {
+            let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
+            return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
+        }
+        let (is_valid, trajectory) = py
+            .detach(|| -> Result<_, cranny_plan::PlanError> {
+                if file.waypoints.is_empty() {
+                    return Ok((false, None));
+                }
+                let is_valid = verify(&task.problem, &file.waypoints)?.valid;
+                let trajectory = match &file.timing {
+                    Some(timing) => Timing { method: timing.method, blend: timing.blended }
+                        .time(&task.problem, &file.waypoints)?,
+                    None => None,
+                };
+                Ok((is_valid, trajectory))
+            })
+            .map_err(fault)?;
+        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid, failures: Vec::new() })
+    }
+
+    /// Way points from the start to the goal, (N, dof), joined by straight lines; (0, dof) where none was found.
+    #[getter]
+    fn path<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        rows(py, &self.file.waypoints, self.file.joint_names.len())
+    }
+
+    /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        let times = self.trajectory.as_ref().map(|trajectory| trajectory.waypoint_times_s().to_vec());
+        times
+            .map(|times| {
+                let count = times.len();
+                shaped(py, times, &[count])
+            })
+            .transpose()
+    }
+
+    /// From the first way point to the last, in seconds; None where `times` is None.
+    #[getter]
+    fn duration_s(&self) -> Option<f64> {
+        self.trajectory.as_ref().map(|trajectory| trajectory.duration_s())
+    }
+
+    /// How the search ended: "solved", "budget-exhausted", "start-invalid", "no-reachable-grasp", …
+    #[getter]
+    fn outcome(&self) -> &'static str {
+        self.file.outcome.name()
+    }
+
+    /// Whether a path was found and the judge finds that it meets the criterion.
+    #[getter]
+    fn solved(&self) -> bool {
+        self.file.outcome == Outcome::Solved && self.is_valid
+    }
+
+    /// Index of the grasp that the path ends at, if it is one.
+    #[getter]
+    fn grasp(&self) -> Option<usize> {
+        self.file.grasp
+    }
+
+    /// The least clearance along the whole path in metres, proven; None where there is none.
+    #[getter]
+    fn clearance_m(&self) -> Option<f64> {
+        self.file.clearance_m
+    }
+
+    /// Names of the joints, in the order of every way point.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.file.joint_names.clone()
+    }
+
+    /// Everything that stands in a plan file, as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and
+    /// `failures`, what stood between the robot and each grasp, from planners that keep account of it.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let report = python_of(py, &self.file)?;
+        report.set_item("failures", python_of(py, &self.failures)?)?;
+        report.set_item("valid", self.is_valid)?;
+        Ok(report)
+    }
+
+    /// Where the robot is, how fast and how hard it accelerates, at `rate` samples a second (Hz): a Samples of
+    /// arrays (T, dof). The last sample is the end.
+    #[pyo3(signature = (rate=100.0))]
+    fn sample(&self, py: Python<'_>, rate: f64) -> PyResult<PySamples> {
+        let trajectory = self.timed()?;
+        py.detach(|| PySamples::of(&trajectory, rate)).map_err(fault)
+    }
+
+    /// Judges the path again, as anybody's: from the way points alone.
+    fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
+        let verification = py.detach(|| verify(&self.task.problem, &self.file.waypoints)).map_err(fault)?;
+        Ok(PyVerification { verification })
+    }
+
+    /// Writes a `.plan.json`, as a whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        self.file.write(&path).map_err(fault)
+    }
+
+    /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations.
+    #[pyo3(signature = (path, rate=100.0))]
+    fn save_trajectory(&self, path: PathBuf, rate: f64) -> PyResult<()> {
+        let trajectory = self.timed()?;
+        write_trajectory_csv(&path, &trajectory, rate).map_err(fault)
+    }
+
+    fn __bool__(&self) -> bool {
+        self.solved()
+    }
+
+    fn __repr__(&self) -> String {
+        let PlanFile { scenario, planner, waypoints, .. } = &self.file;
+        format!(
+            "<cranny.Plan of '{scenario}': {} by {planner}, {} way points>",
+            self.outcome(),
+            waypoints.len()
+        )
+    }
+}
+
+impl PyPlan {
+    fn timed(&self) -> PyResult<Arc<Trajectory>> {
+        self.trajectory.clone().ok_or_else(|| {
+            bad_value(if self.file.waypoints.is_empty() {
+                "there is no path to sample"
+            } else {
+                "the path has no time: the robot has no limits of acceleration (give them in its limits.yaml), or \
+                 the path is not valid"
+            })
+        })
+    }
+}

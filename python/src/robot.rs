@@ -1,0 +1,381 @@
+//! `Robot`: links, joints, kinematics.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Scratch};
+use cranny_robot::{
+    IkSearch, IkSearchSettings, IkSolver, JointGroup, JointUnit, MeshUse, Robot, RobotOptions, TextSource,
+};
+use cranny_scenario::panda_mobile;
+use cranny_spatial::{Pose, Stream};
+use numpy::PyArrayDyn;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+
+use crate::array::{self, Configurations, shaped};
+use crate::cell::PyCell;
+use crate::fault::{bad_value, fault};
+use crate::rows::{computed, thread_count};
+
+/// A robot: links and the group of joints that moves them. Immutable.
+///
+/// `q` holds one value for each joint of the group, in the order of `joint_names`: metres for a joint that
+/// slides, radians for one that turns. Poses are `root_from_link`, (4, 4) homogeneous matrices in metres.
+/// Wherever `q` of shape (dof,) is taken, so is a batch (N, dof); answers then have N rows.
+#[pyclass(name = "Robot", module = "cranny", frozen)]
+pub struct PyRobot {
+    pub robot: Arc<Robot>,
+}
+
+/// Rows of one piece of work: a few hundred microseconds.
+const BLOCK: usize = 256;
+
+/// More attempts than this are a mistake; an attempt takes some ten microseconds.
+const MOST_ATTEMPTS: usize = 100_000;
+
+/// More configurations than this are drawn by mistake.
+const MOST_SAMPLES: usize = 100_000_000;
+
+#[pymethods]
+impl PyRobot {
+    /// Reads a robot from the URDF file at `path`.
+    ///
+    /// The SRDF and the `limits.yaml` beside it are read too, unless `srdf` names another. `tip`: the link that
+    /// reaches for grasps. `joints`: names of the joints that `q` stands for, in order; or `group`: a group of the
+    /// SRDF; by default all from the root to the tip. `fixed`: values (m, rad) of joints outside the group.
+    /// `packages`: folders in which `package://` names are looked for. `meshes`: "hull" (a mesh stands for its
+    /// convex hull) or "solid" (for what it encloses).
+    ///
+    /// Raises CrannyError with file, line and a hint.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, srdf=None, tip=None, joints=None, group=None, fixed=None, packages=None, meshes="hull"))]
+    #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+    fn from_urdf(
+        py: Python<'_>,
+        path: PathBuf,
+        srdf: Option<PathBuf>,
+        tip: Option<String>,
+        joints: Option<Vec<String>>,
+        group: Option<String>,
+        fixed: Option<BTreeMap<String, f64>>,
+        packages: Option<Vec<PathBuf>>,
+        meshes: &str,
+    ) -> PyResult<Self> {
+        let group = match (joints, group) {
+            (Some(_), Some(_)) => return Err(bad_value("give joints or group, not both")),
+            (Some(joints), None) => JointGroup::Joints(joints),
+            (None, Some(group)) => JointGroup::Srdf(group),
+            (None, None) => JointGroup::RootToTip,
+        };
+        let options = RobotOptions {
+            srdf: srdf.map(TextSource::Path),
+            limits: None,
+            group,
+            tip,
+            fixed: fixed.unwrap_or_default(),
+            packages: packages.unwrap_or_default(),
+            meshes: match meshes {
+                "hull" => MeshUse::Hull,
+                "solid" => MeshUse::Solid,
+                _ => {
+                    return Err(bad_value(format!(
+                        "meshes is '{meshes}', but 'hull' or 'solid' is expected"
+                    )));
+                }
+            },
+        };
+        let robot = py.detach(|| Robot::load(&path, &options)).map_err(fault)?;
+        Ok(Self { robot: Arc::new(robot) })
+    }
+
+    /// Reads a robot from the text of a URDF without meshes.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, tip=None))]
+    fn from_urdf_text(text: &str, tip: Option<String>) -> PyResult<Self> {
+        let options = RobotOptions { tip, ..RobotOptions::default() };
+        let robot = Robot::from_urdf_text(text, "<text>", None, &options).map_err(fault)?;
+        Ok(Self { robot: Arc::new(robot) })
+    }
+
+    /// The built-in robot: a Franka Panda with its hand on a base that slides along y and x, 9 joints.
+    #[staticmethod]
+    fn panda_mobile() -> PyResult<Self> {
+        Ok(Self { robot: panda_mobile().map_err(fault)? })
+    }
+
+    /// The name in the URDF.
+    #[getter]
+    fn name(&self) -> &str {
+        self.robot.name()
+    }
+
+    /// How many joints `q` has.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.robot.dof()
+    }
+
+    /// Names of the joints, in the order of `q`.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.robot.joint_names().to_vec()
+    }
+
+    /// What each value of `q` is measured in: "m" or "rad".
+    #[getter]
+    fn joint_units(&self) -> Vec<&'static str> {
+        let unit = |unit: JointUnit| match unit {
+            JointUnit::Metre => "m",
+            JointUnit::Radian => "rad",
+        };
+        self.robot.limits().iter().map(|limits| unit(limits.unit)).collect()
+    }
+
+    /// Names of all links, the root first.
+    #[getter]
+    fn link_names(&self) -> Vec<String> {
+        self.robot.links().iter().map(|link| link.name.clone()).collect()
+    }
+
+    /// The link that reaches for grasps: its frame is the gripper frame.
+    #[getter]
+    fn tip(&self) -> String {
+        self.robot.links()[self.robot.tip()].name.clone()
+    }
+
+    /// Least value of each joint, (dof,), in m or rad.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.per_joint(py, |limits| limits.lower)
+    }
+
+    /// Greatest value of each joint, (dof,), in m or rad.
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.per_joint(py, |limits| limits.upper)
+    }
+
+    /// Greatest speed of each joint, (dof,), in m/s or rad/s.
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.per_joint(py, |limits| limits.velocity)
+    }
+
+    /// Greatest acceleration of each joint, (dof,), in m/s² or rad/s²; NaN where the robot's files say nothing.
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.per_joint(py, |limits| limits.acceleration.unwrap_or(f64::NAN))
+    }
+
+    /// Pose `root_from_link` of `link`, by default the tip, at `q`: (4, 4), metres; (N, 4, 4) of a batch.
+    ///
+    /// Limits are not checked. `threads`: how many cores share a batch; None: all.
+    #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
+    fn fk<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        link: Option<&str>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (py, dof) = (q.py(), self.robot.dof());
+        let q = Configurations::read(q, "q", &self.robot)?;
+        let link = self.link(link)?;
+        let values = q.values()?;
+        let robot = &*self.robot;
+        let poses = computed(
+            py,
+            (q.count, 16),
+            BLOCK,
+            thread_count(threads)?,
+            || robot.frames(),
+            |frames, range, out: &mut [f64]| {
+                for (q, out) in values[range.start * dof..range.end * dof]
+                    .chunks_exact(dof)
+                    .zip(out.as_chunks_mut::<16>().0)
+                {
+                    if link == robot.tip() {
+                        robot.tip_kinematics(q, frames);
+                    } else {
+                        robot.forward_kinematics(q, frames);
+                    }
+                    *out = cranny_grasp::rows_of_pose(frames.link(link));
+                }
+            },
+        )?;
+        shaped(py, poses, &[q.count, 4, 4][usize::from(q.is_single)..])
+    }
+
+    /// Geometric Jacobian of `link`, by default the tip, at its origin, in the root frame: (6, dof), or (N, 6, dof)
+    /// of a batch. Rows 0–2: metres of the origin; rows 3–5: radians of its rotation; per metre or radian of
+    /// each joint.
+    #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
+    fn jacobian<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        link: Option<&str>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (py, dof) = (q.py(), self.robot.dof());
+        let q = Configurations::read(q, "q", &self.robot)?;
+        let link = self.link(link)?;
+        let values = q.values()?;
+        let robot = &*self.robot;
+        let room = || (robot.frames(), robot.empty_jacobian());
+        let jacobians = computed(
+            py,
+            (q.count, 6 * dof),
+            BLOCK,
+            thread_count(threads)?,
+            room,
+            |(frames, jacobian), range, out: &mut [f64]| {
+                for (q, out) in values[range.start * dof..range.end * dof]
+                    .chunks_exact(dof)
+                    .zip(out.chunks_exact_mut(6 * dof))
+                {
+                    robot.forward_kinematics(q, frames);
+                    robot.jacobian(frames, link, jacobian);
+                    for (row, out) in out.chunks_exact_mut(dof).enumerate() {
+                        for (value, entry) in out.iter_mut().zip(jacobian.row(row).iter()) {
+                            *value = *entry;
+                        }
+                    }
+                }
+            },
+        )?;
+        shaped(py, jacobians, &[q.count, 6, dof][usize::from(q.is_single)..])
+    }
+
+    /// Configurations that bring the tip to `pose`, (4, 4) `root_from_tip`: an array (K, dof), 0 ≤ K ≤ `count`,
+    /// of solutions within the joint limits, distinct from each other; for poses (N, 4, 4) a list of N such
+    /// arrays. An empty array proves nothing.
+    ///
+    /// At most `attempts` searches begin at random configurations drawn from `seed`; with `start` (dof,), a
+    /// single one begins there instead. `cell`: only solutions that are free there count.
+    #[pyo3(
+        signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)),
+        text_signature = "($self, pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=1)"
+    )]
+    #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+    fn ik<'py>(
+        &self,
+        pose: &Bound<'py, PyAny>,
+        count: usize,
+        attempts: usize,
+        seed: u64,
+        start: Option<&Bound<'py, PyAny>>,
+        cell: Option<&PyCell>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = pose.py();
+        let robot = &*self.robot;
+        if attempts > MOST_ATTEMPTS {
+            return Err(bad_value(format!("attempts is {attempts}, but at most {MOST_ATTEMPTS} are made")));
+        }
+        let (is_single, poses) = array::poses(pose, "pose")?;
+        let start = start.map(|start| array::configuration(start, "start", robot)).transpose()?;
+        let cell: Option<&Cell> = match cell {
+            Some(cell) if cell.cell.robot().joint_names() != robot.joint_names() => {
+                return Err(bad_value("the cell holds another robot, with other joints"));
+            }
+            cell => cell.map(|cell| &*cell.cell),
+        };
+        let settings = IkSearchSettings::default();
+        let search = Search { robot, start, cell, settings, count, attempts, seed };
+        let room = || cell.map(Cell::scratch);
+        let found = computed(
+            py,
+            (poses.len(), 1),
+            1,
+            thread_count(threads)?,
+            room,
+            |scratch, range, out: &mut [Vec<Vec<f64>>]| {
+                for (index, out) in range.zip(out) {
+                    *out = search.run(&poses[index], index as u64, scratch.as_mut());
+                }
+            },
+        )?;
+        let dof = robot.dof();
+        if is_single {
+            return Ok(array::rows(py, &found.concat(), dof)?.into_any());
+        }
+        let arrays: Vec<_> = found.iter().map(|rows| array::rows(py, rows, dof)).collect::<PyResult<_>>()?;
+        Ok(arrays.into_pyobject(py)?.into_any())
+    }
+
+    /// `count` configurations drawn uniformly from within the joint limits, (count, dof); the same ones for the
+    /// same `seed` on every machine.
+    #[pyo3(signature = (count, *, seed=0))]
+    fn sample<'py>(&self, py: Python<'py>, count: usize, seed: u64) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let dof = self.robot.dof();
+        if count.saturating_mul(dof) > MOST_SAMPLES {
+            return Err(bad_value(format!("count is {count}, which no machine holds")));
+        }
+        let mut random = Stream::new(seed, 0);
+        let limits = self.robot.limits();
+        let values = (0..count)
+            .flat_map(|_| {
+                limits
+                    .iter()
+                    .map(|limits| random.uniform_between(limits.lower, limits.upper))
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        shaped(py, values, &[count, dof])
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cranny.Robot '{}': {} joints, tip '{}'>", self.robot.name(), self.robot.dof(), self.tip())
+    }
+}
+
+impl PyRobot {
+    fn per_joint<'py>(
+        &self,
+        py: Python<'py>,
+        value: impl Fn(&cranny_robot::JointLimits) -> f64,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        shaped(py, self.robot.limits().iter().map(value).collect(), &[self.robot.dof()])
+    }
+
+    fn link(&self, name: Option<&str>) -> PyResult<usize> {
+        let Some(name) = name else { return Ok(self.robot.tip()) };
+        self.robot.link_index(name).ok_or_else(|| {
+            let known = self.link_names().join(", ");
+            PyKeyError::new_err(format!("{} has no link '{name}' (it has: {known})", self.robot.name()))
+        })
+    }
+}
+
+/// A search for solutions of inverse kinematics, the same for each pose.
+struct Search<'a> {
+    robot: &'a Robot,
+    start: Option<Vec<f64>>,
+    cell: Option<&'a Cell>,
+    settings: IkSearchSettings,
+    count: usize,
+    attempts: usize,
+    seed: u64,
+}
+
+impl Search<'_> {
+    /// The solutions for the pose of this number, which has a random stream of its own.
+    fn run(&self, pose: &Pose, number: u64, mut scratch: Option<&mut Scratch>) -> Vec<Vec<f64>> {
+        let mut accept = |q: &[f64]| match (self.cell, scratch.as_deref_mut()) {
+            (Some(cell), Some(scratch)) => cell.is_free(q, scratch),
+            _ => true,
+        };
+        if let Some(start) = &self.start {
+            let found = IkSolver::new(self.robot, self.settings.ik).solve_from(pose, start);
+            return found.into_iter().map(|found| found.q).filter(|q| accept(q)).take(self.count).collect();
+        }
+        let mut random = Stream::new(self.seed, number);
+        let mut search = IkSearch::new(self.robot, pose, self.settings);
+        while search.solutions().len() < self.count && search.attempts() < self.attempts {
+            let left = self.attempts - search.attempts();
+            search.next_solution(&mut random, left, &mut accept);
+        }
+        search.solutions().iter().map(|solution| solution.q.clone()).collect()
+    }
+}

@@ -1,0 +1,68 @@
+//! Many rows at once: the interpreter free for others, one core or several, an ear for Ctrl-C.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use pyo3::prelude::*;
+
+use crate::fault::bad_value;
+use crate::interrupt::Interrupt;
+
+/// More would not fit in any machine, and would be asked for by mistake.
+const MOST_THREADS: usize = 1024;
+
+/// How many threads `threads` asks for; `None`: as many as the machine has cores.
+pub fn thread_count(threads: Option<usize>) -> PyResult<usize> {
+    match threads {
+        None => Ok(thread::available_parallelism().map_or(1, usize::from)),
+        Some(count @ 1..=MOST_THREADS) => Ok(count),
+        Some(count) => Err(bad_value(format!(
+            "threads is {count}, but 1 to {MOST_THREADS}, or None for all cores, is expected"
+        ))),
+    }
+}
+
+/// A result of `count` rows of `width` values each, computed in blocks of `block` rows. Each thread makes room to
+/// compute in with `scratch`; `work` fills the rows of a range. The order of the result does not depend on the
+/// number of threads.
+///
+/// # Errors
+/// What a signal handler raised; whatever was computed is then thrown away.
+pub fn computed<T: Clone + Default + Send, S>(
+    py: Python<'_>,
+    (count, width): (usize, usize),
+    block: usize,
+    threads: usize,
+    scratch: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
+) -> PyResult<Vec<T>> {
+    let mut interrupt = Interrupt::new();
+    let stop = AtomicBool::new(false);
+    let values = py.detach(|| {
+        let mut values = vec![T::default(); count * width];
+        let blocks = Mutex::new(values.chunks_mut((block * width).max(1)).enumerate());
+        let serve = |mut interrupt: Option<&mut Interrupt>| {
+            let mut room = scratch();
+            while !stop.load(Ordering::Relaxed) {
+                let next = blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((index, part)) = next else { break };
+                work(&mut room, index * block..(index * block + part.len() / width.max(1)), part);
+                if interrupt.as_deref_mut().is_some_and(Interrupt::asks) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+        };
+        let helpers = threads.min(count.div_ceil(block.max(1))).saturating_sub(1);
+        thread::scope(|scope| {
+            for _ in 0..helpers {
+                // One that the system refuses is not needed: the others take its blocks.
+                let _ = thread::Builder::new().spawn_scoped(scope, || serve(None));
+            }
+            serve(Some(&mut interrupt));
+        });
+        values
+    });
+    interrupt.result().map(|()| values)
+}

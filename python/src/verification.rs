@@ -1,0 +1,55 @@
+//! `Verification`: what a judge found in a path.
+
+use cranny_plan::Verification;
+use pyo3::prelude::*;
+
+use crate::json::python_of;
+
+/// What a judge found in a path. True if the path meets the criterion.
+#[pyclass(name = "Verification", module = "cranny", frozen)]
+pub struct PyVerification {
+    pub verification: Verification,
+}
+
+#[pymethods]
+impl PyVerification {
+    /// Whether there is no violation at all.
+    #[getter]
+    fn valid(&self) -> bool {
+        self.verification.valid
+    }
+
+    /// Everything that is wrong, in the order of the path: dictionaries of `kind` ("start", "goal", "joint-limit",
+    /// "contact", "clearance", "unresolved", "step"), `edge`, `at` in [0, 1], `first`, `second` and `depth_m`.
+    #[getter]
+    fn violations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.verification.violations)
+    }
+
+    /// The grasp nearest to the end: a dictionary of `grasp`, `translation_error_m` and `rotation_error_rad`; None
+    /// where no grasp is asked for.
+    #[getter]
+    fn goal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.verification.goal)
+    }
+
+    /// The least distance along the whole path in metres, certified from below; None under "paper", or where there
+    /// is nothing to touch.
+    #[getter]
+    fn clearance_m(&self) -> Option<f64> {
+        self.verification.clearance_m
+    }
+
+    fn __bool__(&self) -> bool {
+        self.verification.valid
+    }
+
+    fn __repr__(&self) -> String {
+        let Verification { valid, violations, .. } = &self.verification;
+        if *valid {
+            "<cranny.Verification: valid>".to_owned()
+        } else {
+            format!("<cranny.Verification: not valid, {} violations>", violations.len())
+        }
+    }
+}

@@ -1,0 +1,138 @@
+"""Plans: found, timed, judged, kept, stopped."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import cranny
+import numpy as np
+import pytest
+
+
+def test_a_plan_leads_from_the_start_to_a_grasp_and_is_valid(
+    scenario: cranny.Scenario, plan: cranny.Plan
+) -> None:
+    assert plan and plan.solved and plan.outcome == "solved"
+    assert np.array_equal(plan.path[0], scenario.start)
+    assert plan.grasp is not None
+    tip = scenario.robot.fk(plan.path[-1])
+    index, metres, radians = scenario.grasps.nearest(tip) or (None, 1.0, 1.0)
+    assert index == plan.grasp and metres <= 1e-3 and radians <= np.radians(1.0)
+    assert scenario.cell().motion_is_free(plan.path[:-1], plan.path[1:]).all()
+    verification = plan.verify()
+    assert verification and verification.violations == [] and verification.clearance_m == plan.clearance_m
+    assert verification.goal is not None and verification.goal["grasp"] == plan.grasp
+    assert plan.report["planner"] == "reach" and plan.report["statistics"]["nodes"] > 0
+
+
+def test_the_same_seed_gives_the_same_path_and_the_time_that_limits_allow(
+    scenario: cranny.Scenario, plan: cranny.Plan
+) -> None:
+    again = cranny.plan(scenario, "reach", seed=0)
+    assert np.array_equal(again.path, plan.path)
+    assert plan.times is not None and plan.duration_s is not None
+    assert plan.times[0] == 0.0 and plan.times[-1] == plan.duration_s and (np.diff(plan.times) > 0).all()
+    samples = plan.sample(200.0)
+    assert samples.positions.shape == samples.velocities.shape == (len(samples), 9)
+    assert np.array_equal(samples.positions[0], plan.path[0]) and np.array_equal(samples.positions[-1], plan.path[-1])
+    assert (np.abs(samples.velocities) <= scenario.robot.velocity + 1e-9).all()
+    assert (np.abs(samples.accelerations) <= scenario.robot.acceleration + 1e-9).all()
+    moved = np.diff(samples.positions, axis=0) / np.diff(samples.times)[:, None]
+    assert np.abs(moved - (samples.velocities[1:] + samples.velocities[:-1]) / 2).max() < 0.1
+    assert samples.joint_names == scenario.robot.joint_names
+    slower = cranny.plan(scenario, jerk_limited=True)
+    assert slower.duration_s is not None and slower.duration_s >= plan.duration_s
+
+
+def test_a_plan_is_saved_and_judged_anew(scenario: cranny.Scenario, plan: cranny.Plan, tmp_path: Path) -> None:
+    plan.save(tmp_path / "a.plan.json")
+    read = cranny.Plan.load(tmp_path / "a.plan.json")
+    assert read and np.array_equal(read.path, plan.path) and read.duration_s == plan.duration_s
+    assert cranny.Plan.load(tmp_path / "a.plan.json", scenario.with_object_moved([0.0, 0.02, 0.0])).solved is False
+    plan.save_trajectory(tmp_path / "a.csv", 50.0)
+    assert (tmp_path / "a.csv").read_text().count("\n") > 50
+    path = plan.path
+    path[1] += 0.7
+    verdict = cranny.verify_path(scenario, path)
+    assert not verdict and {v["kind"] for v in verdict.violations} <= {"contact", "joint-limit", "unresolved", "goal"}
+
+
+def test_margins_settings_and_budgets_are_taken(scenario: cranny.Scenario) -> None:
+    wide = cranny.plan(scenario, margin_m=0.01)
+    assert wide.solved and wide.report["margins"]["margin_m"] == 0.01
+    assert not cranny.verify_path(scenario, wide.path, margin_m=0.5)
+    few = cranny.plan(scenario, "j-plus-rrt", iterations=3)
+    assert few.outcome == "budget-exhausted" and not few and few.path.shape == (0, 9) and few.times is None
+    setting = cranny.plan(scenario, "ik-rrt", settings={"p_goal": 0.25}, seed=1)
+    assert setting.report["settings"]["p_goal"] == 0.25
+    better = cranny.plan(scenario, optimise_s=0.3)
+    assert better.report["optimisation"]["improvements"]
+    loose = cranny.plan(scenario.with_criterion("paper"), "ik-rrt", seed=2, time_limit_s=1.0)
+    assert loose.report["criterion"] == "paper"
+
+
+ENDLESS = """
+import signal, threading, time, os
+import cranny
+scenario = cranny.Scenario("045")
+threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+begin = time.monotonic()
+try:
+    cranny.plan(scenario, "j-plus-rrt", time_limit_s=60)
+    print("ended by itself")
+except KeyboardInterrupt:
+    print("stopped" if time.monotonic() - begin < 30 else "late")
+# The interpreter is as it was.
+print(bool(cranny.plan(cranny.Scenario("021"))))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of this kind are those of Unix")
+def test_an_interrupt_stops_a_search_and_leaves_the_interpreter_sane() -> None:
+    told = subprocess.run([sys.executable, "-c", ENDLESS], capture_output=True, text=True, timeout=120)
+    assert told.stdout.split() == ["stopped", "True"], told
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of this kind are those of Unix")
+def test_a_signal_handler_that_raises_stops_a_batch(cell: cranny.Cell, scenario: cranny.Scenario) -> None:
+    class Enough(Exception):
+        pass
+
+    def handler(*_: object) -> None:
+        raise Enough
+
+    q = scenario.robot.sample(200_000)
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Enough):
+            cell.clearance(q)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert cell.clearance(q[:2]).shape == (2,)
+
+
+def test_other_threads_run_while_a_batch_is_computed(cell: cranny.Cell, scenario: cranny.Scenario) -> None:
+    counts = []
+    stop = threading.Event()
+
+    def count() -> None:
+        number = 0
+        while not stop.is_set():
+            number += 1
+            time.sleep(0.001)
+        counts.append(number)
+
+    other = threading.Thread(target=count)
+    other.start()
+    cell.clearance(scenario.robot.sample(3000))
+    stop.set()
+    other.join()
+    assert counts[0] > 5

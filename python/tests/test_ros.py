@@ -1,0 +1,79 @@
+"""Trajectories as ROS 2 has them, and MoveIt's planning scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cranny
+import numpy as np
+import pytest
+from conftest import package, released_folder
+
+
+def test_a_trajectory_is_a_message_and_comes_back(scenario: cranny.Scenario, plan: cranny.Plan) -> None:
+    message = cranny.ros.joint_trajectory(plan, rate=25.0, frame_id="base")
+    assert set(message) == {"header", "joint_names", "points"} and message["header"]["frame_id"] == "base"
+    assert message["joint_names"] == scenario.robot.joint_names
+    point = message["points"][3]
+    assert set(point) == {"positions", "velocities", "accelerations", "effort", "time_from_start"}
+    assert point["time_from_start"] == {"sec": 0, "nanosec": 120_000_000}
+    times, positions = cranny.ros.positions_of(message)
+    samples = plan.sample(25.0)
+    assert np.array_equal(positions, samples.positions)
+    np.testing.assert_allclose(times, samples.times, atol=1e-9)
+    verdict = cranny.verify_path(scenario, positions)
+    assert verdict, verdict.violations
+
+
+def test_its_yaml_is_what_a_yaml_reader_reads(plan: cranny.Plan, tmp_path: Path) -> None:
+    yaml = package("yaml")
+    message = cranny.ros.joint_trajectory(plan, rate=20.0)
+    cranny.ros.save_yaml(message, tmp_path / "t.yaml")
+    read = yaml.safe_load((tmp_path / "t.yaml").read_text())
+    times, positions = cranny.ros.positions_of(read)
+    assert np.array_equal(positions, cranny.ros.positions_of(message)[1]) and len(times) == len(message["points"])
+    assert read["points"][0]["effort"] == [] and read["header"] == message["header"]
+
+
+@pytest.mark.parametrize("scenario_id", ["011", "021", "034", "043"])
+def test_a_world_survives_a_planning_scene(scenario_id: str, tmp_path: Path) -> None:
+    yaml = package("yaml")
+    scenario = cranny.Scenario(scenario_id)
+    scenario.save_moveit_scene(tmp_path / "scene.yaml")
+    message = yaml.safe_load((tmp_path / "scene.yaml").read_text())
+    assert message["name"] == scenario_id
+    assert message["robot_state"]["joint_state"]["position"] == pytest.approx(scenario.start.tolist())
+    objects = {item["id"]: item for item in message["world"]["collision_objects"]}
+    assert set(objects) == {body.name for body in scenario.world}
+    assert objects["floor"]["primitives"][0] == {"type": "box", "dimensions": [20.0, 20.0, 1.0]}
+    read = scenario.with_moveit_scene(tmp_path / "scene.yaml")
+    target = scenario.target
+    assert target is not None and read.target is not None and read.target.name == target.name
+    q = scenario.robot.sample(5000, seed=9)
+    here, there = scenario.cell(), read.cell()
+    differ = here.is_free(q) != there.is_free(q)
+    # The floor has become a box; nothing else may differ, save for what touches within rounding.
+    assert (np.abs(here.clearance(q[differ]) - there.clearance(q[differ])) < 1e-6).all()
+    assert cranny.plan(read).solved
+
+
+def test_a_problem_of_motion_bench_maker_is_planned() -> None:
+    folder = released_folder().parent / "motion_bench_maker"
+    scene = sorted(folder.glob("*/scene0001.yaml"))[0]
+    problem = cranny.MoveItProblem(scene, scene.with_name("request0001.yaml"))
+    assert problem.goals.shape == (1, problem.robot.dof) and len(problem.world) > 0
+    plan = cranny.plan(problem)
+    assert plan.solved and plan.grasp is None
+    np.testing.assert_allclose(plan.path[-1], problem.goals[0], atol=1e-12)
+    assert problem.cell().motion_is_free(plan.path[:-1], plan.path[1:]).all()
+    assert all(isinstance(deviation, str) for deviation in problem.deviations)
+
+
+def test_damaged_scenes_are_refused(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    scenario.save_moveit_scene(tmp_path / "scene.yaml")
+    text = (tmp_path / "scene.yaml").read_text()
+    (tmp_path / "scene.yaml").write_text(text.replace("20.0, 20.0, 1.0", "20.0, .nan, 1.0"))
+    with pytest.raises(cranny.CrannyError, match=r"scene\.yaml"):
+        scenario.with_moveit_scene(tmp_path / "scene.yaml")
+    with pytest.raises(cranny.CrannyError, match="nowhere"):
+        cranny.MoveItProblem(tmp_path / "nowhere.yaml", tmp_path / "r.yaml")
