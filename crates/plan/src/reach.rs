@@ -21,8 +21,8 @@ use crate::{
 /// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side grows towards a random
 ///    configuration, the other side then goes as far as it can towards the new node.
 /// 4. Growth looks at a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
-///    before the first that is not free; where both sides meet, every edge of the path is proven, and an
-///    edge that cannot be is cut off with all that grew from it.
+///    before the first that is not free; where both sides meet, every straight way of the path is proven as one
+///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
 ///
 /// One iteration is one random configuration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -254,8 +254,7 @@ impl Search<'_> {
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
-        // However many looks lie between two nodes, a pass that goes on ends at one.
-        let ends = (1..=free).filter(|look| look % looks == 0 || (is_open && *look == free));
+        let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
         for end in ends {
             let q: Vec<f64> = between(&start, target, place(end)).collect();
             self.observer.node_added(side, &q, Some(node));
