@@ -19,7 +19,8 @@ use crate::{
 ///    their twins, as further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
 /// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side grows towards a random
-///    configuration, the other side then goes as far as it can towards the new node.
+///    configuration, the other side then goes as far as it can towards the new node. Random configurations lie
+///    about the box between the start and one of the goals, farther and farther beyond it as time goes on.
 /// 4. Growth looks at a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
 ///    before the first that is not free; where both sides meet, every straight way of the path is proven as one
 ///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
@@ -34,14 +35,20 @@ pub struct Reach {
     pub looks: usize,
     /// Goals that are enough. Default 100: more do not help.
     pub goals: usize,
+    /// How far beyond start and goal each joint of a random configuration may lie at first (m, rad); once more
+    /// that far for every 100 iterations, up to the joint limits. Default 0.5.
+    pub detour: f64,
     /// The smaller side grows unless it has been chosen so many times running. Default 4: a small side may
     /// be small because it is trapped.
     pub patience: u32,
 }
 
+/// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
+const ITERATIONS_PER_DETOUR: u64 = 100;
+
 impl Default for Reach {
     fn default() -> Self {
-        Self { step: 0.25, looks: 4, goals: 100, patience: 4 }
+        Self { step: 0.25, looks: 4, goals: 100, detour: 0.5, patience: 4 }
     }
 }
 
@@ -72,6 +79,7 @@ impl Planner for Reach {
             cell,
             random: Stream::new(seed, 0),
             sides: [forest.clone(), forest],
+            goals: Vec::new(),
             scratch: cell.scratch(),
             q: problem.start.clone(),
             clock,
@@ -94,6 +102,8 @@ struct Search<'a> {
     random: Stream,
     /// The forest from the start (of one root), and the one from the goals.
     sides: [Forest; 2],
+    /// The roots of the latter.
+    goals: Vec<usize>,
     scratch: Scratch,
     q: Vec<f64>,
     clock: Clock,
@@ -145,7 +155,7 @@ impl Search<'_> {
                     }
                 }
                 // With no goal that is free there is nothing to search for.
-                if self.sides[1].len() == 0 {
+                if self.goals.is_empty() {
                     return Ok(Err(Outcome::BudgetExhausted));
                 }
                 Ok(self.search(None))
@@ -163,24 +173,22 @@ impl Search<'_> {
 
     fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {
         let (mut side, mut times_running) = (0, 0);
-        let mut goals = self.sides[1].len();
         loop {
             if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
                 return Err(outcome);
             }
             self.statistics.iterations += 1;
             // 1. and 2.
-            if let Some(pool) = pool.as_mut().filter(|_| goals < self.settings.goals) {
+            if let Some(pool) = pool.as_mut().filter(|_| self.goals.len() < self.settings.goals) {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }
                 let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
-                goals += found.len();
                 if let Some(path) = found.iter().find_map(|goal| self.add_goal(goal)) {
                     return Ok(path);
                 }
             }
-            if self.sides[1].len() == 0 {
+            if self.goals.is_empty() {
                 continue;
             }
             // 3.
@@ -197,15 +205,14 @@ impl Search<'_> {
     /// Adds a root to the goal forest, and looks whether the way to it lies open.
     fn add_goal(&mut self, goal: &[f64]) -> Option<Path> {
         let root = self.add_root(1, goal);
+        self.goals.push(root);
         self.meet(1, root)
     }
 
     /// Growth of one side towards a random configuration, and the other side's way to where it ended.
     fn grow_both(&mut self, side: usize) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.q);
-        for (value, limits) in sample.iter_mut().zip(self.problem.robot.limits()) {
-            *value = self.random.uniform_between(limits.lower, limits.upper);
-        }
+        self.draw(&mut sample);
         let nearest = self.nearest(side, &sample);
         let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
         self.q = sample;
@@ -213,6 +220,19 @@ impl Search<'_> {
             return None;
         }
         self.meet(side, node)
+    }
+
+    /// A random configuration about the box between the start and a random goal.
+    fn draw(&mut self, sample: &mut [f64]) {
+        let goal = self.sides[1].q(self.goals[self.random.index(self.goals.len())]);
+        let beyond =
+            self.settings.detour * (1.0 + self.statistics.iterations as f64 / ITERATIONS_PER_DETOUR as f64);
+        let joints = self.problem.start.iter().zip(goal).zip(self.problem.robot.limits());
+        for (value, ((start, goal), limits)) in sample.iter_mut().zip(joints) {
+            let lower = limits.lower.max(start.min(*goal) - beyond);
+            let upper = limits.upper.min(start.max(*goal) + beyond);
+            *value = self.random.uniform_between(lower, upper);
+        }
     }
 
     /// The other side's way to a node, as far as it goes; a path if it gets there.

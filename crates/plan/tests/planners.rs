@@ -5,10 +5,12 @@ mod fixture;
 use std::time::Duration;
 
 use cranny_plan::{
-    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Unobserved, planner, planner_names, verify,
+    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Unobserved, planner, planner_names,
+    verify,
 };
 use fixture::{
-    START, arm, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life, walled_in,
+    START, arm, ball, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life,
+    walled_in,
 };
 
 /// The names of those that also reach for configurations.
@@ -213,6 +215,21 @@ fn a_goal_configuration_in_collision_does_not_keep_a_planner_from_the_next() {
         assert_eq!(hopeless.statistics.iterations, 0, "{name} searched for what cannot be");
         let report = assert_solves(name, &to(&goals), 2);
         assert_eq!(report.path.last(), Some(&goals[1]), "{name}");
+    }
+}
+
+#[test]
+fn a_way_far_from_the_box_between_start_and_goal_is_found_in_time() {
+    let wall = || vec![block("wall", [0.0, -0.2, 0.0], [0.01, 1.0, 2.0])];
+    let goal = Goal::Configurations(vec![vec![0.5, -0.9, 0.0]]);
+    let problem = exact(&ball(), wall(), &[-0.5, -0.9, 0.0], goal);
+    for detour in [0.05, 0.5] {
+        let planner = Reach { detour, ..Reach::default() };
+        let report = planner.plan(&problem, &Budget::default(), 3, &mut Unobserved).expect("a good problem");
+        assert_eq!(report.outcome, Outcome::Solved);
+        assert!(verify(&problem, &report.path).expect("way points of the robot").valid);
+        let farthest = report.path.iter().map(|q| q[1]).fold(f64::NEG_INFINITY, f64::max);
+        assert!(farthest > 0.8, "there is no other way: {farthest}");
     }
 }
 
