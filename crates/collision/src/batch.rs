@@ -37,9 +37,10 @@ impl Cell {
             let mut within = 0;
             for (lane, q) in rows.chunks_exact(dof).enumerate() {
                 within |= u32::from(self.robot().within_limits(q)) << lane;
-                scratch.lanes.set_lane(lane, q.iter().copied());
+                scratch.lanes.set_lane(lane, q);
             }
-            let free = self.judge_lanes(level, within, Interest::Each, scratch);
+            let exact = |lane: usize, q: &mut [f64]| q.copy_from_slice(&rows[lane * dof..][..dof]);
+            let free = self.judge_lanes(level, within, Interest::Each, exact, scratch);
             verdicts.extend((0..rows.len() / dof).map(|lane| free >> lane & 1 == 1));
         }
     }
@@ -56,30 +57,40 @@ impl Cell {
         &self,
         a: &[f64],
         b: &[f64],
-        places: impl ExactSizeIterator<Item = f64>,
+        places: impl ExactSizeIterator<Item = f64> + Clone,
         scratch: &mut Scratch,
     ) -> usize {
         let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        for (lane, place) in places.enumerate() {
-            scratch.lanes.set_lane(lane, between(a, b, place));
-        }
-        let free = self.judge_lanes(simd_level(), first_lanes(count), Interest::UpToContact, scratch);
+        scratch.lanes.set_lanes_along(a, b, places.clone());
+        let exact = |lane: usize, q: &mut [f64]| {
+            let place = places.clone().nth(lane).unwrap_or(0.0);
+            q.iter_mut().zip(between(a, b, place)).for_each(|(q, exact)| *q = exact);
+        };
+        let interest = Interest::UpToContact;
+        let free = self.judge_lanes(simd_level(), first_lanes(count), interest, exact, scratch);
         free.trailing_ones() as usize
     }
 
-    /// Bits of those lanes of `asked` that are free, or at least of those of `interest`; the configurations
-    /// are those of [`LaneScratch::set_lane`](crate::lane_scratch::LaneScratch::set_lane).
-    fn judge_lanes(&self, level: Level, asked: u32, interest: Interest, scratch: &mut Scratch) -> u32 {
-        let Scratch { lanes, frames, .. } = scratch;
+    /// Bits of those lanes of `asked` that are free, or at least of those of `interest`; `scratch.lanes` has
+    /// the configurations, and `exact` writes that of one lane as it was given.
+    fn judge_lanes(
+        &self,
+        level: Level,
+        asked: u32,
+        interest: Interest,
+        exact: impl Fn(usize, &mut [f64]),
+        scratch: &mut Scratch,
+    ) -> u32 {
+        let Scratch { lanes, frames, q, .. } = scratch;
         lanes.travel.clear();
         let contact = self.lanes.look(level, lanes, asked, interest);
         let mut free = asked & !contact;
         let doubtful = lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
         for lane in lanes_of(doubtful & free) {
-            let dof = self.robot().dof();
-            self.robot().forward_kinematics(&lanes.exact_q[lane * dof..][..dof], frames);
+            exact(lane, q);
+            self.robot().forward_kinematics(q, frames);
             let mut doubts = lanes.doubts.iter().filter(|(_, lanes)| lanes >> lane & 1 == 1);
             let is_free = doubts.all(|(pair, _)| self.keeps_distance(&self.pairs[*pair as usize], frames));
             if !is_free {

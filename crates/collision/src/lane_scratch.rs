@@ -23,8 +23,6 @@ pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
     /// Per joint.
     pub q: Vec<LaneArray>,
-    /// The same lane by lane, as it was given.
-    pub exact_q: Vec<f64>,
     pub frames: Vec<LaneFrame>,
     /// Per body a box around it along the axes of the root.
     pub boxes: Vec<LaneBox>,
@@ -76,7 +74,6 @@ impl LaneScratch {
         let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
         Self {
             q: vec![[0.0; LANES]; dof],
-            exact_q: vec![0.0; LANES * dof],
             frames: vec![LaneFrame::IDENTITY; frames],
             boxes: vec![nowhere; bodies],
             travel: LaneTravel {
@@ -89,15 +86,23 @@ impl LaneScratch {
     }
 
     /// Takes over the configuration of a lane.
-    pub fn set_lane(&mut self, lane: usize, q: impl Iterator<Item = f64>) {
-        let dof = self.q.len();
-        for (joint, value) in q.enumerate() {
-            self.exact_q[lane * dof + joint] = value;
-            // Lanes are `f32` by design; the slack of every comparison covers it.
-            #[allow(clippy::cast_possible_truncation)]
-            {
-                self.q[joint][lane] = value as f32;
-            }
+    // Lanes are `f32` by design; the slack of every comparison covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn set_lane(&mut self, lane: usize, q: &[f64]) {
+        for (lanes, value) in self.q.iter_mut().zip(q) {
+            lanes[lane] = *value as f32;
+        }
+    }
+
+    /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), the first at the first of
+    /// `places`. Lanes beyond these are at `a`.
+    // Lanes are `f32` by design; the slack of every comparison covers it.
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn set_lanes_along(&mut self, a: &[f64], b: &[f64], places: impl Iterator<Item = f64>) {
+        let mut all = [0.0; LANES];
+        all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
+        for (lanes, (a, b)) in self.q.iter_mut().zip(a.iter().zip(b)) {
+            *lanes = all.map(|place| (a + (b - a) * place) as f32);
         }
     }
 

@@ -1,7 +1,7 @@
 use cranny_spatial::{LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
-use crate::batch::{between, first_lanes, lanes_of};
+use crate::batch::{first_lanes, lanes_of};
 use crate::cell::{Cell, Other, Pair, Scratch};
 use crate::contact::Contact;
 use crate::lanes::Interest;
@@ -166,8 +166,8 @@ impl Cell {
             self.set_travel(a, b, share, scratch);
             for intervals in work.intervals.chunks(LANES) {
                 scratch.lanes.wanted.clear();
-                for (lane, Interval { middle, pairs, .. }) in intervals.iter().enumerate() {
-                    scratch.lanes.set_lane(lane, between(a, b, *middle));
+                scratch.lanes.set_lanes_along(a, b, intervals.iter().map(|interval| interval.middle));
+                for (lane, Interval { pairs, .. }) in intervals.iter().enumerate() {
                     work.pairs[pairs.0..pairs.1].iter().for_each(|pair| scratch.lanes.want(*pair, lane));
                 }
                 let (asked, interest) = (first_lanes(intervals.len()), Interest::AllOrNothing);
