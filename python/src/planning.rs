@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_plan::{
-    Budget, MotionLimits, OptimiseSettings, PlanReport, Problem, ShortcutSettings, TimingMethod, Trajectory,
-    Validity, default_planner, optimise as better, path_length, planner_with, shortcut as shorten, verify,
+    Budget, Criterion, MotionLimits, OptimiseSettings, PlanError, PlanReport, Problem, ShortcutSettings,
+    TimingMethod, Trajectory, Validity, default_planner, optimise as better, path_length, planner_with,
+    shortcut as shorten, verify,
 };
 use cranny_scenario::{Demands, PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use pyo3::prelude::*;
@@ -93,9 +94,9 @@ pub fn plan(
     observer.result()?;
     let (mut report, optimisation) = found.map_err(fault)?;
     if shortcut && optimisation.is_none() {
-        py.detach(|| shortened(&task.problem, &mut report, seed));
+        py.detach(|| shortened(&task.problem, &mut report, seed)).map_err(fault)?;
     }
-    let judged = py.detach(|| -> Result<_, cranny_plan::PlanError> {
+    let judged = py.detach(|| -> Result<_, PlanError> {
         let PlanReport { path, .. } = &report;
         let verification = if path.is_empty() { None } else { Some(verify(&task.problem, path)?) };
         let trajectory = match &verification {
@@ -180,13 +181,12 @@ pub fn verify_path(
     Ok(PyVerification { verification })
 }
 
-fn shortened(problem: &Problem, report: &mut PlanReport, seed: u64) {
-    if let Validity::Exact(cell) = &problem.validity
-        && !report.path.is_empty()
-    {
+fn shortened(problem: &Problem, report: &mut PlanReport, seed: u64) -> Result<(), PlanError> {
+    if problem.criterion() == Criterion::Exact && !report.path.is_empty() {
         let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-        report.path = shorten(cell, &report.path, settings).path;
+        report.path = shorten(problem, &report.path, settings)?.path;
     }
+    Ok(())
 }
 
 /// How a path is given its time.
@@ -197,11 +197,7 @@ pub struct Timing {
 
 impl Timing {
     /// None for a robot without the limits that this needs.
-    pub fn time(
-        &self,
-        problem: &Problem,
-        path: &[Vec<f64>],
-    ) -> Result<Option<Trajectory>, cranny_plan::PlanError> {
+    pub fn time(&self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Trajectory>, PlanError> {
         let Ok(limits) = MotionLimits::of(&problem.robot, self.method) else { return Ok(None) };
         match &problem.validity {
             Validity::Exact(cell) if self.blend => Trajectory::blended(path, &limits, cell).map(Some),

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    Budget, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanReport, Planner, Problem,
-    ShortcutSettings, Shortened, Validity, optimise, path_length, shortcut, verify,
+    Budget, Criterion, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanError, PlanReport, Planner,
+    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, shortcut, verify,
 };
 use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use serde::Serialize;
@@ -64,7 +64,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
         report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
     }
     progress.finish();
-    let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report) };
+    let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report)? };
 
     let mut judged = judge(arguments, id, &problem, margins, planner.as_ref(), &report)?;
     let solved = report.outcome == Outcome::Solved && judged.valid;
@@ -133,15 +133,18 @@ fn of_optimised(optimised: &Optimised, settings: OptimiseSettings) -> PlanOptimi
 }
 
 /// Shortens a path found under `exact`, unless the flags forbid it; the seconds that it took.
-fn shorten(arguments: &PlanArguments, problem: &Problem, report: &mut PlanReport) -> Option<f64> {
-    let Validity::Exact(cell) = &problem.validity else { return None };
-    if report.path.is_empty() || arguments.no_shortcut {
-        return None;
+fn shorten(
+    arguments: &PlanArguments,
+    problem: &Problem,
+    report: &mut PlanReport,
+) -> Result<Option<f64>, PlanError> {
+    if problem.criterion() != Criterion::Exact || report.path.is_empty() || arguments.no_shortcut {
+        return Ok(None);
     }
     let settings = ShortcutSettings { seed: arguments.seed, ..ShortcutSettings::default() };
-    let Shortened { path, time_s } = shortcut(cell, &report.path, settings);
+    let Shortened { path, time_s } = shortcut(problem, &report.path, settings)?;
     report.path = path;
-    Some(time_s)
+    Ok(Some(time_s))
 }
 
 struct Judged {

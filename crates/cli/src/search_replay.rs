@@ -4,9 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use cranny_plan::{
-    Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, Validity, planner_with, shortcut,
-};
+use cranny_plan::{Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, shortcut};
 use cranny_scenario::PlanFile;
 use cranny_view::TreeRecording;
 
@@ -61,9 +59,8 @@ fn is_same(plan: &PlanFile, report: &PlanReport, problem: &Problem) -> bool {
     if is_it(&report.path) {
         return true;
     }
-    let Validity::Exact(cell) = &problem.validity else { return false };
     let settings = ShortcutSettings { seed: plan.seed, ..ShortcutSettings::default() };
-    is_it(&shortcut(cell, &report.path, settings).path)
+    shortcut(problem, &report.path, settings).is_ok_and(|shortened| is_it(&shortened.path))
 }
 
 /// Records, shows how far it is, and ends on Ctrl-C.

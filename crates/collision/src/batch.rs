@@ -53,20 +53,13 @@ impl Cell {
     ///
     /// # Panics
     /// If there are more than [`LANES`] places, or `a` or `b` has not one value per joint.
-    pub fn free_ahead(
-        &self,
-        a: &[f64],
-        b: &[f64],
-        places: impl ExactSizeIterator<Item = f64> + Clone,
-        scratch: &mut Scratch,
-    ) -> usize {
+    pub fn free_ahead(&self, a: &[f64], b: &[f64], places: &[f64], scratch: &mut Scratch) -> usize {
         let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        scratch.lanes.set_lanes_along(a, b, places.clone());
+        scratch.lanes.set_lanes_along(a, b, places.iter().copied());
         let exact = |lane: usize, q: &mut [f64]| {
-            let place = places.clone().nth(lane).unwrap_or(0.0);
-            q.iter_mut().zip(between(a, b, place)).for_each(|(q, exact)| *q = exact);
+            q.iter_mut().zip(between(a, b, places[lane])).for_each(|(q, exact)| *q = exact);
         };
         let interest = Interest::UpToContact;
         let free = self.judge_lanes(simd_level(), first_lanes(count), interest, exact, scratch);

@@ -159,7 +159,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
         let mut is_free =
             |place: f64| cell.is_free(&crate::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch);
         let expected = places.clone().position(|place| !is_free(place)).unwrap_or(11);
-        assert_eq!(cell.free_ahead(&a, &b, places.collect::<Vec<_>>().into_iter(), &mut scratch), expected);
+        assert_eq!(cell.free_ahead(&a, &b, &places.collect::<Vec<_>>(), &mut scratch), expected);
     }
 }
 

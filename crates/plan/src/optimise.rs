@@ -1,12 +1,11 @@
 use std::time::{Duration, Instant};
 
-use cranny_collision::Cell;
 use cranny_grasp::GraspSet;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Budget, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem, ShortcutSettings,
-    Validity, shortcut, verify,
+    Budget, Criterion, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem,
+    ShortcutSettings, shortcut, verify,
 };
 
 /// How to go on once there is a path.
@@ -76,9 +75,9 @@ pub fn optimise(
     observer: &mut dyn Observer,
 ) -> Result<Optimised, PlanError> {
     let begin = Instant::now();
-    let Validity::Exact(cell) = &problem.validity else {
+    if problem.criterion() != Criterion::Exact {
         return Err(PlanError::Goal { planner: "optimise", needs: "the exact criterion" });
-    };
+    }
     let cost = PathCost::new(&problem.robot, settings.score_weight)?;
     // 1.
     let mut report = planner.plan(problem, budget, seed, observer)?;
@@ -86,7 +85,6 @@ pub fn optimise(
     let found = Instant::now();
     let mut best = Best {
         problem,
-        cell,
         cost,
         begin,
         path: Vec::new(),
@@ -110,7 +108,6 @@ pub fn optimise(
 /// The best path so far.
 struct Best<'a> {
     problem: &'a Problem,
-    cell: &'a Cell,
     cost: PathCost,
     begin: Instant,
     path: Vec<Vec<f64>>,
@@ -124,7 +121,7 @@ impl Best<'_> {
     fn challenge_shortened(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
         self.iterations += 1;
         let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-        let path = shortcut(self.cell, path, settings).path;
+        let path = shortcut(self.problem, path, settings)?.path;
         let bar = self.improvements.last().map_or(f64::INFINITY, |best| best.cost);
         // No grasp scores more than 1, so that longer paths need no proof.
         if self.cost.of(&path, Some(1.0)) >= bar {

@@ -268,8 +268,8 @@ impl Search<'_> {
         let count = LANES.min(as_count(all));
         let is_last = count >= as_count(all);
         let place = |look: usize| if is_last && look == count { 1.0 } else { look as f64 / all };
-        let places = (0..count).map(|look| place(look + 1));
-        let free = self.cell.free_ahead(&start, target, places, &mut self.scratch);
+        let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
+        let free = self.cell.free_ahead(&start, target, &places[..count], &mut self.scratch);
         self.statistics.collision_checks += count as u64;
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         let (is_open, is_target) = (free == count, free == count && is_last);

@@ -1,12 +1,17 @@
 use std::time::Instant;
 
 use cranny_collision::{Cell, Scratch};
-use cranny_spatial::Stream;
+use cranny_grasp::Grasp;
+use cranny_robot::{IkSettings, IkSolver, Robot};
+use cranny_spatial::{Pose, Stream};
+
+use crate::grasp_poses::poses;
+use crate::{Goal, PlanError, Problem, Validity};
 
 /// How hard to shorten a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortcutSettings {
-    /// Random shortcuts to try. Default 60: more gain little.
+    /// Random shortcuts to try. Default 100: more gain little.
     pub attempts: usize,
     /// The seed of the random shortcuts.
     pub seed: u64,
@@ -14,43 +19,63 @@ pub struct ShortcutSettings {
 
 impl Default for ShortcutSettings {
     fn default() -> Self {
-        Self { attempts: 60, seed: 0 }
+        Self { attempts: 100, seed: 0 }
     }
 }
 
 /// A shorter path, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortened {
-    /// Way points with the same ends; every edge is proven, or a part of an edge of the path given.
+    /// Way points from the same start to the same goal configuration, or to the same grasp or its twin; every
+    /// edge is proven, or a part of an edge of the path given.
     pub path: Vec<Vec<f64>>,
     /// Seconds spent.
     pub time_s: f64,
 }
+
+/// A shortcut that saves less than this share of its detour is not worth its proof.
+const LEAST_GAIN: f64 = 0.02;
 
 /// Shortens a proven path and keeps the proof: every new edge is proven with the cell's margins before it
 /// replaces a detour.
 ///
 /// 1. From each way point on, straight to the farthest later one that can be reached, halving the reach
 ///    where it cannot.
-/// 2. Straight lines between random points of the path, wherever they lie on its edges (Geraerts &
-///    Overmars 2007, §3).
+/// 2. Straight lines between random points of the path before and after a random way point, wherever they lie
+///    on its edges (Geraerts & Overmars 2007, §3); where one is blocked, another nearer to the way point.
+/// 3. Where the goal is a grasp, every other one leads from a random point of the path to a configuration near
+///    it that brings the gripper to where the path ends, or to its twin: an arm to spare can hold it otherwise.
 ///
-/// A function of cell, path and settings alone.
+/// A function of problem, path and settings alone.
+///
+/// # Errors
+/// [`PlanError::Goal`] for a problem under another criterion than `exact`, where nothing is proven.
 ///
 /// # Panics
 /// If a way point has not one value per joint.
-pub fn shortcut(cell: &Cell, path: &[Vec<f64>], settings: ShortcutSettings) -> Shortened {
+pub fn shortcut(
+    problem: &Problem,
+    path: &[Vec<f64>],
+    settings: ShortcutSettings,
+) -> Result<Shortened, PlanError> {
     let begin = Instant::now();
+    let Validity::Exact(cell) = &problem.validity else {
+        return Err(PlanError::Goal { planner: "shortcut", needs: "the exact criterion" });
+    };
     let mut scratch = cell.scratch();
-    let mut path = skip_way_points(cell, path, &mut scratch);
     let mut random = Stream::new(settings.seed, 1);
-    for _ in 0..settings.attempts {
-        if path.len() < 3 {
-            break;
+    let mut hold = match (&problem.goal, path.last()) {
+        (Goal::Grasps(_), Some(end)) => Some(Hold::at(&problem.robot, end)),
+        _ => None,
+    };
+    let mut path = skip_way_points(cell, path, &mut scratch);
+    for attempt in 0..settings.attempts {
+        match &mut hold {
+            Some(hold) if attempt % 2 == 1 => hold.cut_to_end(cell, &mut path, &mut random, &mut scratch),
+            _ => cut_at_random(cell, &mut path, &mut random, &mut scratch),
         }
-        cut_at_random(cell, &mut path, &mut random, &mut scratch);
     }
-    Shortened { path, time_s: begin.elapsed().as_secs_f64() }
+    Ok(Shortened { path, time_s: begin.elapsed().as_secs_f64() })
 }
 
 /// Step 1.
@@ -70,21 +95,74 @@ fn skip_way_points(cell: &Cell, path: &[Vec<f64>], scratch: &mut Scratch) -> Vec
 
 /// Step 2.
 fn cut_at_random(cell: &Cell, path: &mut Vec<Vec<f64>>, random: &mut Stream, scratch: &mut Scratch) {
-    let lengths: Vec<f64> = path.windows(2).map(|edge| distance(&edge[0], &edge[1])).collect();
+    if path.len() < 3 {
+        return;
+    }
+    /// Tries at one way point, each half as far from it as the one before.
+    const TRIES: usize = 3;
+    let lengths = edge_lengths(path);
+    let corner: f64 = lengths[..=random.index(lengths.len() - 1)].iter().sum();
     let total: f64 = lengths.iter().sum();
-    let (u, v) = (random.uniform() * total, random.uniform() * total);
-    let (first, a) = point_at(path, &lengths, u.min(v));
-    let (last, b) = point_at(path, &lengths, u.max(v));
-    if first == last {
-        return;
+    let (mut before, mut after) = (random.uniform() * corner, random.uniform() * (total - corner));
+    for _ in 0..TRIES {
+        let (first, a) = point_at(path, &lengths, corner - before);
+        let (last, b) = point_at(path, &lengths, corner + after);
+        if first != last && is_shortcut(cell, &a, &b, before + after, scratch) {
+            path.splice(first + 1..=last, [a, b]);
+            return;
+        }
+        (before, after) = (0.5 * before, 0.5 * after);
     }
-    let detour = u.max(v) - u.min(v);
-    /// A shortcut that saves less than this share of its detour is not worth its proof.
-    const LEAST_GAIN: f64 = 0.02;
-    if distance(&a, &b) > (1.0 - LEAST_GAIN) * detour || !is_free(cell, &a, &b, scratch) {
-        return;
+}
+
+/// The gripper poses that count as the end of a path.
+struct Hold<'a> {
+    solver: IkSolver<'a>,
+    poses: [Pose; 2],
+}
+
+impl<'a> Hold<'a> {
+    fn at(robot: &'a Robot, end: &[f64]) -> Self {
+        /// However often a path is shortened, its end moves by no more than this each time, in metres and
+        /// radians: far less than what separates a grasp from a miss.
+        const TOLERANCE: f64 = 1e-6;
+        let mut frames = robot.frames();
+        robot.forward_kinematics(end, &mut frames);
+        let grasp = Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None };
+        let settings = IkSettings {
+            translation_tolerance_m: TOLERANCE,
+            rotation_tolerance_rad: TOLERANCE,
+            ..IkSettings::default()
+        };
+        Self { solver: IkSolver::new(robot, settings), poses: poses(&grasp) }
     }
-    path.splice(first + 1..=last, [a, b]);
+
+    /// Step 3.
+    fn cut_to_end(
+        &mut self,
+        cell: &Cell,
+        path: &mut Vec<Vec<f64>>,
+        random: &mut Stream,
+        scratch: &mut Scratch,
+    ) {
+        if path.len() < 2 {
+            return;
+        }
+        let lengths = edge_lengths(path);
+        let total: f64 = lengths.iter().sum();
+        let at = random.uniform() * total;
+        let (edge, from) = point_at(path, &lengths, at);
+        let pose = &self.poses[random.index(self.poses.len())];
+        let Some(end) = self.solver.solve_from(pose, &from) else { return };
+        if is_shortcut(cell, &from, &end.q, total - at, scratch) {
+            path.truncate(edge + 1);
+            path.extend([from, end.q]);
+        }
+    }
+}
+
+fn edge_lengths(path: &[Vec<f64>]) -> Vec<f64> {
+    path.windows(2).map(|edge| distance(&edge[0], &edge[1])).collect()
 }
 
 /// The edge on which the point at `length` along the path lies, and the point.
@@ -97,6 +175,11 @@ fn point_at(path: &[Vec<f64>], lengths: &[f64], length: f64) -> (usize, Vec<f64>
     }
     let at = if lengths[edge] > 0.0 { (left / lengths[edge]).min(1.0) } else { 0.0 };
     (edge, between(&path[edge], &path[edge + 1], at))
+}
+
+/// Whether the straight way is proven, and worth it in place of a detour of this length.
+fn is_shortcut(cell: &Cell, a: &[f64], b: &[f64], detour: f64, scratch: &mut Scratch) -> bool {
+    distance(a, b) <= (1.0 - LEAST_GAIN) * detour && is_free(cell, a, b, scratch)
 }
 
 /// Whether the straight motion is proven; a few looks on the way save the proof where it would fail.

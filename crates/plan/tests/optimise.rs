@@ -7,7 +7,7 @@ use std::time::Duration;
 use cranny_grasp::Grasp;
 use cranny_plan::{
     Budget, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    ShortcutSettings, Unobserved, Validity, default_planner, optimise, planner, shortcut, verify,
+    ShortcutSettings, Unobserved, default_planner, optimise, planner, shortcut, verify,
 };
 use fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use proptest::prelude::*;
@@ -41,9 +41,8 @@ fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
 fn first_shortened(problem: &Problem, seed: u64) -> Vec<Vec<f64>> {
     let budget = Budget { iterations: 1_000_000, time: FOR_EVER };
     let first = default_planner(problem.criterion()).plan(problem, &budget, seed, &mut Unobserved);
-    let Validity::Exact(cell) = &problem.validity else { panic!("an exact problem") };
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-    shortcut(cell, &first.expect("a good problem").path, settings).path
+    shortcut(problem, &first.expect("a good problem").path, settings).expect("an exact problem").path
 }
 
 proptest! {

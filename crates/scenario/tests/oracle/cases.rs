@@ -60,12 +60,12 @@ fn case(folder: &Path) -> Case {
         oracle: Oracle::new(scenario.robot.clone(), folder),
         cell: cell.clone(),
         start: problem.start.clone(),
-        path: path(&scenario.id, &problem, cell),
+        path: path(&scenario.id, &problem),
     }
 }
 
 /// What `reach` finds with the first seed that lets it, shortened as it is delivered.
-fn path(id: &str, problem: &Problem, cell: &Cell) -> Option<Vec<Vec<f64>>> {
+fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
     const SEEDS: u64 = 3;
     let planner = planner("reach").unwrap();
     let budget = Budget { time: Duration::from_secs(30), ..Budget::default() };
@@ -74,7 +74,7 @@ fn path(id: &str, problem: &Problem, cell: &Cell) -> Option<Vec<Vec<f64>>> {
         let (outcome, seconds) = (report.outcome.name(), report.statistics.planning_time_s);
         println!("{id}: seed {seed}: {outcome} after {seconds:.1} s");
         if report.outcome == Outcome::Solved {
-            return Some(shortcut(cell, &report.path, ShortcutSettings::default()).path);
+            return Some(shortcut(problem, &report.path, ShortcutSettings::default()).unwrap().path);
         }
     }
     None
