@@ -16,8 +16,8 @@ pub(crate) struct LanePart {
     pub solid: LaneSolid,
     /// Its hull; none for what is not convex or has no end.
     pub hull: Option<LaneHull>,
-    /// A box around it; of a half-space, its origin alone.
-    around: LaneAabb,
+    /// What is known of it at first glance.
+    pub around: LaneAround,
     /// Whether the distance is that to the solid; else it is that to a box around it.
     pub is_exact: bool,
     /// A bound on the rounding of distances to it, in metres.
@@ -32,6 +32,50 @@ pub(crate) struct LaneSolid {
     /// Its origin in that frame, in metres.
     origin: [f32; 3],
     kind: LaneKind,
+}
+
+/// A box around a part of the world; around a half-space there is none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LaneAround {
+    Box(LaneAabb),
+    HalfSpace {
+        /// A point of the plane.
+        origin: [f32; 3],
+        /// Away from the half-space, of length 1.
+        normal: [f32; 3],
+    },
+}
+
+impl LaneAround {
+    fn of(world_from_solid: &Pose, solid: &Solid) -> Self {
+        let rotation = world_from_solid.rotation.to_rotation_matrix().into_inner();
+        if solid.is_half_space() {
+            let origin = lanes(&world_from_solid.translation.vector);
+            return Self::HalfSpace { origin, normal: lanes(&rotation.column(2).into_owned()) };
+        }
+        let center = (world_from_solid * solid.aabb().center).coords;
+        Self::Box(LaneAabb::new(&center, &(rotation.abs() * solid.aabb().half_extents)))
+    }
+
+    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
+    /// farther from the box around the part along one of these axes.
+    #[inline(always)]
+    pub fn within_reach<S: Simd>(
+        &self,
+        simd: S,
+        center: LaneVector<S>,
+        half_extents: LaneVector<S>,
+        reach: f32x16<S>,
+    ) -> u32 {
+        match self {
+            Self::Box(around) => around.within_reach(simd, center, half_extents, reach),
+            Self::HalfSpace { origin, normal } => {
+                let offset = center.minus(LaneVector::splat(simd, *origin));
+                let [x, y, z] = normal.map(f32::abs);
+                bits(!(offset.dot(*normal) - half_extents.dot([x, y, z])).simd_ge(reach))
+            }
+        }
+    }
 }
 
 /// A hull or mesh of the world fills its box to about this, in metres.
@@ -87,17 +131,10 @@ enum LaneKind {
 
 impl LanePart {
     pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
-        // What the planning frame sees of a half-space has no box.
-        let (center, half_extents) = if solid.is_half_space() {
-            (world_from_solid.translation.vector, Vector::zeros())
-        } else {
-            let rotation = world_from_solid.rotation.to_rotation_matrix().into_inner();
-            ((world_from_solid * solid.aabb().center).coords, rotation.abs() * solid.aabb().half_extents)
-        };
         Self {
             solid: LaneSolid::of(world_from_solid, solid),
             hull: LaneHull::of(world_from_solid, solid),
-            around: LaneAabb::new(&center, &half_extents),
+            around: LaneAround::of(world_from_solid, solid),
             is_exact: solid.outline() != Outline::Other,
             slack_m: rounding_m(world_from_solid, solid),
         }
@@ -106,14 +143,18 @@ impl LanePart {
     /// Centre and half extents of the box around the part along the axes of the planning frame; none around a
     /// half-space.
     pub fn box_around(&self) -> Option<[[f32; 3]; 2]> {
-        let LaneAabb { center, half_extents } = self.around;
-        (!matches!(self.solid.kind, LaneKind::HalfSpace)).then_some([center, half_extents])
+        match self.around {
+            LaneAround::Box(LaneAabb { center, half_extents }) => Some([center, half_extents]),
+            LaneAround::HalfSpace { .. } => None,
+        }
     }
 
     /// The upward normal of the plane and its height along it, if the part is a half-space.
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
-        let LaneSolid { rows: [.., normal], origin, kind } = &self.solid;
-        matches!(kind, LaneKind::HalfSpace).then_some((*normal, dot(*origin, *normal)))
+        match self.around {
+            LaneAround::Box(_) => None,
+            LaneAround::HalfSpace { origin, normal } => Some((normal, dot(origin, normal))),
+        }
     }
 
     /// Whether anything in a ball can come closer than `free_m` (m).
@@ -130,25 +171,6 @@ impl LanePart {
             _ if self.is_exact => 0.0,
             _ => BOX_BLUR_M,
         }
-    }
-
-    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
-    /// farther from the box around the part along one of these axes.
-    #[inline(always)]
-    pub fn box_within_reach<S: Simd>(
-        &self,
-        simd: S,
-        center: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        reach: f32x16<S>,
-    ) -> u32 {
-        let LaneSolid { rows, origin, kind } = &self.solid;
-        if let LaneKind::HalfSpace = kind {
-            let offset = center.minus(LaneVector::splat(simd, *origin));
-            let [x, y, z] = rows[2].map(f32::abs);
-            return bits(!(offset.dot(rows[2]) - half_extents.dot([x, y, z])).simd_ge(reach));
-        }
-        self.around.within_reach(simd, center, half_extents, reach)
     }
 }
 

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16};
 
 use crate::batch::lanes_of;
 use crate::lane_body::{LaneBody, LaneNode};
-use crate::lane_scratch::{Descent, LaneScratch, Near, as_index};
+use crate::lane_scratch::{Descent, LaneScratch, Near};
 use crate::lanes::{FEW_LANES, LanePair, Lanes};
 use crate::single_lane::{Bars, SingleFrame, Verdict};
 
@@ -16,9 +16,10 @@ impl Lanes {
     /// Step 2 of [`Self::look`] for one link; with `wanted`, against these pairs alone, each in these lanes. A
     /// function of its own for each instruction set: all in one would take minutes to compile.
     ///
-    /// 1. The box around the link against every part; few lanes that are near are looked at one by one.
+    /// 1. The box and the ball around the link against every part; few lanes that are near are looked at one by
+    ///    one.
     /// 2. Its largest inner balls: deep contact shows at once.
-    /// 3. Down its tree of outer balls.
+    /// 3. Down its tree of outer balls, whose root is the ball around it.
     /// 4. The other inner balls, where many lanes are in doubt.
     /// 5. What is left one by one.
     #[inline(never)]
@@ -71,7 +72,11 @@ impl Lanes {
         // 3.
         let rough_doubt = scratch.doubts.len();
         scratch.stack.clear();
-        scratch.stack.push(Descent { node: 0, begin: 0, end: as_index(scratch.near.len()) });
+        scratch.push_children(outer[0].children, 0, scratch.near.len());
+        if scratch.stack.is_empty() {
+            let near = scratch.near.iter().map(|near| (pairs[near.index as usize].pair, near.lanes & *open));
+            scratch.doubts.extend(near.filter(|(_, lanes)| *lanes != 0));
+        }
         while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
             let LaneNode { ball, children } = outer[node as usize];
             let center = frame.point(simd, ball.center);
@@ -133,18 +138,22 @@ impl Lanes {
         scratch: &mut LaneScratch,
         open: &mut u32,
     ) {
-        let (pairs, is_ever_near) = (&self.part_pairs[body], &self.is_ever_near[body]);
+        let pairs = &self.part_pairs[body];
         let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
         let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
         let travel_m = scratch.travel.bodies[body];
-        let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
+        // The boxes.
         scratch.near.clear();
         if let Some(wanted) = wanted {
-            let begin = pairs[0].pair;
-            scratch
-                .near
-                .extend(wanted.iter().map(|(pair, lanes)| Near { index: pair - begin, lanes: *lanes }));
+            for (pair, lanes) in wanted {
+                let index = pair - pairs[0].pair;
+                let lanes = self.box_near(simd, body, index, middle, half_extents, travel_m) & lanes & *open;
+                if lanes != 0 {
+                    scratch.near.push(Near { index, lanes });
+                }
+            }
         } else {
+            let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
             let mut next = 0;
             while next < self.branches.len() {
                 let branch = &self.branches[next];
@@ -154,19 +163,26 @@ impl Lanes {
                 }
                 next += 1;
                 for index in branch.begin..branch.end {
-                    if is_ever_near[index as usize] {
-                        scratch.near.push(Near { index, lanes: u32::MAX });
+                    let lanes = self.box_near(simd, body, index, middle, half_extents, travel_m) & *open;
+                    if lanes != 0 {
+                        scratch.near.push(Near { index, lanes });
                     }
                 }
             }
         }
+        if scratch.near.is_empty() {
+            return;
+        }
+        // The ball.
+        let root = &self.bodies[body].outer[0].ball;
+        let center = frame.point(simd, root.center);
         let mut kept = 0;
         for candidate in 0..scratch.near.len() {
             let Near { index, lanes } = scratch.near[candidate];
             let pair = &pairs[index as usize];
-            let reach = f32x16::splat(simd, pair.free_m + travel_m);
+            let reach = f32x16::splat(simd, pair.free_m + travel_m + root.radius);
             let part = &self.parts[pair.other as usize];
-            let lanes = part.box_within_reach(simd, middle, half_extents, reach) & lanes & *open;
+            let lanes = part.solid.within_reach(simd, center, reach) & lanes & *open;
             if lanes.count_ones() > FEW_LANES {
                 scratch.near[kept] = Near { index, lanes };
                 kept += 1;
@@ -178,6 +194,22 @@ impl Lanes {
             }
         }
         scratch.near.truncate(kept);
+    }
+
+    /// The lanes in which the box around a link, given by its middle and half extents, is near the box around a
+    /// part.
+    #[inline(always)]
+    fn box_near<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        index: u32,
+        middle: LaneVector<S>,
+        half_extents: LaneVector<S>,
+        travel_m: f32,
+    ) -> u32 {
+        let reach = f32x16::splat(simd, self.part_pairs[body][index as usize].free_m + travel_m);
+        self.arounds[index as usize].within_reach(simd, middle, half_extents, reach)
     }
 
     /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are

@@ -7,7 +7,7 @@ use crate::batch::lanes_of;
 use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::LaneBody;
-use crate::lane_part::LanePart;
+use crate::lane_part::{LaneAround, LanePart};
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
@@ -31,9 +31,9 @@ pub(crate) struct Lanes {
     pub(crate) branches: Vec<LaneBranch>,
     /// Per link body the parts that it is checked against: all or none, in the order of the branches.
     pub(crate) part_pairs: Vec<Vec<LanePair>>,
-    /// Of each of these whether the two can ever be near each other.
-    pub(crate) is_ever_near: Vec<Vec<bool>>,
-    /// Per link body the greatest `free_m` of those that can, in metres; negative infinity if none can.
+    /// What is around each part, in the order of the branches.
+    pub(crate) arounds: Vec<LaneAround>,
+    /// Per link body the greatest `free_m` of its part pairs, in metres.
     pub(crate) farthest_free_m: Vec<f32>,
     /// Pairs of links that are looked up.
     tables: Vec<JointTable>,
@@ -59,7 +59,8 @@ pub(crate) struct LanePair {
     pub pair: u32,
     /// The other thing: a part or a link body.
     pub other: u32,
-    /// At this distance, or farther, the pair is certainly far enough apart.
+    /// At this distance, or farther, the pair is certainly far enough apart; negative infinity if the two can
+    /// never be near each other.
     pub free_m: f32,
     /// Below this distance it is certainly too close.
     pub contact_m: f32,
@@ -146,23 +147,20 @@ impl Lanes {
         let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = link_pairs.into_iter().unzip();
         let mut link_slots: Vec<usize> = (0..link_pairs.len()).collect();
         link_slots.sort_unstable_by_key(|slot| link_pairs[*slot].pair);
-        let is_ever_near: Vec<Vec<bool>> = std::iter::zip(bodies, &part_pairs)
-            .map(|(body, pairs)| {
-                let sweep = swept_ball(robot, body);
-                let is_near = |pair: &LanePair| {
-                    sweep.is_none_or(|sweep| lane_parts[pair.other as usize].is_near(&sweep, pair.free_m))
-                };
-                pairs.iter().map(is_near).collect()
-            })
-            .collect();
-        let farthest = |(pairs, is_near): (&Vec<LanePair>, &Vec<bool>)| {
-            let near = std::iter::zip(pairs, is_near).filter(|(_, is_near)| **is_near);
-            near.map(|(pair, _)| pair.free_m).fold(f32::NEG_INFINITY, f32::max)
-        };
+        for (body, pairs) in std::iter::zip(bodies, &mut part_pairs) {
+            let Some(sweep) = swept_ball(robot, body) else { continue };
+            for LanePair { other, free_m, .. } in pairs {
+                if !lane_parts[*other as usize].is_near(&sweep, *free_m) {
+                    *free_m = f32::NEG_INFINITY;
+                }
+            }
+        }
+        let farthest =
+            |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(f32::NEG_INFINITY, f32::max);
         Self {
             kinematics,
-            farthest_free_m: std::iter::zip(&part_pairs, &is_ever_near).map(farthest).collect(),
-            is_ever_near,
+            farthest_free_m: part_pairs.iter().map(farthest).collect(),
+            arounds: tree.parts().iter().map(|part| lane_parts[*part].around).collect(),
             bodies: lane_bodies,
             parts: lane_parts,
             branches: tree.nodes().iter().map(LaneBranch::of).collect(),
@@ -206,7 +204,7 @@ impl Lanes {
     /// `scratch.travel` says.
     ///
     /// 1. Pairs of links that are in a table are looked up.
-    /// 2. Every link against the world: the box around it against every part. What is near in few lanes is
+    /// 2. Every link against the world: box and ball around it against every part. What is near in few lanes is
     ///    looked at one by one; else inner balls against the parts that are near, and down its tree of balls
     ///    against those that are still near, until a leaf leaves the pair in doubt; what is left one by one.
     /// 3. The other pairs of links in the same way, and those that their table leaves in doubt one by one.

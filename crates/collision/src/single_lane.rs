@@ -80,11 +80,10 @@ impl SingleFrame {
 }
 
 impl LaneBody {
-    /// The body against a part of the world.
+    /// The body against a part of the world that is near the ball around it.
     ///
     /// 1. Two boxes along the same axes are compared as they are.
-    /// 2. The ball around all of it: most of what is not near ends here. Then its balls, if it consists of balls,
-    ///    or inner balls.
+    /// 2. Its balls, if it consists of balls, or inner balls; then the box around it.
     /// 3. Its hulls, against the part's own, or its lowest corner above a half-space.
     /// 4. Where there are no hulls, the outer balls: if no leaf is near, it is free; and the inner balls.
     #[inline(never)]
@@ -103,11 +102,6 @@ impl LaneBody {
             return bars.verdict([gap_m; 2]);
         }
         // 2.
-        let root = &self.outer[0].ball;
-        let middle = frame.point(root.center);
-        if !part.solid.is_closer(middle, bars.free_m + root.radius) {
-            return Verdict::Free;
-        }
         let closer = |packs, reach_m| BallPack::any_closer(simd, packs, frame, &part.solid, reach_m);
         if self.is_balls && !closer(&self.packed_inner, bars.free_m) {
             return Verdict::Free;
@@ -135,7 +129,7 @@ impl LaneBody {
         if !self.hulls.is_empty()
             && let Some(other) = &part.hull
         {
-            let apart = part.solid.apart(middle);
+            let apart = part.solid.apart(frame.point(self.outer[0].ball.center));
             return Verdict::of_all(
                 self.hulls
                     .iter()

@@ -81,7 +81,9 @@ impl Planner for Reach {
             sides: [forest.clone(), forest],
             goals: Vec::new(),
             scratch: cell.scratch(),
-            q: problem.start.clone(),
+            sample: problem.start.clone(),
+            from: Vec::new(),
+            q: Vec::new(),
             clock,
             observer,
             statistics: Statistics::default(),
@@ -105,6 +107,9 @@ struct Search<'a> {
     /// The roots of the latter.
     goals: Vec<usize>,
     scratch: Scratch,
+    /// The configuration to grow towards, the one that a growth begins at, and the one that is added.
+    sample: Vec<f64>,
+    from: Vec<f64>,
     q: Vec<f64>,
     clock: Clock,
     observer: &'a mut dyn Observer,
@@ -211,11 +216,11 @@ impl Search<'_> {
 
     /// Growth of one side towards a random configuration, and the other side's way to where it ended.
     fn grow_both(&mut self, side: usize) -> Option<Path> {
-        let mut sample = std::mem::take(&mut self.q);
+        let mut sample = std::mem::take(&mut self.sample);
         self.draw(&mut sample);
         let nearest = self.nearest(side, &sample);
         let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
-        self.q = sample;
+        self.sample = sample;
         if node == nearest {
             return None;
         }
@@ -261,26 +266,29 @@ impl Search<'_> {
     fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
         let begin = Instant::now();
         let Reach { step, looks, .. } = *self.settings;
-        let start = self.sides[side].q(from).to_vec();
+        let forest = &mut self.sides[side];
+        self.from.clear();
+        self.from.extend_from_slice(forest.q(from));
         let spacing = step / looks as f64;
         // Looks all the way to the target, and how many of them one pass takes.
-        let all = (self.sides[side].distance(&start, target) / spacing).ceil().max(1.0);
+        let all = (forest.distance(&self.from, target) / spacing).ceil().max(1.0);
         let count = LANES.min(as_count(all));
         let is_last = count >= as_count(all);
         let place = |look: usize| if is_last && look == count { 1.0 } else { look as f64 / all };
         let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
-        let free = self.cell.free_ahead(&start, target, &places[..count], &mut self.scratch);
+        let free = self.cell.free_ahead(&self.from, target, &places[..count], &mut self.scratch);
         self.statistics.collision_checks += count as u64;
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
         let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
         for end in ends {
-            let q: Vec<f64> = between(&start, target, place(end)).collect();
-            self.observer.node_added(side, &q, Some(node));
+            self.q.clear();
+            self.q.extend(between(&self.from, target, place(end)));
+            self.observer.node_added(side, &self.q, Some(node));
             node = match way {
-                Way::Turns => self.sides[side].add(&q, Some(node)),
-                Way::GoesOn => self.sides[side].prolong(&q, node),
+                Way::Turns => forest.add(&self.q, Some(node)),
+                Way::GoesOn => forest.prolong(&self.q, node),
             };
             way = Way::GoesOn;
         }
