@@ -85,6 +85,7 @@ impl Planner for Reach {
             from: Vec::new(),
             q: Vec::new(),
             clock,
+            lap: Instant::now(),
             observer,
             statistics: Statistics::default(),
             failures: Vec::new(),
@@ -112,6 +113,8 @@ struct Search<'a> {
     from: Vec<f64>,
     q: Vec<f64>,
     clock: Clock,
+    /// When the last piece of work that is timed ended.
+    lap: Instant,
     observer: &'a mut dyn Observer,
     statistics: Statistics,
     failures: Vec<GraspFailure>,
@@ -211,6 +214,7 @@ impl Search<'_> {
     fn add_goal(&mut self, goal: &[f64]) -> Option<Path> {
         let root = self.add_root(1, goal);
         self.goals.push(root);
+        self.lap = Instant::now();
         self.meet(1, root)
     }
 
@@ -218,6 +222,7 @@ impl Search<'_> {
     fn grow_both(&mut self, side: usize) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.sample);
         self.draw(&mut sample);
+        self.lap = Instant::now();
         let nearest = self.nearest(side, &sample);
         let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
         self.sample = sample;
@@ -255,18 +260,22 @@ impl Search<'_> {
     }
 
     fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
-        let begin = Instant::now();
         let nearest = self.sides[side].nearest(q).unwrap_or(0);
-        self.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
+        self.statistics.nearest_time_s += self.lap_s();
         nearest
+    }
+
+    /// Seconds since the last lap: one look at the clock between two pieces of work, not two.
+    fn lap_s(&mut self) -> f64 {
+        let begin = std::mem::replace(&mut self.lap, Instant::now());
+        self.lap.duration_since(begin).as_secs_f64()
     }
 
     /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
     /// adds a node for each whole step, and at the target.
     fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
-        let begin = Instant::now();
         let Reach { step, looks, .. } = *self.settings;
-        let forest = &mut self.sides[side];
+        let forest = &self.sides[side];
         self.from.clear();
         self.from.extend_from_slice(forest.q(from));
         let spacing = step / looks as f64;
@@ -278,7 +287,8 @@ impl Search<'_> {
         let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
         let free = self.cell.free_ahead(&self.from, target, &places[..count], &mut self.scratch);
         self.statistics.collision_checks += count as u64;
-        self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        self.statistics.collision_time_s += self.lap_s();
+        let forest = &mut self.sides[side];
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
         let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
