@@ -3,7 +3,7 @@ use std::time::Instant;
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::Grasp;
 use cranny_robot::{IkSettings, IkSolver, Robot};
-use cranny_spatial::{Pose, Stream};
+use cranny_spatial::{LANES, Pose, Stream};
 
 use crate::grasp_poses::poses;
 use crate::{Goal, PlanError, Problem, Validity};
@@ -45,6 +45,7 @@ const LEAST_GAIN: f64 = 0.02;
 ///    on its edges (Geraerts & Overmars 2007, §3); where one is blocked, another nearer to the way point.
 /// 3. Where the goal is a grasp, every other one leads from a random point of the path to a configuration near
 ///    it that brings the gripper to where the path ends, or to its twin: an arm to spare can hold it otherwise.
+/// 4. Once more the first step: a motion stops wherever a path turns.
 ///
 /// A function of problem, path and settings alone.
 ///
@@ -75,10 +76,11 @@ pub fn shortcut(
             _ => cut_at_random(cell, &mut path, &mut random, &mut scratch),
         }
     }
+    path = skip_way_points(cell, &path, &mut scratch);
     Ok(Shortened { path, time_s: begin.elapsed().as_secs_f64() })
 }
 
-/// Step 1.
+/// Steps 1 and 4.
 fn skip_way_points(cell: &Cell, path: &[Vec<f64>], scratch: &mut Scratch) -> Vec<Vec<f64>> {
     let mut kept = Vec::new();
     let mut at = 0;
@@ -182,10 +184,10 @@ fn is_shortcut(cell: &Cell, a: &[f64], b: &[f64], detour: f64, scratch: &mut Scr
     distance(a, b) <= (1.0 - LEAST_GAIN) * detour && is_free(cell, a, b, scratch)
 }
 
-/// Whether the straight motion is proven; a few looks on the way save the proof where it would fail.
+/// Whether the straight motion is proven; a row of looks up to its end saves the proof where it would fail.
 fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
-    [0.5, 0.25, 0.75].iter().all(|at| cell.is_free(&between(a, b, *at), scratch))
-        && cell.motion_is_free(a, b, scratch).is_proven()
+    let places: [f64; LANES] = std::array::from_fn(|look| (look + 1) as f64 / LANES as f64);
+    cell.free_ahead(a, b, &places, scratch) == LANES && cell.motion_is_free(a, b, scratch).is_proven()
 }
 
 fn between(a: &[f64], b: &[f64], at: f64) -> Vec<f64> {
