@@ -36,7 +36,8 @@ Environment:
   CRANNY_PYTHON        a Python with the packages of xtask/python-requirements.txt, into which the
                        package cranny is installed; unset: one is made under target/, or the tests
                        that need it are skipped, and one line says so
-  CRANNY_CHROMIUM      the browser of the viewer's tests; unset: /usr/bin/chromium and the like
+  CRANNY_CHROMIUM      the browser of the viewer's tests; unset: /usr/bin/chromium and the like,
+                       which apt-get installs where root runs this
   CRANNY_WEB_DIST      a built page of the viewer, for `cargo build` to put into the program; unset:
                        web/dist, or npm builds one where Node is
   CRANNY_REQUIRE_ALL   1: whatever lacks its data or its tool fails instead of being skipped

@@ -15,14 +15,34 @@ const PLACES: [&str; 4] =
 /// Names the program of the tests.
 const PROGRAM: &str = "CRANNY_BIN";
 
-/// Whether Node is here with the packages of `web/`, and a Chromium.
+/// Whether Node is here with the packages of `web/`, and a Chromium; one that can be had without a question is
+/// installed.
 pub fn readiness(here: &Surroundings) -> Readiness {
-    match (gltf::readiness(here), chromium()) {
-        (Readiness::Ready, None) => {
-            Readiness::Missing(format!("no Chromium: install one, or name it in {CHROMIUM}"))
-        }
-        (ready_or_not, _) => ready_or_not,
+    let ready_or_not = gltf::readiness(here);
+    if ready_or_not != Readiness::Ready || chromium().is_some() {
+        return ready_or_not;
     }
+    match install(here) {
+        Ok(()) if chromium().is_some() => Readiness::Ready,
+        Ok(()) => Readiness::Missing("no Chromium, though apt-get says that it has installed one".to_owned()),
+        Err(reason) => {
+            Readiness::Missing(format!("no Chromium: install one, or name it in {CHROMIUM} ({reason})"))
+        }
+    }
+}
+
+/// Installs Debian's Chromium for a root user, as machines that only run tests have.
+fn install(here: &Surroundings) -> Result<(), String> {
+    let user = here.command("id", &["-u"]).output();
+    if !user.is_ok_and(|user| user.stdout.trim_ascii() == b"0") {
+        return Err("only root can install it here".to_owned());
+    }
+    println!("==> Chromium by apt-get");
+    step::succeed(here.command("apt-get", &["-qq", "update"]))?;
+    let words = ["-qq", "install", "--yes", "--no-install-recommends", "chromium"];
+    let mut command = here.command("apt-get", &words);
+    command.env("DEBIAN_FRONTEND", "noninteractive");
+    step::succeed(command)
 }
 
 /// Builds the program, with the page in it, and runs both in a browser, after the page's types and unit tests.
