@@ -5,7 +5,7 @@
 //! the released `paper` check. Distances come with a certificate: [`Separation::lower_m`] is never above
 //! the true distance, whatever the iteration behind it did, because it is read off a separating plane.
 //!
-//! The narrow phase is `parry3d-f64`'s GJK and EPA; this crate alone names that library.
+//! Hulls, depths of overlap and convex decomposition are `parry3d-f64`'s; this crate alone names that library.
 //!
 //! ## Limits
 //! No point clouds, no height fields, no signed distance fields. Density is uniform. Meshes with holes have
@@ -21,8 +21,10 @@ mod convex;
 mod convex_hull;
 mod convex_parts;
 mod cuboid_run;
+mod cut;
 mod error;
 mod geodesic_sphere;
+mod gjk;
 mod inner_balls;
 mod loft;
 mod mesh;
