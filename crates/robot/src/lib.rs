@@ -33,6 +33,7 @@
 
 mod assembly;
 mod error;
+mod frame_error;
 mod ik_batch;
 mod ik_lanes;
 mod ik_search;
