@@ -6,7 +6,7 @@ use std::time::Duration;
 use cranny_plan::{
     Budget, Criterion, MotionLimits, OptimiseSettings, PlanError, PlanReport, Problem, ShortcutSettings,
     TimingMethod, Trajectory, Validity, default_planner, optimise as better, path_length, planner_with,
-    shortcut as shorten, verify,
+    search, shortcut as shorten, verify,
 };
 use cranny_scenario::{Demands, PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use pyo3::prelude::*;
@@ -63,7 +63,7 @@ pub fn plan(
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let margins = PlanMargins { margin_m, grasp_margin_m };
-    let task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
     let settings = settings_of(settings)?;
     let planner = planner.unwrap_or_else(|| default_planner(task.problem.criterion()).name());
     let planner = planner_with(planner, &settings).map_err(fault)?;
@@ -77,7 +77,7 @@ pub fn plan(
 
     let mut observer = InterruptObserver::new();
     let found = py.detach(|| match optimise {
-        Some(settings) => better(planner.as_ref(), &task.problem, &budget, settings, seed, &mut observer)
+        Some(settings) => better(planner.as_ref(), &mut task.problem, &budget, settings, seed, &mut observer)
             .map(|optimised| {
                 let told = PlanOptimisation {
                     time_limit_s: settings.time.as_secs_f64(),
@@ -88,7 +88,8 @@ pub fn plan(
                 };
                 (optimised.report, Some(told))
             }),
-        None => planner.plan(&task.problem, &budget, seed, &mut observer).map(|report| (report, None)),
+        None => search(planner.as_ref(), &mut task.problem, &budget, seed, &mut observer)
+            .map(|report| (report, None)),
     });
     // Ctrl-C goes before whatever the search says of it.
     observer.result()?;
@@ -132,6 +133,9 @@ pub fn plan(
             .as_ref()
             .map(|v| v.clearances_per_edge_m.clone())
             .unwrap_or_default(),
+        not_checked: verification
+            .as_ref()
+            .map_or_else(|| task.problem.not_checked(), |v| v.not_checked.clone()),
         path_length: path_length(&report.path),
         waypoints: std::mem::take(&mut report.path),
         timing: trajectory.as_ref().map(PlanTiming::of),

@@ -88,6 +88,9 @@ pub struct TaskArguments {
     /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub grasp_margin: Option<f64>,
+    /// Check pairs of links that touch in every sample too, which are left out otherwise and named
+    #[arg(long)]
+    pub strict_pairs: bool,
     /// Another robot's URDF (with SRDF and limits.yaml beside it) instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,

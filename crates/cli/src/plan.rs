@@ -5,7 +5,7 @@ use std::time::Instant;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
     Budget, Criterion, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanError, PlanReport, Planner,
-    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, shortcut, verify,
+    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, search, shortcut, verify,
 };
 use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use serde::Serialize;
@@ -57,11 +57,11 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let mut report;
     if let Some(settings) = settings {
         let optimised =
-            optimise(planner.as_ref(), &problem, &budget, settings, arguments.seed, &mut progress)?;
+            optimise(planner.as_ref(), &mut problem, &budget, settings, arguments.seed, &mut progress)?;
         optimisation = Some(of_optimised(&optimised, settings));
         report = optimised.report;
     } else {
-        report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
+        report = search(planner.as_ref(), &mut problem, &budget, arguments.seed, &mut progress)?;
     }
     progress.finish();
     let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report)? };
@@ -191,6 +191,7 @@ fn judge(
             .as_ref()
             .map(|v| v.clearances_per_edge_m.clone())
             .unwrap_or_default(),
+        not_checked: verification.as_ref().map_or_else(|| problem.not_checked(), |v| v.not_checked.clone()),
         path_length: path_length(&report.path),
         waypoints: report.path.clone(),
         timing: None,
@@ -252,7 +253,14 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
     }
     if let Some(clearance) = plan.clearance_m {
-        line("clearance", format!("{} or more along the whole path, proven", millimetres(clearance)));
+        let but_for = text::but_for(&plan.not_checked);
+        line(
+            "clearance",
+            format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
+        );
+    }
+    for pair in &plan.not_checked {
+        line("not checked", text::not_checked(pair));
     }
     if !plan.waypoints.is_empty() {
         line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));

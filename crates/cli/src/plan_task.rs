@@ -51,8 +51,12 @@ impl PlanTask {
         }
         let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
         let demands = Demands { margin_m, ..Demands::default() };
+        let mut problem = opened.problem(&demands)?;
+        if arguments.strict_pairs {
+            problem = problem.checking_all_pairs();
+        }
         Ok(Self {
-            problem: opened.problem(&demands)?,
+            problem,
             id: opened.id,
             grasps: GraspSet::default(),
             margins: PlanMargins { margin_m, ..PlanMargins::default() },

@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use cranny_plan::{Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, shortcut};
+use cranny_plan::{
+    Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, search, shortcut,
+};
 use cranny_scenario::PlanFile;
 use cranny_view::TreeRecording;
 
@@ -29,7 +31,7 @@ pub fn replay(
         recording: TreeRecording::new(problem.robot.clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
-    let report = planner.plan(problem, &budget, plan.seed, &mut watched)?;
+    let report = search(planner.as_ref(), &mut problem.clone(), &budget, plan.seed, &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;
     let note = |text: String| writeln!(std::io::stderr(), "note: {}: {text}", file.display());

@@ -29,7 +29,10 @@ impl Task {
             grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
         };
         let PlanMargins { margin_m, grasp_margin_m } = margins;
-        let problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        let mut problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        if arguments.strict_pairs {
+            problem = problem.checking_all_pairs();
+        }
         Ok(Self { scenario, problem, margins })
     }
 }

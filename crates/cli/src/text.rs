@@ -1,5 +1,6 @@
 use std::io::Write;
 
+use cranny_plan::{NotChecked, NotCheckedReason};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -32,4 +33,28 @@ pub fn degrees(radians: f64) -> String {
 /// A score for a person; "—" where there is none.
 pub fn score(score: Option<f64>) -> String {
     score.map_or_else(|| "—".to_owned(), |s| format!("{s:.2}"))
+}
+
+/// What is said right after "proven" or "valid" where something was not compared.
+pub fn but_for(not_checked: &[NotChecked]) -> String {
+    match not_checked.len() {
+        0 => String::new(),
+        1 => ", but for 1 pair that is not checked".to_owned(),
+        count => format!(", but for {count} pairs that are not checked"),
+    }
+}
+
+/// Two things that touch and are not compared, why, and what to do about it.
+pub fn not_checked(pair: &NotChecked) -> String {
+    let NotChecked { first, second, depth_m, reason } = pair;
+    let depth = millimetres(*depth_m);
+    match reason {
+        NotCheckedReason::NeverMoves => {
+            format!("{first} stands still, {depth} deep in {second}")
+        }
+        _ => format!(
+            "{first} and {second} touched in every sample, at least {depth} deep \
+             (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
+        ),
+    }
 }

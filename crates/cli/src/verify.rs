@@ -49,7 +49,8 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
 
 fn page(verification: &Verification, way_points: usize) -> String {
     let word = if verification.valid { "valid" } else { "NOT valid" };
-    let mut page = format!("{word}: {way_points} way points\n");
+    let but_for = text::but_for(&verification.not_checked);
+    let mut page = format!("{word}{but_for}: {way_points} way points\n");
     for violation in &verification.violations {
         let place = format!("edge {} at {:.3}", violation.edge, violation.at);
         let _ = match violation.kind {
@@ -102,6 +103,9 @@ fn page(verification: &Verification, way_points: usize) -> String {
             millimetres(translation),
             degrees(rotation)
         );
+    }
+    for pair in &verification.not_checked {
+        let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
     if let Some(clearance) = verification.clearance_m {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));

@@ -201,11 +201,7 @@ impl Builder<'_> {
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
         let (frames, bodies) = (&self.frames, self.bodies);
-        let placed = |body: usize| {
-            let LinkBody { link, shapes, .. } = &bodies[body];
-            let world_from_link = *frames.link(*link);
-            shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
-        };
+        let placed = |body: usize| bodies[body].placed(frames);
         let enough_m = pair.required_m + travel_m;
         let gap = group_separation(placed(pair.first), &placed(body), enough_m);
         if gap.lower_m >= enough_m {

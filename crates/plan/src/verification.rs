@@ -4,7 +4,7 @@ use cranny_spatial::{CONTACT_M, PoseDifference};
 use serde::{Deserialize, Serialize};
 
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, PlanError, Problem, Validity};
+use crate::{Goal, NotChecked, PlanError, Problem, Validity};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,8 @@ pub struct Verification {
     pub clearance_m: Option<f64>,
     /// The same for every edge (`exact` only); 0 for an edge that is not proven.
     pub clearances_per_edge_m: Vec<Option<f64>>,
+    /// What touches and was not compared (`exact` only): all that is said holds but for these.
+    pub not_checked: Vec<NotChecked>,
 }
 
 /// The end of a path against the nearest grasp.
@@ -101,11 +103,12 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
     verify_with(problem, path, ClearanceReport::PerEdge)
 }
 
-/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`.
+/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`, but for
+/// this: a proof that the clearance of its own edge contradicts is none.
 ///
 /// 1. It begins at the start.
 /// 2. Every way point is within the joint limits.
-/// 3. Under `exact` every edge is proven; under `paper` every way point but the first and the last (a goal
+/// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
 ///    root is not checked by the released planners) passes the released check, and no step is longer than
 ///    theirs.
 /// 4. It ends at a goal.
@@ -141,19 +144,27 @@ pub fn verify_with(
     }
     // 3.
     let mut clearances_per_edge_m = Vec::new();
+    let mut not_checked = Vec::new();
     match &problem.validity {
         Validity::Exact(cell) => {
+            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
+            not_checked = NotChecked::of(cell);
             let mut scratch = cell.scratch();
             // A path of one way point is an edge of no length.
             let single = [first.clone(), first.clone()];
             let edges = if path.len() == 1 { &single[..] } else { path };
             for (edge, pair) in edges.windows(2).enumerate() {
-                let found = judge_edge(cell, edge, [&pair[0], &pair[1]], &mut scratch);
+                let mut found = judge_edge(cell, edge, [&pair[0], &pair[1]], &mut scratch);
                 if report == ClearanceReport::PerEdge {
-                    let least_m = match found {
-                        Ok(()) => cell.least_clearance(&pair[0], &pair[1], &mut scratch),
-                        Err(_) => 0.0,
-                    };
+                    let mut least_m = 0.0;
+                    if found.is_ok() {
+                        let measured = cell.measure_motion(&pair[0], &pair[1], &mut scratch);
+                        least_m = measured.least_m;
+                        if let Some((at, contact)) = measured.contradiction {
+                            found = Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]);
+                            least_m = 0.0;
+                        }
+                    }
                     clearances_per_edge_m.push(least_m.is_finite().then_some(least_m));
                 }
                 violations.extend(found.err().into_iter().flatten());
@@ -201,7 +212,8 @@ pub fn verify_with(
         }
     };
     let clearance_m = clearances_per_edge_m.iter().copied().flatten().reduce(f64::min);
-    Ok(Verification { valid: violations.is_empty(), violations, goal, clearance_m, clearances_per_edge_m })
+    let valid = violations.is_empty();
+    Ok(Verification { valid, violations, goal, clearance_m, clearances_per_edge_m, not_checked })
 }
 
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
@@ -228,18 +240,10 @@ fn judge_edge(
     [a, b]: [&[f64]; 2],
     scratch: &mut Scratch,
 ) -> Result<(), Vec<Violation>> {
-    let describe = |kind: ViolationKind, at: f64, contact: &Contact| Violation {
-        kind,
-        edge,
-        at,
-        first: cell.name(contact.first).to_owned(),
-        second: cell.name(contact.second).to_owned(),
-        depth_m: contact.depth_m,
-    };
     let seed = match cell.motion_is_free(a, b, scratch) {
         Motion::Proven => return Ok(()),
         Motion::Unresolved { at, contact } => {
-            return Err(vec![describe(ViolationKind::Unresolved, at, &contact)]);
+            return Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]);
         }
         Motion::Contact { at, contact } => Some((at, contact)),
         // The limits are judged at the way points; what touches on the way counts all the same.
@@ -248,9 +252,20 @@ fn judge_edge(
     let violations = deepest_contacts(cell, a, b, seed, scratch).into_iter().map(|(at, contact)| {
         let touches = contact.clearance_m < CONTACT_M;
         let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
-        describe(kind, at, &contact)
+        describe(cell, kind, edge, at, &contact)
     });
     Err(violations.collect())
+}
+
+fn describe(cell: &Cell, kind: ViolationKind, edge: usize, at: f64, contact: &Contact) -> Violation {
+    Violation {
+        kind,
+        edge,
+        at,
+        first: cell.name(contact.first).to_owned(),
+        second: cell.name(contact.second).to_owned(),
+        depth_m: contact.depth_m,
+    }
 }
 
 /// Every pair that touches on an edge, each at the deepest of many samples and of `seed`.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
+use crate::full_turn::full_turns;
 use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::kinematics::{LinkFrames, Motion, Step, Value};
@@ -90,15 +91,16 @@ impl Robot {
                 .collect();
         let srdf = srdf.unwrap_or_default();
         let joints = group_joints(&urdf, &tree, &resolved.group);
-        Ok(Self {
+        let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links),
-            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf)?,
+            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
             group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
             joint_names: resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect(),
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
+            full_turns: full_turns(&limits, &movers),
             limits,
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),
@@ -106,7 +108,9 @@ impl Robot {
             movers,
             steps,
             rest,
-        })
+        };
+        robot.check_steadiness()?;
+        Ok(robot)
     }
 }
 

@@ -34,6 +34,7 @@
 mod assembly;
 mod error;
 mod frame_error;
+mod full_turn;
 mod ik_batch;
 mod ik_lanes;
 mod ik_search;
@@ -54,6 +55,7 @@ mod reach_bound;
 mod robot_files;
 mod spelling;
 mod srdf;
+mod steadiness;
 mod tree;
 mod urdf;
 mod visual;

@@ -139,6 +139,7 @@ impl Layout<'_> {
             group: file.group.clone().map_or(JointGroup::RootToTip, JointGroup::Srdf),
             tip: file.tip.clone(),
             fixed: file.fixed.clone(),
+            unchecked_pairs: file.unchecked_pairs.clone(),
             packages: file.packages.iter().map(|folder| self.folder.join(folder)).collect(),
             ..RobotOptions::default()
         };

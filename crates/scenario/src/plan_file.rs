@@ -1,7 +1,9 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_plan::{Criterion, GraspFailure, Improvement, Outcome, Statistics, TimingMethod, Trajectory};
+use cranny_plan::{
+    Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics, TimingMethod, Trajectory,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
@@ -50,6 +52,9 @@ pub struct PlanFile {
     pub clearance_m: Option<f64>,
     /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
     pub clearances_per_edge_m: Vec<Option<f64>>,
+    /// What touches and was not compared: the path is proven but for these.
+    #[serde(default)]
+    pub not_checked: Vec<NotChecked>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
     /// The path: one value per joint each (m, rad), straight lines between.
@@ -214,7 +219,7 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use cranny_plan::FailureReason;
+    use cranny_plan::{FailureReason, NotCheckedReason};
 
     use super::*;
 
@@ -254,6 +259,12 @@ mod tests {
                 iterations: 70,
                 improvements: vec![Improvement { time_s: 0.3, iterations: 13, cost: -0.7 / 3.0 }],
             }),
+            not_checked: vec![NotChecked {
+                first: "hand".to_owned(),
+                second: "wrist".to_owned(),
+                depth_m: 0.1 / 3.0,
+                reason: NotCheckedReason::AlwaysTouching,
+            }],
             failures: vec![GraspFailure {
                 grasp: 4,
                 reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
@@ -280,12 +291,19 @@ mod tests {
     fn a_plan_without_timing_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("021.plan.json");
-        let untimed = PlanFile { timing: None, optimisation: None, failures: Vec::new(), ..plan() };
+        let untimed = PlanFile {
+            timing: None,
+            optimisation: None,
+            not_checked: Vec::new(),
+            failures: Vec::new(),
+            ..plan()
+        };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
         // As plans were written before there was timing.
         let text = fs::read_to_string(&path).unwrap();
         let text = text.replace("  \"timing\": null,\n", "");
+        let text = text.replace("  \"not_checked\": [],\n", "");
         let text = text.replace(",\n  \"optimisation\": null,\n  \"failures\": []", "");
         assert!(["timing", "optimisation", "failures"].iter().all(|key| !text.contains(key)));
         fs::write(&path, text).unwrap();
