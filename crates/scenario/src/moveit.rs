@@ -97,8 +97,8 @@ impl MoveItProblem {
         let files = Files {
             scene_file: MessageFile { path: scene },
             request_file: MessageFile { path: request },
-            scene: yaml::read(scene)?,
-            request: yaml::read(request)?,
+            scene: yaml::read_argument(scene)?,
+            request: yaml::read_argument(request)?,
         };
         // 1.
         let state = files.state()?;

@@ -11,7 +11,7 @@ use serde_saphyr::Spanned;
 use crate::moveit_file::{
     HeaderEntry, MeshEntry, NameOrNumber, ObjectEntry, PoseEntry, PrimitiveEntry, SceneFile, TriangleEntry,
 };
-use crate::{ScenarioError, yaml};
+use crate::{ScenarioError, sizes, yaml};
 
 /// The bodies of a scene, in the planning frame; `world_from_root` is where the robot stands.
 pub(crate) fn bodies(
@@ -171,9 +171,9 @@ impl MessageFile<'_> {
         }
         let at = self.at(entry.referenced);
         let (solid, dimensions) = match (kind.as_str(), &numbers[..]) {
-            ("box", &[x, y, z]) => (Solid::cuboid(Vector::new(x, y, z) * 0.5), ""),
+            ("box", &[x, y, z]) => (sizes::cuboid([x, y, z]), ""),
             ("sphere", &[radius_m]) => (Solid::sphere(radius_m), ""),
-            ("cylinder", &[height_m, radius_m]) => (Solid::cylinder(0.5 * height_m, radius_m), ""),
+            ("cylinder", &[height_m, radius_m]) => (sizes::cylinder(height_m, radius_m), ""),
             ("box", _) => (Err(ShapeError::Empty), "x, y, z"),
             ("sphere", _) => (Err(ShapeError::Empty), "radius"),
             ("cylinder", _) => (Err(ShapeError::Empty), "height, radius"),
