@@ -19,5 +19,5 @@ mod text;
 
 pub use excerpt::{excerpt, visible};
 pub use fault::FileFault;
-pub use opener::{ARCHIVE, MESH, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
+pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
 pub use text::{TextFault, json, yaml};

@@ -26,6 +26,9 @@ pub const TABLE: Readable = Readable::new("a table", 1 << 30);
 /// A mesh: ten million triangles in binary STL have 500 MiB.
 pub const MESH: Readable = Readable::new("a mesh", 1 << 30);
 
+/// A program, read for its checksum.
+pub const PROGRAM: Readable = Readable::new("a program", 1 << 30);
+
 /// A packed scenario, as it lies on the disk.
 pub const ARCHIVE: Readable = Readable::new("an archive", 256 << 20);
 

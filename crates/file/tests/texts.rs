@@ -78,12 +78,12 @@ fn a_long_list_is_read_and_one_that_multiplies_itself_is_not() {
     let long = format!("a: [{}]\n", "{b: [1, 2, 3]}, ".repeat(100_000));
     let read: BTreeMap<String, Vec<BTreeMap<String, Vec<f64>>>> = cranny_file::yaml(&long).unwrap();
     assert_eq!(read["a"].len(), 100_000);
-    let mut bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n".to_owned();
+    let mut bomb = vec!["a0: &a0 [x, x, x, x, x, x, x, x, x]\n".to_owned()];
     for level in 1..10 {
         let list = format!("*a{}, ", level - 1).repeat(9);
-        bomb += &format!("a{level}: &a{level} [{list}]\n");
+        bomb.push(format!("a{level}: &a{level} [{list}]\n"));
     }
-    let fault = cranny_file::yaml::<serde_json::Value>(&bomb).unwrap_err();
+    let fault = cranny_file::yaml::<serde_json::Value>(&bomb.concat()).unwrap_err();
     assert!(fault.problem.contains("aliases"), "{fault}");
     let deep = "[".repeat(100_000);
     let fault = cranny_file::yaml::<serde_json::Value>(&deep).unwrap_err();

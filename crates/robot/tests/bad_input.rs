@@ -166,16 +166,16 @@ fn a_missing_file_and_a_mesh_without_a_folder_are_named() {
 
 /// A robot of links in a chain, or all on one.
 fn large(links: usize, is_chain: bool) -> String {
-    let mut text = "<robot name=\"large\">\n<link name=\"l0\"/>\n".to_owned();
+    let mut text = vec!["<robot name=\"large\">\n<link name=\"l0\"/>\n".to_owned()];
     for link in 1..links {
         let parent = if is_chain { link - 1 } else { 0 };
-        text += &format!(
+        text.push(format!(
             "<link name=\"l{link}\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>\n\
              <joint name=\"j{link}\" type=\"revolute\"><parent link=\"l{parent}\"/><child link=\"l{link}\"/>\n\
              <axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\"/></joint>\n"
-        );
+        ));
     }
-    text + "</robot>\n"
+    text.concat() + "</robot>\n"
 }
 
 fn fault_of(urdf: &str) -> String {
@@ -198,7 +198,7 @@ fn a_robot_of_more_links_than_any_has_is_refused_at_once() {
 /// Attributes are compared each with each: 100 000 of them took minutes.
 #[test]
 fn an_element_of_very_many_attributes_is_refused_at_once() {
-    let many: String = (0..100_000).map(|index| format!(" a{index}=\"<>\"")).collect();
+    let many = (0..100_000).map(|index| format!(" a{index}=\"<>\"")).collect::<Vec<_>>().concat();
     let urdf = format!("<robot name=\"a\">\n<!-- <a b='> -->\n<link name=\"a\"{many}/>\n</robot>");
     let said = fault_of(&urdf);
     assert!(said.contains("large.urdf:3: 100001 attributes in one element, but at most 1000"), "{said}");
@@ -227,15 +227,16 @@ fn a_xacro_file_is_called_by_its_name() {
 /// Each group that holds two others twice over was walked twice as often as the one before.
 #[test]
 fn groups_within_groups_are_walked_once() {
-    let mut srdf = "<robot name=\"large\">\n<group name=\"g0\"><joint name=\"j1\"/></group>\n".to_owned();
+    let mut srdf =
+        vec!["<robot name=\"large\">\n<group name=\"g0\"><joint name=\"j1\"/></group>\n".to_owned()];
     for group in 1..60 {
         let below = group - 1;
-        srdf += &format!(
+        srdf.push(format!(
             "<group name=\"g{group}\"><group name=\"g{below}\"/><group name=\"g{below}\"/></group>\n"
-        );
+        ));
     }
     let options = RobotOptions {
-        srdf: Some(TextSource::Text { name: "large.srdf".into(), text: srdf + "</robot>" }),
+        srdf: Some(TextSource::Text { name: "large.srdf".into(), text: srdf.concat() + "</robot>" }),
         group: JointGroup::Srdf("g59".into()),
         ..RobotOptions::default()
     };

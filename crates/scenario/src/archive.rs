@@ -85,6 +85,9 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         id,
     };
     let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
+    // What could not be unpacked again is not packed.
+    let whole = contents.values().map(|content| content.len() as u64).sum();
+    unpacked::check_size(whole, bytes.len() as u64).map_err(|problem| fault(archive, problem))?;
     fs::write(archive, bytes)
         .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
     Ok(contents.into_keys().collect())

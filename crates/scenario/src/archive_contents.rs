@@ -64,7 +64,8 @@ pub(crate) fn contents(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec
     Ok(contents)
 }
 
-fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
+/// Whether an archive of `packed` bytes may unpack to so many.
+pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
     if are_limits_lifted() || unpacked <= SMALL_BYTES {
         return Ok(());
     }

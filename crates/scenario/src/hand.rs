@@ -122,11 +122,11 @@ mod tests {
             points
         };
         let hand = |points: Vec<[f64; 3]>| {
-            let vertices: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+            let vertices: Vec<_> = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
             // Any triangles will do for a hull.
-            let faces: String =
+            let faces: Vec<_> =
                 (1..=points.len() - 2).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
-            std::fs::write(folder.path().join("hand.obj"), vertices + &faces).unwrap();
+            std::fs::write(folder.path().join("hand.obj"), vertices.concat() + &faces.concat()).unwrap();
             let urdf = "<robot name='r'><link name='base'/><link name='arm'/><link name='hand'><collision><geometry>\
                         <mesh filename='hand.obj'/></geometry></collision></link><link name='tip'/>\
                         <joint name='turn' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>\

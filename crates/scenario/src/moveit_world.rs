@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use cranny_collision::{Body, Part};
@@ -24,9 +24,10 @@ pub(crate) fn bodies(
     file.refuse_what_is_not_read(scene)?;
     let frames = Frames::new(&file, scene, robot, world_from_root)?;
     let mut bodies: Vec<Body> = Vec::new();
+    let mut names = HashSet::new();
     for object in &scene.world.collision_objects {
         let name = &object.id.value;
-        if bodies.iter().any(|body| body.name == *name) {
+        if !names.insert(name) {
             return Err(ScenarioError::NameTaken { at: file.at(object.id.referenced), name: name.clone() });
         }
         let root_from_object =

@@ -247,12 +247,12 @@ fn what_a_scenario_names_must_be_a_regular_file() {
 fn ten_thousand_obstacles_open_in_a_moment() {
     let copy = Copy::new();
     let text = fs::read_to_string(copy.path("scenario.yaml")).unwrap();
-    let boxes: String = (0..20_000)
-        .map(|index| {
-            let (x, y) = (0.1 * f64::from(index % 200), 5.0 + 0.1 * f64::from(index / 200));
-            format!("  - {{name: b{index}, shapes: [box: {{size: [0.05, 0.05, 0.05]}}], pose: {{position: [{x}, {y}, 0]}}}}\n")
-        })
-        .collect();
+    let entry = |index: u32| {
+        let (x, y) = (0.1 * f64::from(index % 200), 5.0 + 0.1 * f64::from(index / 200));
+        let pose = format!("{{position: [{x}, {y}, 0]}}");
+        format!("  - {{name: b{index}, shapes: [box: {{size: [0.05, 0.05, 0.05]}}], pose: {pose}}}\n")
+    };
+    let boxes = (0..20_000).map(entry).collect::<Vec<_>>().concat();
     let (before, after) = text.split_once("obstacles:\n").unwrap();
     fs::write(copy.path("scenario.yaml"), format!("{before}obstacles:\n{boxes}{after}")).unwrap();
     let begin = std::time::Instant::now();

@@ -65,7 +65,7 @@ fn read_results(folder: &Path, bytes: &[u8]) {
     let mut content = fs::read(&sound).expect("sound results");
     for change in bytes.chunks_exact(3) {
         let share = usize::from(u16::from_le_bytes([change[0], change[1]]));
-        let at = share * content.len() >> 16;
+        let at = (share * content.len()) >> 16;
         content[at] = change[2];
     }
     fs::write(&path, content).expect("a file to read");
