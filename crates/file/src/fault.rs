@@ -22,9 +22,9 @@ pub enum FileFault {
     },
     /// The file is larger than what its kind may be.
     #[error(
-        "it holds {}, but {what} may hold at most {} (--large-files lifts this limit)",
-        size.map_or_else(|| "more than that".to_owned(), mebibytes),
-        mebibytes(*most)
+        "{what} may hold at most {}, but this one holds {} (--large-files lifts this limit)",
+        mebibytes(*most),
+        size.map_or_else(|| "more".to_owned(), mebibytes)
     )]
     TooLarge {
         /// What it was read as, with its article.

@@ -18,7 +18,7 @@ pub struct Readable {
 }
 
 /// A text that people write: YAML, URDF, SRDF, a manifest. The largest known to us, a scene of 10⁵ boxes, has 15 MiB.
-pub const TEXT: Readable = Readable::new("a file of its kind", 64 << 20);
+pub const TEXT: Readable = Readable::new("such a text", 64 << 20);
 
 /// Grasps, way points, plans, arrays of `NumPy`: a million way points of nine joints have about 200 MiB.
 pub const TABLE: Readable = Readable::new("a table", 1 << 30);
