@@ -1,4 +1,3 @@
-use std::fs;
 use std::path::Path;
 
 use cranny_plan::Criterion;
@@ -75,16 +74,19 @@ impl Campaign {
     /// # Errors
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path)
+        let text = cranny_file::TEXT
+            .argument()
+            .text(path)
             .map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })?;
         let fault = |location: Location, problem: String| BenchError::CampaignFile {
             path: path.to_owned(),
             line: location.line().max(1),
             problem,
         };
-        let entry: CampaignEntry = serde_saphyr::from_str(&text).map_err(|reason| {
-            let location = reason.location().unwrap_or(Location::UNKNOWN);
-            fault(location, reason.without_snippet().to_string())
+        let entry: CampaignEntry = cranny_file::yaml(&text).map_err(|reason| BenchError::CampaignFile {
+            path: path.to_owned(),
+            line: reason.line as u64,
+            problem: reason.problem,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut planners = Vec::new();

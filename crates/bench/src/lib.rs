@@ -36,6 +36,7 @@ mod worker_process;
 pub use campaign::{Campaign, CampaignPlanner, Exception, Schedule};
 pub use campaign_run::{CampaignObserver, CampaignSettings, RunSummary, Unheard, run_campaign};
 pub use error::BenchError;
+pub use foreign_answer::{ForeignAnswer, read_output, read_released};
 pub use ompl_log::OmplLog;
 pub use planner_call::PlannerCall;
 pub use question::Question;

@@ -1,5 +1,4 @@
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -156,7 +155,7 @@ fn absolute(word: &str) -> Option<String> {
 }
 
 fn checksum(word: &str) -> String {
-    let content = fs::read(word).unwrap_or_default();
+    let content = cranny_file::PROGRAM.bytes(Path::new(word)).unwrap_or_default();
     let mut text = String::new();
     for byte in Sha256::digest(content) {
         let _ = write!(text, "{byte:02x}");
@@ -166,6 +165,8 @@ fn checksum(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

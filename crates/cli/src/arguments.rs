@@ -1,5 +1,6 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::ArgPredicate;
@@ -32,6 +33,10 @@ use crate::view::ViewArguments;
 pub struct Cli {
     #[command(flatten)]
     pub output: Output,
+    /// Read files of any size: without it a mesh or a table may have 1 GiB, a packed scenario 256 MiB, any other
+    /// file 64 MiB
+    #[arg(long, global = true)]
+    pub large_files: bool,
     #[command(subcommand)]
     pub command: Command,
 }
@@ -230,10 +235,10 @@ pub struct IkArguments {
     #[arg(long, value_name = "N")]
     pub grasp: Option<usize>,
     /// Distinct solutions to look for at each grasp
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = positive::<NonZeroUsize>)]
     pub solutions: NonZeroUsize,
     /// Attempts at each grasp
-    #[arg(long, value_name = "N", default_value = "5000")]
+    #[arg(long, value_name = "N", default_value = "5000", value_parser = positive::<NonZeroUsize>)]
     pub attempts: NonZeroUsize,
     /// Only one attempt at each grasp and one at its twin, from the start, as the paper does it
     #[arg(long, conflicts_with = "attempts")]
@@ -285,6 +290,11 @@ impl From<GeometryArgument> for Geometry {
             GeometryArgument::Export => Self::Export,
         }
     }
+}
+
+/// A count on the command line.
+pub fn positive<N: FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| "a count is a whole number, at least 1".to_owned())
 }
 
 /// A number of seconds on the command line.

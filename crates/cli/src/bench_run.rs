@@ -13,7 +13,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::Answer;
-use crate::arguments::{CriterionArgument, Output, seconds};
+use crate::arguments::{CriterionArgument, Output, positive, seconds};
 use crate::bench;
 use crate::failure::Failure;
 use crate::progress::{bar, spinner, stop_on_interrupt};
@@ -51,7 +51,7 @@ pub struct RunArguments {
     #[arg(long, value_enum, value_delimiter = ',')]
     criterion: Vec<CriterionArgument>,
     /// Seeds for each planner in each scenario [default: 100]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = positive::<NonZeroU64>)]
     runs: Option<NonZeroU64>,
     /// The first of the seeds [default: 0]
     #[arg(long, value_name = "N")]
@@ -63,7 +63,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "N")]
     iterations: Option<u64>,
     /// Memory that a search may take, in MB [default: 4096]
-    #[arg(long, value_name = "MB")]
+    #[arg(long, value_name = "MB", value_parser = positive::<NonZeroU64>)]
     memory_limit: Option<NonZeroU64>,
     /// Aim at each known goal configuration of a scenario by itself, as the paper's table of IK-RRT does
     #[arg(long)]
@@ -75,7 +75,7 @@ pub struct RunArguments {
     #[arg(long)]
     clearance: bool,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = positive::<NonZeroUsize>)]
     workers: NonZeroUsize,
     /// Where the results are, or shall be
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]

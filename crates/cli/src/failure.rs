@@ -23,6 +23,14 @@ pub enum Failure {
         /// What is wrong with it, and what would fit.
         problem: String,
     },
+    /// A file that a command cannot work with.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it, and what would fit.
+        problem: String,
+    },
     /// The plan is of a robot with other joints.
     #[error("{}: the plan moves joint '{found}' where this scenario's robot has '{expected}'", path.display())]
     OtherRobot {

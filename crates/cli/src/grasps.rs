@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, nearest_distances,
-    pairwise_distances, read_csv, sample_grasps, write_csv,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, nearest_distances, read_csv,
+    sample_grasps, spread, write_csv,
 };
 use cranny_plan::{APPROACH_M, Hand, HandFilter};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
@@ -340,22 +340,33 @@ fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Fai
 
 /// What `grasps distances --json` prints; distances in millimetres plus degrees.
 #[derive(Serialize)]
-struct Spread {
+struct DistancesAnswer {
     grasps: usize,
     least: Option<f64>,
     median: Option<f64>,
     greatest: Option<f64>,
 }
 
+/// Of so many grasps there are 5·10⁹ pairs: some minutes on a few cores.
+const MOST_TO_COMPARE: usize = 100_000;
+
 fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, Failure> {
     let set = read_csv(&arguments.grasps).map_err(ScenarioError::from)?;
-    let mut all = pairwise_distances(set.grasps());
-    all.sort_by(f64::total_cmp);
-    let spread = Spread {
+    if set.len() > MOST_TO_COMPARE {
+        let problem = format!(
+            "{} grasps make {:.0e} pairs, and at most {MOST_TO_COMPARE} grasps are compared each with each (give a \
+             part of the file)",
+            set.len(),
+            0.5 * set.len() as f64 * set.len() as f64
+        );
+        return Err(Failure::File { path: arguments.grasps.clone(), problem });
+    }
+    let spread = spread(set.grasps());
+    let spread = DistancesAnswer {
         grasps: set.len(),
-        least: all.first().copied(),
-        median: all.get(all.len() / 2).copied(),
-        greatest: all.last().copied(),
+        least: spread.map(|spread| spread.least),
+        median: spread.map(|spread| spread.median),
+        greatest: spread.map(|spread| spread.greatest),
     };
     if output.json {
         text::print_json(&spread)?;

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use cranny_grasp::GraspSet;
-use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik};
-use cranny_scenario::PlanMargins;
+use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik};
+use cranny_scenario::{FilledHand, PlanMargins};
 use serde::Serialize;
 
 use crate::Answer;
@@ -65,6 +65,9 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
         }
     }
     let solved = annotations.iter().filter(|a| a.status == IkStatus::Solved).count();
+    if solved == 0 && !output.quiet {
+        filled_hand(&problem)?;
+    }
     if output.json {
         let grasps = annotations.iter().map(annotated).collect();
         text::print_json(&Answered { scenario: scenario.id.clone(), solved, grasps })?;
@@ -72,6 +75,11 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
         text::print(&page(&scenario.id, &annotations, solved))?;
     }
     Ok(if solved > 0 { Answer::Done } else { Answer::No })
+}
+
+/// Says why no grasp can be free, where the hand itself is the reason.
+pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
+    FilledHand::of(&problem.robot).map_or(Ok(()), |filled| text::note(&filled.to_string()))
 }
 
 fn blocked_by(status: &IkStatus) -> Option<String> {

@@ -50,6 +50,9 @@ enum Answer {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if cli.large_files {
+        cranny_file::lift_limits();
+    }
     let answer = match &cli.command {
         Command::List => list::run(cli.output),
         Command::Info(arguments) => info::run(arguments, cli.output),
@@ -68,7 +71,7 @@ fn main() -> ExitCode {
         Ok(Answer::No) => ExitCode::from(1),
         Err(failure) => {
             // Where not even this can be written, the exit code says it.
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            let _ = writeln!(std::io::stderr(), "error: {}", cranny_file::visible(&failure.to_string()));
             ExitCode::from(2)
         }
     }

@@ -13,6 +13,7 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
+use crate::ik;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
@@ -94,6 +95,9 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
         untimed: timing.hindrance(),
         plan: &judged.plan,
     };
+    if !solved && !output.quiet {
+        ik::filled_hand(&problem)?;
+    }
     if output.json {
         text::print_json(&answered)?;
     } else if !output.quiet {

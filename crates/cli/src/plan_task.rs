@@ -1,4 +1,3 @@
-use std::io::Write;
 use std::path::PathBuf;
 
 use cranny_grasp::GraspSet;
@@ -8,6 +7,7 @@ use cranny_scenario::{Demands, MoveItOptions, MoveItProblem, PlanMargins};
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::task::{Task, metres};
+use crate::text;
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
 pub struct PlanTask {
@@ -46,7 +46,7 @@ impl PlanTask {
         let opened = MoveItProblem::open(scene, request, &options)?;
         if !output.quiet {
             for deviation in &opened.deviations {
-                writeln!(std::io::stderr(), "note: {deviation}")?;
+                text::note(&deviation.to_string())?;
             }
         }
         let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);

@@ -272,7 +272,7 @@ struct Checked {
 }
 
 fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
-    let mut problems: Vec<String> = check(id).iter().map(ToString::to_string).collect();
+    let mut problems: Vec<String> = check(id)?.iter().map(ToString::to_string).collect();
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
         let problem = scenario.problem(&Demands::default())?;

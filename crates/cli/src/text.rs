@@ -1,5 +1,6 @@
 use std::io::Write;
 
+use cranny_file::visible;
 use cranny_plan::{NotChecked, NotCheckedReason};
 use serde::Serialize;
 
@@ -9,11 +10,21 @@ use crate::failure::Failure;
 pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(document).map_err(std::io::Error::other)?;
     text.push('\n');
-    print(&text)
+    write(&text)
 }
 
-/// Prints text on standard output; a reader that has gone away is no failure.
+/// Prints text on standard output, what a terminal would obey made visible: names come from files.
 pub fn print(text: &str) -> Result<(), Failure> {
+    write(&visible(text))
+}
+
+/// Says something beside the answer, on standard error.
+pub fn note(text: &str) -> Result<(), Failure> {
+    Ok(writeln!(std::io::stderr(), "note: {}", visible(text))?)
+}
+
+/// A reader that has gone away is no failure.
+fn write(text: &str) -> Result<(), Failure> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(fault) if fault.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => Ok(other?),

@@ -31,6 +31,29 @@ pub enum RobotError {
         /// What the operating system says.
         reason: std::io::Error,
     },
+    /// A file is written for xacro, which makes a URDF of it.
+    #[error(
+        "{at}: this is a xacro file, not yet a URDF (expand it first: xacro {file} > {})",
+        expanded(file)
+    )]
+    Xacro {
+        /// Where xacro is first spoken of.
+        at: Location,
+        /// The file.
+        file: String,
+    },
+    /// A file holds more of something than any robot has.
+    #[error("{at}: {actual} {what}, but at most {most} are read")]
+    TooMany {
+        /// Where.
+        at: Location,
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        most: usize,
+        /// How many there are.
+        actual: usize,
+    },
     /// A file has no content.
     #[error("{file}: the file is empty")]
     Empty {
@@ -322,12 +345,12 @@ pub enum RobotError {
         reason: Box<ShapeError>,
     },
     /// A `limits.yaml` is malformed.
-    #[error("{at}: {}", reason.without_snippet())]
+    #[error("{at}: {reason}")]
     Limits {
         /// Where.
         at: Location,
-        /// What the YAML reader says.
-        reason: Box<serde_saphyr::Error>,
+        /// What is wrong with it.
+        reason: cranny_file::TextFault,
     },
 }
 
@@ -376,4 +399,12 @@ fn listed(paths: &[PathBuf]) -> String {
         return "nothing (the robot was given as a text without a folder)".to_owned();
     }
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// What the URDF of a xacro file is called.
+fn expanded(file: &str) -> String {
+    match file.strip_suffix(".urdf.xacro").or_else(|| file.strip_suffix(".xacro")) {
+        Some(stem) => format!("{stem}.urdf"),
+        None => format!("{}.expanded.urdf", file.strip_suffix(".urdf").unwrap_or(file)),
+    }
 }

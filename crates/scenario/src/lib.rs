@@ -22,6 +22,7 @@
 
 mod alteration;
 mod archive;
+mod archive_contents;
 mod atomic_file;
 mod builtin_object;
 mod builtin_robot;
@@ -59,6 +60,7 @@ mod scenario_file;
 mod scenario_set;
 mod scenario_set_file;
 mod schema;
+mod sizes;
 mod template;
 mod trajectory_file;
 mod waypoints;
@@ -72,6 +74,7 @@ pub use error::ScenarioError;
 pub use family::{Family, Placement};
 pub use family_scenario::{FamilyMaker, GraspChoice};
 pub use gripper_file::read_gripper;
+pub use hand::FilledHand;
 pub use identity::Identity;
 pub use inspection::{check, check_folder};
 pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};

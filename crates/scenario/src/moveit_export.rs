@@ -24,7 +24,7 @@ const FLOOR_DEPTH_M: f64 = 1.0;
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.
 pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioError> {
-    let scene = yaml::read(path)?;
+    let scene = yaml::read_argument(path)?;
     Ok(World::new(bodies(path, &scene, robot, &Pose::identity())?)?)
 }
 

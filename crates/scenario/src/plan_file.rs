@@ -1,4 +1,3 @@
-use std::fs;
 use std::path::Path;
 
 use cranny_plan::{
@@ -7,7 +6,7 @@ use cranny_plan::{
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
-use crate::{ScenarioError, atomic_file};
+use crate::{ScenarioError, atomic_file, waypoints};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -145,7 +144,7 @@ impl PlanFile {
             return Err(ScenarioError::NotFinite { path: path.to_owned(), field });
         }
         let mut text = serde_json::to_string_pretty(self)
-            .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
+            .map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason: reason.into() })?;
         text.push('\n');
         atomic_file::write(path, &text)
     }
@@ -164,21 +163,26 @@ impl PlanFile {
     /// [`ScenarioError`] with file and line if it cannot be read, is no plan, or has a way point without
     /// one value per joint.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let text = fs::read_to_string(path)
+        let text = cranny_file::TABLE
+            .argument()
+            .bytes(path)
             .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-        if text.trim().is_empty() {
+        if text.trim_ascii().is_empty() {
             return Err(ScenarioError::Empty { path: path.to_owned() });
         }
-        let plan: Self = serde_json::from_str(&text)
+        let plan: Self = cranny_file::json(&text)
             .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
         plan.check_waypoints(path, plan.joint_names.len())?;
         Ok(plan)
     }
 
-    /// The way points, if each has `joints` values.
-    pub(crate) fn waypoints_of(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    /// The way points of the plan, which was read from `path`.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Waypoint`] unless each has `joints` values, [`ScenarioError::Empty`] if there is none.
+    pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
         self.check_waypoints(path, joints)?;
-        Ok(self.waypoints)
+        waypoints::some(path, self.waypoints)
     }
 
     fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
@@ -220,6 +224,8 @@ impl PlanFile {
 #[cfg(test)]
 mod tests {
     use cranny_plan::{FailureReason, NotCheckedReason};
+
+    use std::fs;
 
     use super::*;
 
@@ -338,7 +344,7 @@ mod tests {
             PlanFile::read(&path).unwrap_err().to_string()
         };
         assert!(fault("").contains("x.plan.json: the file is empty"));
-        assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: EOF"));
+        assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: the file ends too early"));
         assert!(fault("{\n\"scenario\": 21}").contains("x.plan.json:2: invalid type"));
         plan().write(&path).unwrap();
         let text = fs::read_to_string(&path).unwrap();

@@ -85,6 +85,7 @@ impl TriangleSoup {
 
 fn read_with_mesh_loader(path: &Path) -> Result<Vec<Point>, ShapeError> {
     let scene = mesh_loader::Loader::default()
+        .custom_reader(|path| cranny_file::MESH.bytes(path))
         .load(path)
         .map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
     let mut corners = Vec::new();
@@ -103,7 +104,7 @@ fn read_with_mesh_loader(path: &Path) -> Result<Vec<Point>, ShapeError> {
 
 fn read_collada(path: &Path) -> Result<Vec<Point>, ShapeError> {
     let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let text = cranny_file::MESH.text(path).map_err(unreadable)?;
     let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
     collada::corners(&text).map_err(broken)
 }
@@ -113,10 +114,10 @@ fn read_ply(path: &Path) -> Result<Vec<Point>, ShapeError> {
         path: path.to_owned(),
         source: std::io::Error::new(std::io::ErrorKind::InvalidData, message),
     };
-    let file =
-        std::fs::File::open(path).map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
+    let bytes =
+        cranny_file::MESH.bytes(path).map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
     let ply = Parser::<DefaultElement>::new()
-        .read_ply(&mut BufReader::new(file))
+        .read_ply(&mut BufReader::new(&bytes[..]))
         .map_err(|fault| broken(fault.to_string()))?;
 
     let vertices: Vec<Point> = ply
