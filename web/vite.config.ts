@@ -1,8 +1,8 @@
 import { defineConfig } from "vite";
 import { singleFile } from "./single_file.ts";
 
-// While the page is worked on: `cranny view 011 --no-open --port 7878`, then `npm run dev`.
-const SERVER = process.env["CRANNY_VIEW"] ?? "http://127.0.0.1:7878";
+// While the page is worked on: `cranny view 011 --no-open`, then `npm run dev` with the address that it prints.
+const SERVER = (process.env["CRANNY_VIEW"] ?? "http://127.0.0.1:7878").replace(/\/$/, "");
 
 export default defineConfig({
   base: "./",

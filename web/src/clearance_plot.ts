@@ -1,4 +1,4 @@
-import { millimetres } from "./figures.ts";
+import { millimetres, progress } from "./figures.ts";
 import type { ShownPlan } from "./trajectory.ts";
 
 /** What is farther away than this, in metres, need not be told apart. */
@@ -10,9 +10,6 @@ const SCALES_M = [0.01, 0.02, 0.05, 0.1, 0.15, 0.25];
 /** Space above the highest line and below the lowest, in points. */
 const TOP = 6;
 const BOTTOM = 3;
-
-/** Space for the words of the scale, in points. */
-const LABEL = 40;
 
 /** Clearance over time: a line for each plan, the one that is looked at filled, and where the time is. */
 export class ClearancePlot {
@@ -79,7 +76,7 @@ export class ClearancePlot {
       const share = Math.min(Math.max(distance / this.scale_m, -0.05), 1);
       return height - BOTTOM - share * (height - TOP - BOTTOM);
     };
-    this.rules(pen, { from, to, width }, y, ink, faint);
+    this.rules(pen, { from, to }, y, ink, faint);
     const current = shown.find(({ index }) => index === plan);
     for (const other of shown.filter(({ index }) => index !== plan)) this.line(pen, other, x, y, 0.55);
     if (current) {
@@ -97,7 +94,7 @@ export class ClearancePlot {
 
   private rules(
     pen: CanvasRenderingContext2D,
-    { from, to, width }: { from: number; to: number; width: number },
+    { from, to }: { from: number; to: number },
     y: (m: number) => number,
     ink: string,
     faint: string,
@@ -113,12 +110,10 @@ export class ClearancePlot {
       pen.lineTo(to, height);
       pen.stroke();
       const text = `${1000 * share * this.scale_m}${share === 1 ? " mm" : ""}`;
-      const isBeside = width - to > LABEL;
-      if (share === 0 && !isBeside) continue;
       pen.fillStyle = ink;
-      pen.textAlign = isBeside ? "left" : "right";
-      const inside = Math.min(Math.max(height, 6), this.canvas.clientHeight - 6);
-      pen.fillText(text, isBeside ? to + 8 : to - 2, isBeside ? inside : height + 7);
+      pen.textAlign = "left";
+      // Beside the lines, below the choice of speed.
+      pen.fillText(text, to + 8, Math.min(Math.max(height, 6), this.canvas.clientHeight - 6));
     }
   }
 
@@ -173,7 +168,7 @@ export class ClearancePlot {
   private describe(plan: ShownPlan | undefined): void {
     const least = plan?.clearance?.least;
     const words = least
-      ? `least ${millimetres(least.distance_m)} at ${least.time_s.toFixed(2)} s, ${least.first} and ${least.second}`
+      ? `least ${millimetres(least.distance_m)} at ${progress(least.time_s, plan.plan.is_timed)}, ${least.first} and ${least.second}`
       : "not known for this plan";
     this.canvas.setAttribute("aria-label", `Clearance over time; ${words}`);
   }

@@ -22,7 +22,7 @@ export function button(label: string, icon: Node | string, onPress: () => void, 
 }
 
 /** A part of the panel that can be folded. */
-export function section(title: string, isOpen: boolean, ...content: Node[]): HTMLDetailsElement {
+export function section(title: Node | string, isOpen: boolean, ...content: Node[]): HTMLDetailsElement {
   const details = element("details", { class: "section" }, element("summary", {}, title), ...content);
   details.open = isOpen;
   return details;

@@ -4,6 +4,11 @@ export function seconds(time_s: number): string {
   return `${time_s.toFixed(2)} s`;
 }
 
+/** How far along a plan: seconds, or the length that lies behind for a path without time. */
+export function progress(time_s: number, isTimed: boolean): string {
+  return isTimed ? seconds(time_s) : `length ${time_s.toFixed(2)}`;
+}
+
 /** A length of the size of a clearance. */
 export function millimetres(length_m: number): string {
   const mm = 1000 * length_m;

@@ -13,15 +13,18 @@ const GHOST_RIM = 0.9;
 const OTHER_OPACITY = 0.55;
 const OTHER_RIM = 0.5;
 
-/** A ghost is shown if one of its joints is so far away from the robot's, in metres or radians. */
+/** A copy is shown if one of its joints is so far away from the robot's, in metres or radians. */
 const AWAY = 0.08;
+
+/** The robot of another plan is seen fully where it is so much farther away. */
+const FULLY_AWAY = 0.4;
 
 /** Translucent robots: on the way of the plan that is looked at, and those of the other plans. */
 export class GhostView {
   readonly ghosts = new Group();
   readonly others = new Group();
   private readonly onWay: { copy: RobotCopy; q: Float64Array }[] = [];
-  private readonly ofPlans = new Map<number, RobotCopy>();
+  private readonly ofPlans = new Map<number, { copy: RobotCopy; q: Float64Array }>();
   private places: { copy: RobotCopy; at: Pose }[] = [];
   private readonly kinematics: Kinematics;
   private readonly geometry: () => BufferGeometry;
@@ -47,26 +50,30 @@ export class GhostView {
     });
   }
 
-  /** No ghost stands where the robot is. */
+  /** No copy stands where the robot is: at the start, where all plans begin, one sees the robot alone. */
   makeWay(q: ArrayLike<number>): void {
-    for (const ghost of this.onWay) {
-      const away = Math.max(...Array.from(ghost.q, (value, i) => Math.abs(value - q[i])));
-      ghost.copy.group.visible = ghost.q.length > 0 && away > AWAY;
+    const away = (copy: Float64Array): number => Math.max(...Array.from(copy, (value, i) => Math.abs(value - q[i])));
+    for (const ghost of this.onWay) ghost.copy.group.visible = ghost.q.length > 0 && away(ghost.q) > AWAY;
+    for (const { copy, q: other } of this.ofPlans.values()) {
+      const share = (away(other) - AWAY) / FULLY_AWAY;
+      copy.group.visible = other.length > 0 && share > 0;
+      copy.setOpacity(OTHER_OPACITY * Math.min(share, 1));
     }
   }
 
-  /** The robots of plans beside the one that is looked at, at a time. */
+  /** The robots of plans beside the one that is looked at, at a time; `makeWay` says how much is seen of them. */
   showOthers(plans: ShownPlan[], time_s: number): void {
-    for (const [index, copy] of this.ofPlans) copy.group.visible = plans.some((plan) => plan.index === index);
+    for (const other of this.ofPlans.values()) other.q = new Float64Array();
     for (const plan of plans) {
       if (plan.trajectory.isEmpty) continue;
-      let copy = this.ofPlans.get(plan.index);
-      if (!copy) {
-        copy = this.copy(plan.colour, OTHER_OPACITY, OTHER_RIM);
-        this.ofPlans.set(plan.index, copy);
-        this.others.add(copy.group);
+      let other = this.ofPlans.get(plan.index);
+      if (!other) {
+        other = { copy: this.copy(plan.colour, OTHER_OPACITY, OTHER_RIM), q: new Float64Array() };
+        this.ofPlans.set(plan.index, other);
+        this.others.add(other.copy.group);
       }
-      this.place(copy, plan.trajectory.at(time_s));
+      other.q = plan.trajectory.at(time_s);
+      this.place(other.copy, other.q);
     }
   }
 

@@ -1,6 +1,7 @@
 import * as colours from "./colours.ts";
 import { button, element, section, swatch } from "./element.ts";
 import { count, words } from "./figures.ts";
+import { fewGrasps } from "./grasp_choice.ts";
 import type { Grasp, Plan } from "./page_data.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { GraspColour, View, ViewState } from "./view_state.ts";
@@ -30,12 +31,16 @@ export class GraspPanel {
       });
     const choice = element("div", { class: "tabs", role: "group", "aria-label": "Colour of grasps" });
     if (tabs.length > 1) choice.append(...tabs.map(({ tab }) => tab));
-    this.element = section(`Grasps (${count(grasps.length)})`, true, choice, this.legend);
+    const few = fewGrasps(grasps, plans.map(({ plan }) => plan)).length;
+    const title = element("span");
+    this.element = section(title, true, choice, this.legend);
     const show = (state: ViewState): void => {
+      const isAll = state.layers.allGrasps || few === grasps.length;
+      title.textContent = `Grasps (${isAll ? "" : `${count(few)} of `}${count(grasps.length)})`;
       for (const { by, tab } of tabs) tab.setAttribute("aria-pressed", String(by === state.graspColour));
       this.legend.replaceChildren(...this.rows(state));
     };
-    view.on(["graspColour", "plan"], show);
+    view.on(["graspColour", "plan", "layers"], show);
     show(view.state);
   }
 

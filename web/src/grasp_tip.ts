@@ -1,5 +1,6 @@
 import { element } from "./element.ts";
 import { score, words } from "./figures.ts";
+import { rank } from "./grasp_choice.ts";
 import type { Grasp } from "./page_data.ts";
 import type { SceneView } from "./scene_view.ts";
 import type { Stage } from "./stage.ts";
@@ -74,16 +75,12 @@ export class GraspTip {
   step(by: number): void {
     if (this.grasps.length === 0) return;
     this.view.setLayer("grasps", true);
-    const order = this.grasps.map((_, place) => place).sort((a, b) => this.rank(b) - this.rank(a));
+    const order = this.grasps.map((_, place) => place).sort((a, b) => rank(this.grasps[b]) - rank(this.grasps[a]));
     const now = order.findIndex((place) => this.grasps[place].index === this.view.state.grasp);
     const first = by > 0 ? -1 : 0;
     const next = order[((now < 0 ? first : now) + by + order.length) % order.length];
     const { x, y } = this.stage.lens(this.scene.grasps.middle(next));
     this.tell(next, x, y);
-  }
-
-  private rank(place: number): number {
-    return this.grasps[place].score ?? -1;
   }
 
   private tell(place: number, x: number, y: number): void {

@@ -20,32 +20,32 @@ const POINTED = "#ffffff";
 /** How much of its colour a grasp keeps that is not meant. */
 const DIMMED = 0.22;
 
-/** All grasps as small grippers, in one draw call; and the few that stand out, in another. */
+/** Grasps as small grippers, in one draw call; and the few that stand out, in another. */
 export class GraspView {
   readonly group = new Group();
   private readonly grasps: Grasp[];
-  private readonly all: InstancedMesh;
+  private readonly plain: InstancedMesh;
   private readonly strong: InstancedMesh;
   private readonly matrix = new Matrix4();
   private readonly colour = new Color();
   /** Points of the rods in the planning frame, six numbers each. */
   private readonly rods: Float64Array;
+  /** Of those that are shown, in the list. */
+  private places: number[] = [];
 
   constructor(grasps: Grasp[], plans: number) {
     this.grasps = grasps;
     const material = (): MeshLambertMaterial => new MeshLambertMaterial({ emissive: 0xffffff, emissiveIntensity: 0 });
-    const thickness_m = Math.max(THICKNESS_M * Math.sqrt(Math.min(FEW / grasps.length, 1)), THIN_M);
-    this.all = new InstancedMesh(gripperGeometry(thickness_m), material(), grasps.length);
+    this.plain = new InstancedMesh(gripperGeometry(THICKNESS_M), material(), grasps.length);
     // One of each plan, and the one that is pointed at.
     this.strong = new InstancedMesh(gripperGeometry(STRONG_THICKNESS_M), material(), plans + 1);
     this.strong.count = 0;
-    for (const mesh of [this.all, this.strong]) {
+    for (const mesh of [this.plain, this.strong]) {
       mesh.frustumCulled = false;
       this.group.add(mesh);
     }
     this.rods = new Float64Array(grasps.length * RODS.length * 6);
     grasps.forEach((grasp, index) => {
-      this.all.setMatrixAt(index, setMatrix(this.matrix, grasp.world_from_gripper));
       RODS.forEach(([from, to], rod) => {
         const points = [from, to].flatMap((point) => transformed(grasp.world_from_gripper, point));
         this.rods.set(points, (index * RODS.length + rod) * 6);
@@ -53,10 +53,31 @@ export class GraspView {
     });
   }
 
-  /** Colours all grasps; `only`: the reason that is meant, the others are dimmed. */
+  /** Shows the grasps at these places of the list, which `paint` colours. */
+  show(places: number[]): void {
+    if (places.length === this.places.length && places.every((place, i) => place === this.places[i])) return;
+    this.places = places;
+    this.plain.count = places.length;
+    places.forEach((place, i) => {
+      this.plain.setMatrixAt(i, setMatrix(this.matrix, this.grasps[place].world_from_gripper));
+    });
+    this.plain.instanceMatrix.needsUpdate = true;
+    this.plain.geometry.dispose();
+    this.plain.geometry = gripperGeometry(
+      Math.max(THICKNESS_M * Math.sqrt(Math.min(FEW / Math.max(places.length, 1), 1)), THIN_M),
+    );
+  }
+
+  /** How many are shown. */
+  get shown(): number {
+    return this.places.length;
+  }
+
+  /** Colours what is shown; `only`: the reason that is meant, the others are dimmed. */
   paint(by: GraspColour, plan: ShownPlan | null, reasons: string[], only: string | null, page: string): void {
     const background = new Color(page);
-    this.grasps.forEach((grasp, index) => {
+    this.places.forEach((place, index) => {
+      const grasp = this.grasps[place];
       const reason = plan?.reasons.get(grasp.index) ?? null;
       const name =
         by === "score"
@@ -66,9 +87,9 @@ export class GraspView {
             : colours.ofReason(reason === null ? -1 : reasons.indexOf(reason));
       this.colour.set(name);
       if (only !== null && reason !== only) this.colour.lerp(background, 1 - DIMMED);
-      this.all.setColorAt(index, this.colour);
+      this.plain.setColorAt(index, this.colour);
     });
-    if (this.all.instanceColor) this.all.instanceColor.needsUpdate = true;
+    if (this.plain.instanceColor) this.plain.instanceColor.needsUpdate = true;
   }
 
   /** Lets grasps stand out: those that plans end at, and the one that is pointed at. */
@@ -94,7 +115,8 @@ export class GraspView {
    */
   at(x: number, y: number, reach: number, lens: Lens): number | null {
     let best: { index: number; away: number; depth: number } | null = null;
-    for (let rod = 0; rod < this.rods.length / 6; rod += 1) {
+    const rods = this.places.flatMap((place) => RODS.map((_, rod) => ({ place, rod: place * RODS.length + rod })));
+    for (const { place, rod } of rods) {
       const points = this.rods.subarray(6 * rod, 6 * rod + 6);
       const [a, b] = [lens([points[0], points[1], points[2]]), lens([points[3], points[4], points[5]])];
       if (a.depth > 1 || b.depth > 1) continue;
@@ -103,7 +125,7 @@ export class GraspView {
       if (away > reach) continue;
       const depth = Math.min(a.depth, b.depth);
       if (!best || away < best.away || (away === best.away && depth < best.depth)) {
-        best = { index: Math.floor(rod / RODS.length), away, depth };
+        best = { index: place, away, depth };
       }
     }
     return best?.index ?? null;

@@ -34,6 +34,8 @@ export interface Inspection {
   readonly standing: Standing;
   /** The grasp that is pointed at. */
   readonly grasp: number | null;
+  /** How many grasps are shown as small grippers. */
+  readonly shownGrasps: number;
   /** Where a grasp (by place in the list) is seen, in points of the canvas. */
   graspOnScreen(place: number): { x: number; y: number };
 }
@@ -85,6 +87,9 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
     },
     get grasp() {
       return view.state.grasp;
+    },
+    get shownGrasps() {
+      return view.state.layers.grasps ? scene.grasps.shown : 0;
     },
     graspOnScreen(place: number) {
       const { x, y } = stage.lens(scene.grasps.middle(place));

@@ -7,6 +7,7 @@ export const LAYERS: { layer: Layer; label: string; key: string }[] = [
   { layer: "collision", label: "Collision shapes", key: "c" },
   { layer: "spheres", label: "Sphere sets", key: "s" },
   { layer: "grasps", label: "Grasps", key: "g" },
+  { layer: "allGrasps", label: "Every grasp", key: "e" },
   { layer: "path", label: "Gripper path", key: "p" },
   { layer: "ghosts", label: "Poses on the way", key: "o" },
   { layer: "closest", label: "Closest points", key: "d" },

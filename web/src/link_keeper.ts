@@ -8,11 +8,14 @@ const REST_MS = 300;
 export class LinkKeeper {
   private readonly view: View;
   private readonly eye: () => Eye;
+  private readonly canPlay: boolean;
   private timer = 0;
 
-  constructor(view: View, eye: () => Eye) {
+  /** `canPlay`: whether there is a motion, which a page without a time in its address begins with. */
+  constructor(view: View, eye: () => Eye, canPlay: boolean) {
     this.view = view;
     this.eye = eye;
+    this.canPlay = canPlay;
     // A link to another view of this page; the page itself changes its address without this event.
     window.addEventListener("hashchange", () => location.reload());
     view.on(
@@ -40,7 +43,7 @@ export class LinkKeeper {
   private keep(): void {
     // An eye that was let go glides on a little.
     const { state } = this.view;
-    const hash = toHash({ ...state, eye: state.eye && this.eye() });
+    const hash = toHash({ ...state, eye: state.eye && this.eye() }, this.canPlay);
     try {
       history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
     } catch {

@@ -1,6 +1,8 @@
 import * as colours from "./colours.ts";
 import { CameraFlight } from "./camera_flight.ts";
+import { progress } from "./figures.ts";
 import { STANDARD_VIEWS } from "./framing.ts";
+import { fewGrasps } from "./grasp_choice.ts";
 import { GraspPanel } from "./grasp_panel.ts";
 import { GraspTip } from "./grasp_tip.ts";
 import { Help } from "./help.ts";
@@ -24,6 +26,9 @@ import { TreePanel } from "./tree_panel.ts";
 import { fromHash } from "./view_link.ts";
 import { INITIAL, type Layer, View, type ViewState } from "./view_state.ts";
 
+/** What a person has told the system. */
+const STILL = matchMedia("(prefers-reduced-motion: reduce)");
+
 /** Puts the page together: one scene, one view of it, and the panels that change the view. */
 export function openPage(host: HTMLElement, data: PageData): void {
   // 1. What there is to show.
@@ -34,7 +39,8 @@ export function openPage(host: HTMLElement, data: PageData): void {
     (reason) => reason !== colours.NOT_TRIED,
   );
   const available = availableLayers(data, plans);
-  const view = new View(firstView(data, plans, reasons));
+  const asked = fromHash(location.hash);
+  const view = new View(firstView(data, plans, reasons, asked));
 
   // 2. The scene.
   const theme = new Theme();
@@ -64,7 +70,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
   shell.element.append(help.element);
 
   // 4. What hands and keys do.
-  const links = new LinkKeeper(view, () => flight.eye);
+  const links = new LinkKeeper(view, () => flight.eye, player.canPlay);
   const actions = {
     look: (standard: (typeof STANDARD_VIEWS)[number]) => {
       flight.fly(scene.eye(standard));
@@ -87,14 +93,22 @@ export function openPage(host: HTMLElement, data: PageData): void {
     if (view.state.eye === null) flight.fly(scene.eye(STANDARD_VIEWS[0]), true);
   });
   const describe = ({ time_s, plan }: ViewState): void => {
-    const name = plans[plan] ? `, plan ${plans[plan].plan.name} at ${time_s.toFixed(2)} seconds` : "";
+    const shown = plans[plan]?.plan;
+    const name = shown ? `, plan ${shown.name} at ${progress(time_s, shown.is_timed)}` : "";
     stage.canvas.ariaLabel = `The robot in scenario ${data.name}${name}`;
   };
   view.on(["plan", "isPlaying"], describe);
   describe(view.state);
+  // A motion shows itself, but for who has stopped it before, asked for a moment of it or wants none.
+  const isStill = asked.time_s !== undefined || asked.q !== undefined || STILL.matches;
   let isFirst = true;
   stage.onFrame(() => {
-    if (isFirst) requestAnimationFrame((now_ms) => openInspection(stage, scene, view, live, now_ms));
+    if (isFirst) {
+      requestAnimationFrame((now_ms) => {
+        openInspection(stage, scene, view, live, now_ms);
+        if (player.canPlay && !isStill) view.set({ isPlaying: true });
+      });
+    }
     isFirst = false;
     return false;
   });
@@ -120,6 +134,7 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
     ["collision", data.collision_shapes.length > 0],
     ["spheres", data.link_spheres.some((spheres) => spheres !== "")],
     ["grasps", data.grasps.length > 0],
+    ["allGrasps", fewGrasps(data.grasps, data.plans).length < data.grasps.length],
     ["path", hasPath],
     ["ghosts", hasPath],
     ["closest", plans.some(({ clearance }) => clearance !== null)],
@@ -132,8 +147,12 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
 }
 
 /** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps. */
-function firstView(data: PageData, plans: ShownPlan[], reasons: string[]): ViewState {
-  const asked = fromHash(location.hash);
+function firstView(
+  data: PageData,
+  plans: ShownPlan[],
+  reasons: string[],
+  asked: Partial<ViewState>,
+): ViewState {
   const state = { ...INITIAL, ...asked };
   if (state.plan >= plans.length) state.plan = 0;
   const last_s = Math.max(0, ...plans.map(({ trajectory }) => trajectory.duration_s));

@@ -108,7 +108,7 @@ export interface Grasp {
 export interface Plan {
   name: string;
   planner: string;
-  /** As the plan file says: `solved`, `budget-exhausted`, … */
+  /** How the search ended, in words; empty for bare way points. */
   outcome: string;
   /** One line: what `verify` says of it. */
   verdict: string;
@@ -118,6 +118,10 @@ export interface Plan {
   /** One row of the robot's variables per instant. */
   configurations: Floats64;
   waypoint_times_s: Floats64;
+  /** Whether the robot's limits give the path its time; else it has none, and its length passes at 1 a second. */
+  is_timed: boolean;
+  /** Sum over the edges of the plain norm of what q changes by, metres and radians alike. */
+  path_length: number;
   /** The scenario's grasp that the path ends at. */
   grasp: number | null;
   clearance: Clearance | null;

@@ -1,5 +1,5 @@
 import { element, section, swatch } from "./element.ts";
-import { seconds, words } from "./figures.ts";
+import { progress } from "./figures.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { View, ViewState } from "./view_state.ts";
 
@@ -21,7 +21,7 @@ export class PlanPanel {
           "span",
           { class: "what" },
           element("b", {}, plan.name),
-          element("span", { class: "soft", title: ending(shown) }, `${plan.planner} · ${ending(shown)}`),
+          element("span", { class: "soft", title: ending(shown) }, [plan.planner, ending(shown)].filter(Boolean).join(" · ")),
         ),
         verdictMark(shown),
       );
@@ -40,16 +40,21 @@ export class PlanPanel {
     );
     const show = (state: ViewState): void => {
       radios.forEach(({ radio }, index) => (radio.checked = index === state.plan));
-      verdict.textContent = plans[state.plan]?.plan.verdict ?? "";
+      const shown = plans[state.plan];
+      const isUntimed = shown && !shown.trajectory.isEmpty && !shown.plan.is_timed;
+      verdict.textContent = [shown?.plan.verdict ?? "", ...(isUntimed ? [UNTIMED] : [])].join(". ");
     };
     view.on(["plan"], show);
     show(view.state);
   }
 }
 
-/** How long it takes, or why there is none. */
+/** Of a path without time. */
+const UNTIMED = "It has no time, for the robot has no limits of acceleration; it plays at a nominal pace, a length of 1 a second";
+
+/** How long it takes or is, or why there is none. */
 function ending({ plan, trajectory }: ShownPlan): string {
-  return trajectory.isEmpty ? words(plan.outcome) : seconds(trajectory.duration_s);
+  return trajectory.isEmpty ? plan.outcome : progress(plan.is_timed ? trajectory.duration_s : plan.path_length, plan.is_timed);
 }
 
 /** What became of a plan, in one or two words. */

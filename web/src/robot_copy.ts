@@ -61,15 +61,17 @@ export class RobotCopy {
   private readonly poses: DataTexture;
   private readonly parts: Mesh[];
   private readonly matrix = new Matrix4();
+  private readonly opacity: { value: number };
 
   constructor(geometry: BufferGeometry, links: number, look: CopyLook) {
     this.rows = new Float32Array(16 * links);
     this.poses = new DataTexture(this.rows, 4, links, RGBAFormat, FloatType);
     this.poses.minFilter = this.poses.magFilter = NearestFilter;
+    this.opacity = { value: look.opacity };
     const uniforms = {
       poses: { value: this.poses },
       colour: { value: new Color(look.colour) },
-      opacity: { value: look.opacity },
+      opacity: this.opacity,
       rim: { value: look.rim },
     };
     const both = { uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true };
@@ -87,6 +89,10 @@ export class RobotCopy {
   pose(worldFromLinks: Pose[]): void {
     worldFromLinks.forEach((pose, link) => setMatrix(this.matrix, pose).toArray(this.rows, 16 * link));
     this.poses.needsUpdate = true;
+  }
+
+  setOpacity(opacity: number): void {
+    this.opacity.value = opacity;
   }
 
   /** Of several copies the farthest is drawn first: the higher its `order`, the later. */

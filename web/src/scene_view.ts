@@ -2,6 +2,7 @@ import { ClosestView } from "./closest_view.ts";
 import { FloorView } from "./floor_view.ts";
 import { type StandardView, framing } from "./framing.ts";
 import { GhostView } from "./ghost_view.ts";
+import { fewGrasps } from "./grasp_choice.ts";
 import { GraspView } from "./grasp_view.ts";
 import type { Kinematics } from "./kinematics.ts";
 import { LightView } from "./light_view.ts";
@@ -44,6 +45,8 @@ export class SceneView {
   private readonly plans: ShownPlan[];
   private readonly kinematics: Kinematics;
   private readonly reasons: string[];
+  private readonly few: number[];
+  private readonly graspIndices: number[];
 
   constructor(
     data: PageData,
@@ -56,6 +59,8 @@ export class SceneView {
     this.plans = plans;
     this.kinematics = kinematics;
     this.reasons = reasons;
+    this.few = fewGrasps(data.grasps, data.plans);
+    this.graspIndices = data.grasps.map(({ index }) => index);
     const geometries = new MeshGeometries(data);
     this.nodes = new NodeView(data.nodes, data.materials, geometries);
     this.collision = new NodeView(data.collision_shapes, data.materials, geometries, COLLISION_OPACITY);
@@ -156,6 +161,10 @@ export class SceneView {
   private showGrasps({ plan, layers, graspColour, grasp, reason }: ViewState): void {
     const shown = this.plans[plan] ?? null;
     this.grasps.group.visible = layers.grasps;
+    const isFew = new Set(this.few);
+    const isShown = (index: number, place: number): boolean =>
+      layers.allGrasps || isFew.has(place) || (reason !== null && shown?.reasons.get(index) === reason);
+    this.grasps.show(this.graspIndices.flatMap((index, place) => (isShown(index, place) ? [place] : [])));
     this.grasps.paint(graspColour, shown, this.reasons, reason, this.palette?.page ?? "#ffffff");
     const ends = this.plans.filter(({ index }) => layers.others || index === plan);
     // The plan that is looked at last, over the others.

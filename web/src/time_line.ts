@@ -1,6 +1,6 @@
 import { ClearancePlot } from "./clearance_plot.ts";
 import { button, element } from "./element.ts";
-import { millimetres, seconds, words } from "./figures.ts";
+import { millimetres, progress, seconds, words } from "./figures.ts";
 import { icon } from "./icons.ts";
 import type { Player } from "./player.ts";
 import type { Theme } from "./theme.ts";
@@ -67,11 +67,17 @@ export class TimeLine {
     }
     this.scrub.value = String(time_s);
     this.scrub.style.setProperty("--done", `${(100 * time_s) / (this.player.duration_s || 1)}%`);
-    this.scrub.setAttribute("aria-valuetext", `${seconds(time_s)} of ${seconds(this.player.duration_s)}`);
+    const shownPlan = this.plans[state.plan];
+    const isTimed = shownPlan?.plan.is_timed ?? true;
+    // A path without time has a length of its own, which the time of other plans is not.
+    const end = isTimed ? this.player.duration_s : shownPlan.trajectory.duration_s;
+    const now = Math.min(time_s, end);
+    this.scrub.setAttribute("aria-valuetext", `${progress(now, isTimed)} of ${progress(end, isTimed)}`);
     this.clock.replaceChildren(
-      element("b", {}, time_s.toFixed(2)),
-      element("span", { class: "soft" }, ` / ${seconds(this.player.duration_s)}`),
+      element("b", {}, now.toFixed(2)),
+      element("span", { class: "soft" }, isTimed ? ` / ${seconds(end)}` : ` / ${end.toFixed(2)} long`),
     );
+    this.clock.title = isTimed ? "" : "No time, but the length of the path, at a nominal pace";
     speed.value = String(state.speed);
     const shown = this.plans.filter(({ index }) => index === state.plan || state.layers.others);
     this.plot.draw(state.plan, shown, time_s);
@@ -79,7 +85,7 @@ export class TimeLine {
       this.closest.replaceChildren(element("span", { class: "soft" }, "posed by hand"));
       return;
     }
-    const closest = this.plans[state.plan]?.clearance?.at(time_s);
+    const closest = shownPlan?.clearance?.at(time_s);
     this.closest.replaceChildren(
       ...(closest
         ? [

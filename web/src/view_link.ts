@@ -2,13 +2,14 @@ import { type Eye, type GraspColour, INITIAL, type Layer, MOST_GHOSTS, type View
 
 /**
  * The part of an address after `#` that brings back a view. Only what differs from the first view is named:
- * `fromHash(toHash(view)) = view`, but for what moves or is only pointed at.
+ * `fromHash(toHash(view)) = view`, but for what moves or is only pointed at. Where something can play, the time
+ * is always named: what has a time stands still when it opens.
  */
-export function toHash(state: ViewState): string {
+export function toHash(state: ViewState, canPlay = false): string {
   const parts: string[] = [];
   const put = (key: string, value: string | number): void => void parts.push(`${key}=${value}`);
   if (state.plan !== INITIAL.plan) put("plan", state.plan);
-  if (state.time_s !== INITIAL.time_s) put("t", rounded(state.time_s, 4));
+  if (canPlay || state.time_s !== INITIAL.time_s) put("t", rounded(state.time_s, 4));
   if (state.speed !== INITIAL.speed) put("speed", state.speed);
   const layers = Object.keys(INITIAL.layers) as Layer[];
   const on = layers.filter((layer) => state.layers[layer] && !INITIAL.layers[layer]);

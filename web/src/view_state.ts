@@ -1,6 +1,17 @@
 /** What can be shown or not. */
 export type Layer =
-  "visual" | "collision" | "spheres" | "grasps" | "path" | "ghosts" | "closest" | "tree" | "others" | "glass" | "floor";
+  | "visual"
+  | "collision"
+  | "spheres"
+  | "grasps"
+  | "allGrasps"
+  | "path"
+  | "ghosts"
+  | "closest"
+  | "tree"
+  | "others"
+  | "glass"
+  | "floor";
 
 /** What the colour of a grasp says. */
 export type GraspColour = "score" | "ik" | "reason";
@@ -50,6 +61,7 @@ export const INITIAL: ViewState = {
     collision: false,
     spheres: false,
     grasps: true,
+    allGrasps: false,
     path: true,
     ghosts: false,
     closest: true,

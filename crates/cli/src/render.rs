@@ -43,7 +43,8 @@ pub struct RenderArguments {
     /// A sheet of all built-in scenarios
     #[arg(long)]
     pub all: bool,
-    /// Points across and down [default: 1280x960; 640x480 for moving pictures, 400x300 for each of --all]
+    /// Points across and down, 16 to 8192 each, for each of --all up to 2048
+    /// [default: 1280x960; 640x480 for moving pictures, 400x300 for each of --all]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(usize, usize)>,
     /// From where
@@ -53,16 +54,16 @@ pub struct RenderArguments {
     #[arg(long, value_name = "TURN,RISE", value_parser = direction, conflicts_with = "view",
           allow_hyphen_values = true)]
     pub camera: Option<(f64, f64)>,
-    /// Translucent poses along the way [default: 3; 0 for moving pictures]
-    #[arg(long, value_name = "N")]
-    pub ghosts: Option<usize>,
+    /// Translucent poses along the way, at most 100 [default: 3; 0 for moving pictures]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS))]
+    pub ghosts: Option<u8>,
     /// Grasps shown beside the one that was taken, spread over the scores
     #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
     pub grasps: usize,
-    /// Show the robot at so many seconds of the motion instead of its end
+    /// Show the robot at so many seconds of a plan's motion instead of its end, in a .png
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Pictures a second of a moving picture
+    /// Pictures a second of a moving picture, 1 to 50
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
     pub rate: u16,
     /// Samples a point against jagged edges
@@ -71,7 +72,7 @@ pub struct RenderArguments {
     /// Run each plan's search again, as its file says, and show its trees in .html
     #[arg(long)]
     pub search_tree: bool,
-    /// Leave obstacles solid that hide the gripper or the target
+    /// Leave obstacles solid that hide the robot or the target
     #[arg(long)]
     pub solid: bool,
     /// Another robot's URDF instead of the scenario's
@@ -135,6 +136,18 @@ const GLTF_RATE_HZ: f64 = 30.0;
 /// Pictures in a row of a sheet: a row for each environment.
 const SHEET_COLUMNS: usize = 5;
 
+/// The longest side of a picture on a sheet, in points: all of it is held in memory.
+const MOST_SHEET_POINTS: usize = 2048;
+
+/// More poses than this hide the way that they show.
+const MOST_GHOSTS: i64 = 100;
+
+/// Pictures of the longest motion that is drawn: some minutes at the highest rate.
+const MOST_PICTURES: usize = 10_000;
+
+/// Points of all pictures of a motion in one file, which are held in memory: 1.5 GB.
+const MOST_MOVING_POINTS: usize = 500_000_000;
+
 pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
     let format = format_of(&arguments.output)?;
     check_folder(&arguments.output)?;
@@ -148,6 +161,12 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
         }
         (Some(_), _) if arguments.plans.len() > 1 && format != Format::Html => {
             return Err(flag("output", "several plans are shown in a page: give a name that ends in .html"));
+        }
+        (Some(_), _) if arguments.time.is_some() && format != Format::Png => {
+            return Err(flag(
+                "time",
+                "one moment is shown in a still picture: give -o a name that ends in .png",
+            ));
         }
         (Some(id), _) => one(id, arguments, format, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
@@ -169,7 +188,7 @@ fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) ->
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
     let scene = scene(id, arguments.plans.first().map(PathBuf::as_path), arguments, rate_hz)?;
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
-    let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 });
+    let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
     let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
     let file = &arguments.output;
     match format {
@@ -236,6 +255,7 @@ fn moving(
         return Err(flag("output", "nothing moves without a plan: name a plan file, or write .png or .glb"));
     };
     let frames: Vec<usize> = (0..=last).collect();
+    check_length(frames.len(), format, settings)?;
     let bar = progress::bar(frames.len() as u64, output.quiet);
     bar.set_message("pictures");
     let file = &arguments.output;
@@ -272,6 +292,15 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
         let problem = format!("'{}' is no folder of plan files", folder.display());
         return Err(Failure::Flag { flag: "all", problem });
     }
+    let size = arguments.size.unwrap_or((400, 300));
+    if size.0.max(size.1) > MOST_SHEET_POINTS {
+        let problem = format!(
+            "{} × {} points are too many for each picture of a sheet; each side is at most {MOST_SHEET_POINTS} \
+             points long",
+            size.0, size.1
+        );
+        return Err(Failure::Flag { flag: "size", problem });
+    }
     let mut pictures = Vec::new();
     let mut triangles = 0;
     for entry in entries {
@@ -279,7 +308,10 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
         let plan = plan.filter(|plan| plan.is_file());
         let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ)?;
         triangles += scene.triangle_count();
-        let settings = settings(&scene, arguments, arguments.size.unwrap_or((400, 300)), 3);
+        // Nobody turns a picture on a sheet or walks back from it: it shows the whole scene.
+        let direction_deg = arguments.camera.unwrap_or(view.direction_deg());
+        let camera = scene.whole_camera_from(direction_deg, size.0 as f64 / size.1 as f64);
+        let settings = PictureSettings { camera: Some(camera), ..settings(&scene, arguments, size, 3)? };
         pictures.push((entry.id.to_owned(), Picture::of(&scene, view, &settings)?));
         bar.inc(1);
     }
@@ -316,22 +348,55 @@ fn settings(
     arguments: &RenderArguments,
     (width, height): (usize, usize),
     ghosts: usize,
-) -> PictureSettings {
+) -> Result<PictureSettings, Failure> {
     let aspect = width as f64 / height.max(1) as f64;
     let camera: Option<Camera> = arguments.camera.map(|direction| scene.camera_from(direction, aspect));
-    let frame = arguments.time.zip(scene.motion.as_ref()).map(|(time, motion)| {
-        let last = motion.times_s.len().saturating_sub(1);
-        motion.times_s.partition_point(|&instant| instant < time).min(last)
-    });
-    PictureSettings {
+    let frame = arguments.time.map(|time_s| frame_at(scene, time_s)).transpose()?;
+    Ok(PictureSettings {
         width,
         height,
         samples: arguments.samples.parse().unwrap_or(4),
         frame,
-        ghosts: arguments.ghosts.unwrap_or(ghosts),
+        ghosts: arguments.ghosts.map_or(ghosts, usize::from),
         camera,
         see_through: if arguments.solid { SeeThrough::Nothing } else { SeeThrough::WhatHides },
+    })
+}
+
+/// The first instant of the motion that is not before a time.
+fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
+    /// Durations are printed in whole milliseconds, and so may be asked for.
+    const ROUNDED_S: f64 = 0.0005;
+    let name = &scene.name;
+    let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
+    let Some(&last_s) = times_s.last() else {
+        let problem = format!("nothing moves in {name} without the path of a plan: name its file");
+        return Err(Failure::Flag { flag: "time", problem });
+    };
+    if time_s > last_s + ROUNDED_S {
+        let problem = format!("{time_s} s is after the end of the motion in {name}; give 0 to {last_s:.3}");
+        return Err(Failure::Flag { flag: "time", problem });
     }
+    Ok(times_s.partition_point(|&instant| instant < time_s).min(times_s.len() - 1))
+}
+
+/// Refuses a motion of more pictures than can be drawn, or held until they are written.
+fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Result<(), Failure> {
+    let points = count.saturating_mul(settings.width * settings.height);
+    if count > MOST_PICTURES {
+        let problem =
+            format!("the motion has {count} pictures, but at most {MOST_PICTURES} are drawn: lower it");
+        return Err(Failure::Flag { flag: "rate", problem });
+    }
+    if format != Format::Folder && points > MOST_MOVING_POINTS {
+        let problem = format!(
+            "{count} pictures of {} × {} points are too large for one file, which holds {MOST_MOVING_POINTS} points \
+             at most: lower it or --rate, or write a folder",
+            settings.width, settings.height
+        );
+        return Err(Failure::Flag { flag: "size", problem });
+    }
+    Ok(())
 }
 
 fn format_of(file: &Path) -> Result<Format, Failure> {
@@ -371,7 +436,12 @@ fn flag(flag: &'static str, problem: &str) -> Failure {
 
 fn size(text: &str) -> Result<(usize, usize), String> {
     let numbers = text.split_once(['x', '×']).and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
-    numbers.ok_or_else(|| format!("'{text}' is no size; write it as 1280x960"))
+    let (width, height) = numbers.ok_or_else(|| format!("'{text}' is no size; write it as 1280x960"))?;
+    let sides = Picture::SIDES;
+    if sides.contains(&width) && sides.contains(&height) {
+        return Ok((width, height));
+    }
+    Err(format!("each side of a picture is {} to {} points long", sides.start(), sides.end()))
 }
 
 fn direction(text: &str) -> Result<(f64, f64), String> {

@@ -1,8 +1,10 @@
+use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_view::{PageServer, interrupted};
+use cranny_view::{PageLimits, PageServer, interrupted};
 use serde::Serialize;
+use tempfile::NamedTempFile;
 
 use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
@@ -19,7 +21,8 @@ use crate::text;
   cranny view 021 --port 8080 --no-open            for a browser that you open yourself
 
 Plans that failed are shown too, with what blocked each grasp. The page answers on this machine alone
-(127.0.0.1), loads nothing from the network, and ends with Ctrl-C. For a page to send to others:
+(127.0.0.1), and there only to who knows its address, which holds a random token; it loads nothing from
+the network, and ends with Ctrl-C. For a page to send to others:
 cranny render 021 021.plan.json -o 021.html")]
 pub struct ViewArguments {
     /// Built-in scenario, or the folder of one
@@ -55,7 +58,7 @@ struct Viewed<'a> {
 pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure> {
     // Better now than after a search.
     PageServer::check_page()?;
-    let server = PageServer::bind(arguments.port)?;
+    let server = PageServer::bind(arguments.port, PageLimits::default())?;
     let request = PageRequest {
         id: &arguments.id,
         plans: &arguments.plans,
@@ -65,6 +68,7 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
     };
     let PageTask { page, cell } = PageTask::open(&request, output)?;
     let url = server.url();
+    let door = if arguments.no_open { None } else { doorway(&url).ok() };
     let mut said = Ok(());
     server.serve(&page, cell, interrupted(), || {
         said = if output.json {
@@ -72,11 +76,42 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
         } else {
             text::print(&format!("{url}  (Ctrl-C ends)\n"))
         };
-        if !arguments.no_open {
-            // Whoever has no browser here has read the address. By itself, for some browsers end before it does.
-            std::thread::spawn(move || opener::open_browser(url));
+        // Whoever has no browser here has read the address.
+        if let Some(door) = &door {
+            let file = door.path().to_owned();
+            // By itself, for some browsers end before it does.
+            std::thread::spawn(move || opener::open_browser(file));
         }
     })?;
     said?;
     Ok(Answer::Done)
+}
+
+/// A file of the user's own that leads the browser to the page. The words with which a browser is called can be
+/// read by every user of the machine, for as long as it runs; the address must not be among them.
+fn doorway(url: &str) -> io::Result<NamedTempFile> {
+    let mut file = tempfile::Builder::new().prefix("cranny-").suffix(".html").tempfile()?;
+    write!(
+        file,
+        "<!doctype html><meta charset=\"utf-8\"><meta name=\"referrer\" content=\"no-referrer\">\
+         <meta http-equiv=\"refresh\" content=\"0; url={url}\"><title>Cranny</title><a href=\"{url}\">Cranny</a>\n"
+    )?;
+    file.flush()?;
+    Ok(file)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    #[test]
+    fn the_file_that_leads_to_the_page_is_for_its_user_alone() {
+        let door = doorway("http://127.0.0.1:1/secret/").expect("a file");
+        let mode = door.as_file().metadata().expect("a file").permissions().mode();
+        assert_eq!(mode & 0o077, 0, "{mode:o}");
+        let text = std::fs::read_to_string(door.path()).expect("a file");
+        assert!(text.contains("url=http://127.0.0.1:1/secret/"), "{text}");
+    }
 }

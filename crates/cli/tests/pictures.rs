@@ -91,6 +91,30 @@ fn all_scenarios_stand_on_one_sheet() {
     assert!(begins_with(&folder.join("sheet.png"), PNG));
 }
 
+/// It was ignored without a plan, and cut to the end of the plan.
+#[test]
+fn a_moment_that_is_not_there_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let planned = done(folder, &["plan", "021", "-o", "p.plan.json"]);
+    let duration_s = planned["duration_s"].as_f64().expect("a duration");
+    let small = ["--size", "80x60", "--samples", "1", "--time"];
+    let moment = |arguments: &[&str], time: &str, words: &[&str]| {
+        refused(folder, &[&["render"], arguments, &small[..], &[time]].concat(), words);
+    };
+    let last = format!("0 to {duration_s:.3}");
+    moment(&["021", "-o", "a.png"], "4", &["--time", "021", "plan"]);
+    moment(&["021", "p.plan.json", "-o", "a.png"], "99", &["--time", "99", &last]);
+    moment(&["021", "p.plan.json", "-o", "a.png"], "inf", &["--time", &last]);
+    moment(&["021", "p.plan.json", "-o", "a.png"], "NaN", &["--time"]);
+    moment(&["021", "p.plan.json", "-o", "a.gif"], "1", &["--time", ".png"]);
+    moment(&["021", "p.plan.json", "-o", "a.html"], "1", &["--time", ".png"]);
+    moment(&["--all", "-o", "a.png"], "1", &["--time", "011", "plan"]);
+    // As `cranny plan` prints it.
+    let printed = format!("{duration_s:.3}");
+    done(folder, &[&["render", "021", "p.plan.json", "-o", "a.png"], &small[..], &[&printed]].concat());
+}
+
 #[test]
 fn objects_have_pictures() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -116,8 +140,15 @@ fn what_cannot_be_drawn_is_refused_and_nothing_is_written() {
     render(&["021", "-o", "a.gif"], &["plan"]);
     render(&["021", "gone.plan.json", "-o", "a.png"], &["gone.plan.json"]);
     render(&["021", "-o", "a.png", "--size", "10"], &["--size", "1280x960"]);
-    render(&["021", "-o", "a.png", "--size", "0x0"], &["0 × 0"]);
-    render(&["021", "-o", "a.png", "--size", "99999x99999"], &["99999"]);
+    for size in ["0x0", "15x100", "100x8193", "100000x100000", "99999999999999999999x10"] {
+        render(&["021", "-o", "a.png", "--size", size], &["--size", size]);
+    }
+    render(&["021", "-o", "a.glb", "--size", "100000x100000"], &["16 to 8192"]);
+    render(&["--all", "-o", "a.png", "--size", "8000x8000"], &["--size", "2048"]);
+    for ghosts in ["100000000", "101", "-1"] {
+        render(&["021", "-o", "a.png", "--ghosts", ghosts], &["ghosts"]);
+    }
+    render(&["021", "-o", "a.gif", "--rate", "100000000"], &["--rate", "1..=50"]);
     render(&["021", "-o", "a.png", "--camera", "up"], &["--camera"]);
     render(&["021", "-o", "a.png", "--camera", "0,91"], &["--camera"]);
     render(&["021", "-o", "a.png", "--time", "-1"], &["--time"]);

@@ -46,6 +46,8 @@ fn has_page(folder: &Path) -> bool {
 struct Viewer {
     child: Child,
     address: String,
+    /// What stands before every path.
+    inside: String,
 }
 
 impl Viewer {
@@ -60,15 +62,17 @@ impl Viewer {
         let mut line = String::new();
         BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
         let address = line.split(' ').next().and_then(|url| url.strip_prefix("http://")).expect("an address");
-        let address = address.trim_end_matches('/').to_owned();
-        assert!(address.starts_with("127.0.0.1:"), "{line}");
-        Self { child, address }
+        let (address, token) = address.trim_end_matches('/').split_once('/').expect("a token");
+        let (address, inside) = (address.to_owned(), format!("/{token}"));
+        assert!(address.starts_with("127.0.0.1:") && token.len() == 32, "{line}");
+        Self { child, address, inside }
     }
 
-    fn answer(&self, request: &str, body: &str) -> Value {
+    fn answer(&self, method: &str, path: &str, body: &str) -> Value {
         let mut stream = TcpStream::connect(&self.address).expect("it listens");
         let head = format!(
-            "{request} HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+            "{method} {}{path} HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+            self.inside,
             self.address,
             body.len()
         );
@@ -114,7 +118,7 @@ fn several_plans_stand_side_by_side_and_verdicts_are_those_of_verify() {
     std::fs::write(folder.join("through.csv"), "0,0,-0.0178,-0.7601,0.0198,-2.3421,0.0298,1.5412,0.7534\n0,0.9,-0.0178,1.2,0.0198,-0.3,0.0298,1.5412,0.7534\n")
         .expect("written");
     let viewer = Viewer::start(folder, &["021", "a.plan.json", "b.plan.json", "through.csv"]);
-    let page = viewer.answer("GET /page.json", "");
+    let page = viewer.answer("GET", "/page.json", "");
     let plans = page["plans"].as_array().expect("plans");
     let valid: Vec<bool> = plans.iter().map(|plan| plan["is_valid"] == true).collect();
     assert_eq!(valid, [true, true, false]);
@@ -127,7 +131,7 @@ fn several_plans_stand_side_by_side_and_verdicts_are_those_of_verify() {
 
     // The end of the way that goes through the table: what `verify` calls a contact is not free.
     let end = json!({"q": [0.0, 0.9, -0.0178, 1.2, 0.0198, -0.3, 0.0298, 1.5412, 0.7534]});
-    let verdict = viewer.answer("POST /verdict", &end.to_string());
+    let verdict = viewer.answer("POST", "/verdict", &end.to_string());
     assert_eq!(verdict["is_free"], false);
     let judged: Value =
         serde_json::from_slice(&cranny(folder, &["verify", "021", "through.csv", "--json"]).stdout)
@@ -137,7 +141,7 @@ fn several_plans_stand_side_by_side_and_verdicts_are_those_of_verify() {
     for contact in verdict["contacts"].as_array().expect("a list") {
         assert!(violations.contains(&named(contact)), "{contact} is not in {violations:?}");
     }
-    let start: Value = viewer.answer("POST /verdict", &json!({"q": page["robot"]["start"]}).to_string());
+    let start: Value = viewer.answer("POST", "/verdict", &json!({"q": page["robot"]["start"]}).to_string());
     assert_eq!((&start["is_free"], &start["contacts"]), (&true.into(), &json!([])));
 }
 
@@ -189,7 +193,7 @@ fn a_search_is_run_again_and_its_trees_hold_every_node() {
         let plan = [&["plan", "021", "--planner", planner, "-o", "p.plan.json", "--json"], more].concat();
         let planned: Value = serde_json::from_slice(&cranny(folder, &plan).stdout).expect("JSON");
         let viewer = Viewer::start(folder, &["021", "p.plan.json", "--search-tree"]);
-        let page = viewer.answer("GET /page.json", "");
+        let page = viewer.answer("GET", "/page.json", "");
         let tree = &page["plans"][0]["search_tree"];
         // Base64 of four bytes each.
         let nodes = planned["statistics"]["nodes"].as_u64().expect("a count");
@@ -218,9 +222,9 @@ fn a_failed_search_is_written_where_it_was_asked_for_and_shown_with_its_reasons(
         return;
     }
     let viewer = Viewer::start(folder, &["045", "failed.plan.json"]);
-    let page = viewer.answer("GET /page.json", "");
+    let page = viewer.answer("GET", "/page.json", "");
     let shown = &page["plans"][0];
-    assert_eq!(shown["verdict"], "no path: budget-exhausted");
+    assert_eq!(shown["verdict"], "no path: time or iterations ran out");
     assert_eq!(shown["blocked"].as_array().map(Vec::len), answer["failures"].as_array().map(Vec::len));
     assert!(shown["blocked"].as_array().is_some_and(|blocked| !blocked.is_empty()));
 }

@@ -10,8 +10,8 @@ const PAPER: [u8; 3] = [255, 255, 255];
 const INK: [u8; 3] = [64, 72, 82];
 
 impl Picture {
-    /// Pictures of one size in rows of `columns`, each with its number in the upper left corner; of the text
-    /// only digits are shown. Of no picture a small blank one.
+    /// Pictures of one size in rows of `columns`, each with its number in the lower left corner, where the floor
+    /// is; of the text only digits are shown. Of no picture a small blank one.
     pub fn sheet(pictures: &[(String, Self)], columns: usize) -> Self {
         let columns = columns.clamp(1, pictures.len().max(1));
         let rows = pictures.len().div_ceil(columns);
@@ -23,7 +23,7 @@ impl Picture {
             for (row, points) in picture.pixels().chunks_exact(width).enumerate() {
                 sheet.row_mut(top + row)[left..left + width].copy_from_slice(points);
             }
-            sheet.write_digits(number, left + height / 20, top + height / 20, height as f32 / 14.0);
+            sheet.write_digits(number, left + height / 20, top + height * 17 / 20, height as f32 / 14.0);
         }
         sheet
     }

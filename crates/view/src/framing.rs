@@ -17,6 +17,11 @@ impl Scene {
         Camera::framing(direction_deg, &self.focus(), aspect)
     }
 
+    /// The same, farther away: all of every obstacle is seen too.
+    pub fn whole_camera_from(&self, direction_deg: (f64, f64), aspect: f64) -> Camera {
+        Camera::framing(direction_deg, &self.outline(|_| true), aspect)
+    }
+
     /// Corners of boxes around robot and target, wherever they move, and around what of the obstacles is near.
     fn focus(&self) -> Vec<Point> {
         let matters = |role| !matches!(role, Role::Obstacle(_));
@@ -80,7 +85,7 @@ impl Scene {
         (low.cast(), (reach_m as f32).max(0.01))
     }
 
-    /// The nodes of obstacles that lie between the eye and the target or the gripper on its way.
+    /// The nodes of obstacles that lie between the eye and the target, the robot or its gripper on its way.
     pub(crate) fn hiding(&self, camera: &Camera) -> Vec<usize> {
         let poses = self.world_from_nodes(None);
         let mut wanted: Vec<Point> = Vec::new();
@@ -96,6 +101,14 @@ impl Scene {
                     [low.y, high.y].map(|y| Point::new(x, y, 0.3 * around.center.z + 0.7 * high.z))
                 }));
             }
+        }
+        // The robot where it begins and where it ends.
+        for instant in [None, self.last_frame()] {
+            let is_seen = |node: &Node| matches!(node.role, Role::Link(_)) && node.mesh.is_some();
+            let links = self.nodes.iter().zip(self.world_from_nodes(instant));
+            wanted.extend(
+                links.filter(|(node, _)| is_seen(node)).map(|(_, pose)| Point::from(pose.translation.vector)),
+            );
         }
         if let Some(motion) = &self.motion {
             // All of it, at every instant: things do not turn to glass while one looks.
@@ -166,4 +179,53 @@ fn is_crossed(around: &Aabb, from: &Point, to: &Point) -> bool {
         leave = leave.min(a.max(b));
     }
     enter < leave
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_scenario::{OpenOptions, Scenario};
+
+    use super::*;
+    use crate::SceneSettings;
+
+    fn scene(id: &str) -> Scene {
+        let scenario = Scenario::open(id, &OpenOptions::default()).expect("a built-in scenario");
+        Scene::of_task(&scenario, None, &SceneSettings::default()).expect("a scene")
+    }
+
+    /// On the sheet of all scenarios the robots behind the gates could not be seen.
+    #[test]
+    fn an_obstacle_before_the_robot_can_be_seen_through() {
+        for id in ["041", "045", "031"] {
+            let scene = scene(id);
+            let camera = scene.camera(StandardView::ThreeQuarter, 4.0 / 3.0);
+            let hiding = scene.hiding(&camera);
+            let names: Vec<&str> = hiding.iter().map(|&node| scene.nodes[node].name.as_str()).collect();
+            assert!(
+                names.iter().any(|name| ["gate", "left wall", "right wall"].contains(name)),
+                "{id}: {names:?}"
+            );
+            assert!(!names.contains(&"pedestal"), "{id}: it hides nothing");
+        }
+    }
+
+    /// The table of 021, 2 m wide, reached out of its picture.
+    #[test]
+    fn all_of_a_built_in_scenario_is_in_its_picture_on_a_sheet() {
+        for entry in cranny_scenario::catalogue() {
+            let scene = scene(entry.id);
+            for view in StandardView::ALL {
+                let aspect = 4.0 / 3.0;
+                let camera = scene.whole_camera_from(view.direction_deg(), aspect);
+                let slope = libm::tan(0.5 * camera.height_rad);
+                for point in scene.outline(|_| true) {
+                    let from_eye = point - camera.eye;
+                    let depth = -from_eye.dot(&camera.back()) * slope;
+                    let (x, y) =
+                        (from_eye.dot(&camera.right) / (depth * aspect), from_eye.dot(&camera.up) / depth);
+                    assert!(x.abs().max(y.abs()) < 1.0, "{} {view:?}: {point}", entry.id);
+                }
+            }
+        }
+    }
 }

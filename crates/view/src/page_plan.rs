@@ -1,5 +1,7 @@
 use cranny_collision::Cell;
-use cranny_plan::{GraspFailure, Problem, Verification, Violation, ViolationKind, verify};
+use cranny_plan::{
+    GraspFailure, Outcome, Problem, Verification, Violation, ViolationKind, path_length, verify,
+};
 use cranny_scenario::{PlanFile, Scenario};
 use serde::Serialize;
 
@@ -14,8 +16,10 @@ pub struct PagePlan {
     pub name: String,
     /// The planner; empty for bare way points.
     pub planner: String,
-    /// How the search ended, as the plan file says; empty for bare way points.
-    pub outcome: String,
+    /// How the search ended; None for bare way points.
+    pub outcome: Option<Outcome>,
+    /// Of its path, as [`cranny_plan::path_length`] has it.
+    pub path_length: f64,
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
     /// What `verify` says; `None` for a plan without a path.
@@ -45,7 +49,7 @@ impl PagePlan {
         let path = ShownPath::of_plan(scenario, plan, rate_hz(duration_s))?;
         Ok(Self {
             planner: plan.planner.clone(),
-            outcome: plan.outcome.name().to_owned(),
+            outcome: Some(plan.outcome),
             failures: plan.failures.clone(),
             ..Self::judged(name.into(), path, &plan.waypoints, problem)?
         })
@@ -61,7 +65,7 @@ impl PagePlan {
         scenario: &Scenario,
         problem: &Problem,
     ) -> Result<Self, ViewError> {
-        let duration_s = cranny_plan::path_length(waypoints);
+        let duration_s = path_length(waypoints);
         let path = ShownPath::of_waypoints(scenario, waypoints, rate_hz(duration_s))?;
         Self::judged(name.into(), path, waypoints, problem)
     }
@@ -73,9 +77,16 @@ impl PagePlan {
         problem: &Problem,
     ) -> Result<Self, ViewError> {
         let verification = if waypoints.is_empty() { None } else { Some(verify(problem, waypoints)?) };
-        let (planner, outcome) = (String::new(), String::new());
-        let failures = Vec::new();
-        Ok(Self { name, planner, outcome, path, verification, failures, search_tree: None })
+        Ok(Self {
+            name,
+            planner: String::new(),
+            outcome: None,
+            path_length: path_length(waypoints),
+            path,
+            verification,
+            failures: Vec::new(),
+            search_tree: None,
+        })
     }
 
     /// The grasp that the path ends at: what `verify` finds, not what the file claims.
@@ -86,8 +97,7 @@ impl PagePlan {
     /// One line: what `verify` says.
     pub fn verdict(&self) -> String {
         let Some(verification) = &self.verification else {
-            let outcome = if self.outcome.is_empty() { "no way points" } else { &self.outcome };
-            return format!("no path: {outcome}");
+            return format!("no path: {}", self.outcome.map_or("no way points", ending));
         };
         let [first, rest @ ..] = &verification.violations[..] else {
             let clearance = verification.clearance_m.map_or_else(String::new, |clearance_m| {
@@ -112,12 +122,14 @@ impl PagePlan {
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
-            outcome: self.outcome.clone(),
+            outcome: self.outcome.map_or_else(String::new, |outcome| ending(outcome).to_owned()),
             verdict: self.verdict(),
             is_valid: self.verification.as_ref().is_some_and(|v| v.valid),
             times_s: row(|path| &path.times_s),
             configurations: number_row::floats64(configurations),
             waypoint_times_s: row(|path| &path.waypoint_times_s),
+            is_timed: path.is_some_and(|path| path.is_timed),
+            path_length: self.path_length,
             grasp: self.grasp(),
             clearance: profile.as_ref().map(ClearanceProfile::rows),
             blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
@@ -129,6 +141,18 @@ impl PagePlan {
 
 fn rate_hz(duration_s: f64) -> f64 {
     RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
+}
+
+/// How a search ended, for people.
+fn ending(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Solved => "solved",
+        Outcome::BudgetExhausted => "time or iterations ran out",
+        Outcome::Cancelled => "the search was stopped",
+        Outcome::StartInvalid => "the start is in collision or beyond a joint limit",
+        Outcome::NoReachableGrasp => "no grasp can be reached",
+        _ => "it ended in a way that this version does not know",
+    }
 }
 
 /// What is wrong, without the place of every number.
@@ -174,6 +198,8 @@ pub(crate) struct PlanEntry {
     times_s: String,
     configurations: String,
     waypoint_times_s: String,
+    is_timed: bool,
+    path_length: f64,
     grasp: Option<usize>,
     clearance: Option<ClearanceRows>,
     blocked: Vec<BlockedGrasp>,

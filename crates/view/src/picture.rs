@@ -1,3 +1,5 @@
+use std::ops::RangeInclusive;
+
 use cranny_spatial::{Point, Pose};
 
 use crate::colour::ScreenTable;
@@ -32,14 +34,14 @@ pub struct PictureSettings {
     pub ghosts: usize,
     /// Where the eye is, instead of the standard view that was asked for.
     pub camera: Option<Camera>,
-    /// Whether obstacles between the eye and the gripper or the target can be seen through. Default: yes.
+    /// Whether obstacles between the eye and the robot or the target can be seen through. Default: yes.
     pub see_through: SeeThrough,
 }
 
 /// Whether obstacles that hide what matters can be seen through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SeeThrough {
-    /// Those between the eye and the gripper's way or the target.
+    /// Those between the eye and the robot, its gripper's way or the target.
     #[default]
     WhatHides,
     /// None: things as they are.
@@ -60,10 +62,6 @@ impl Default for PictureSettings {
     }
 }
 
-/// The longest side of a picture, in points: beyond it memory runs out before patience does.
-const MOST_POINTS: usize = 8192;
-const FEWEST_POINTS: usize = 16;
-
 /// Ghosts: a robot of light blue glass.
 const GHOST: u32 = 0x0046_8ad0;
 const GHOST_OPACITY: f32 = 0.44;
@@ -80,6 +78,9 @@ const FIRST_BODY: usize = 1_000_000;
 const TARGET: usize = 2_000_000;
 
 impl Picture {
+    /// How long a side can be, in points: beyond it memory runs out before patience does.
+    pub const SIDES: RangeInclusive<usize> = 16..=8192;
+
     /// Draws a scene from a standard view.
     ///
     /// # Errors
@@ -89,8 +90,8 @@ impl Picture {
     /// If the settings name an instant that the motion does not have.
     pub fn of(scene: &Scene, view: StandardView, settings: &PictureSettings) -> Result<Self, ViewError> {
         let &PictureSettings { width, height, .. } = settings;
-        if [width, height].iter().any(|side| !(FEWEST_POINTS..=MOST_POINTS).contains(side)) {
-            return Err(ViewError::Size { width, height, most: MOST_POINTS });
+        if [width, height].iter().any(|side| !Self::SIDES.contains(side)) {
+            return Err(ViewError::Size { width, height, most: *Self::SIDES.end() });
         }
         let camera = settings.camera.unwrap_or_else(|| scene.camera(view, width as f64 / height as f64));
         let frame = settings.frame.or(scene.last_frame());

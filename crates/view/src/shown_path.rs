@@ -1,4 +1,4 @@
-use cranny_plan::{MotionLimits, TimingMethod, Trajectory, Validity};
+use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, TimingMethod, Trajectory, Validity, path_length};
 use cranny_scenario::{Demands, PlanFile, Scenario};
 
 use crate::ViewError;
@@ -14,11 +14,17 @@ pub struct ShownPath {
     pub waypoint_times_s: Vec<f64>,
     /// The grasp of the scenario that it ends at, if it is known.
     pub grasp: Option<usize>,
+    /// Whether the limits of the robot give it its time; else it has none, and is shown at an even pace: a length
+    /// of 1 (metres and radians alike) in a second.
+    pub is_timed: bool,
 }
 
 /// How fast a path without timing is shown, in the plain norm of `q` (m and rad alike) per second: a robot at
-/// half its greatest velocity.
+/// half its greatest velocity. At 1, how much is gone is how long it is.
 const UNTIMED_SPEED: f64 = 1.0;
+
+/// Of a path so long that its rate would make more, instants are farther apart: an hour at 25 a second.
+const MOST_INSTANTS: f64 = 1e5;
 
 impl ShownPath {
     /// The path of a plan, at `rate_hz` samples a second, in the time that the plan says: its trajectory is
@@ -80,10 +86,11 @@ impl ShownPath {
     }
 
     fn sampled(trajectory: &Trajectory, rate_hz: f64) -> Result<Self, ViewError> {
+        let rate_hz = within(rate_hz, trajectory.duration_s());
         let (times_s, configurations) =
             trajectory.samples(rate_hz)?.map(|sample| (sample.time_s, sample.position)).unzip();
         let waypoint_times_s = trajectory.waypoint_times_s().to_vec();
-        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None })
+        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None, is_timed: true })
     }
 
     /// At an even pace, each edge in a whole number of steps.
@@ -93,7 +100,9 @@ impl ShownPath {
             configurations: vec![waypoints[0].clone()],
             waypoint_times_s: vec![0.0],
             grasp: None,
+            is_timed: false,
         };
+        let rate_hz = within(rate_hz, path_length(waypoints) / UNTIMED_SPEED);
         let mut begin_s = 0.0;
         for edge in waypoints.windows(2) {
             let squares = edge[0].iter().zip(&edge[1]).map(|(a, b)| (b - a) * (b - a));
@@ -112,6 +121,12 @@ impl ShownPath {
         }
         path
     }
+}
+
+/// The rate, or a lower one that makes no more instants than can be held. One that is refused stays what it is.
+fn within(rate_hz: f64, duration_s: f64) -> f64 {
+    let is_too_many = rate_hz <= MAX_SAMPLE_RATE_HZ && rate_hz * duration_s > MOST_INSTANTS;
+    if is_too_many { MOST_INSTANTS / duration_s } else { rate_hz }
 }
 
 fn check(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Result<(), ViewError> {

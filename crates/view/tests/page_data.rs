@@ -5,7 +5,7 @@ use std::sync::Arc;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use cranny_collision::{Body, World};
-use cranny_plan::{FailureReason, GraspFailure, Observer};
+use cranny_plan::{FailureReason, GraspFailure, Observer, Outcome};
 use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{Demands, OpenOptions, Scenario};
 use cranny_shape::Solid;
@@ -292,13 +292,17 @@ fn a_failed_plan_says_what_blocked_each_grasp() {
         .map(|(place, reason)| GraspFailure { grasp: 10 * place, reason, attempts: 7 })
         .collect();
     let plan = PagePlan {
-        outcome: "budget-exhausted".into(),
+        outcome: Some(Outcome::NoReachableGrasp),
         failures,
         ..PagePlan::of_waypoints("failed.plan.json", &[], &scenario, &problem).expect("a plan without a path")
     };
     let page = page(&scenario, &[plan]);
     let plan = &page["plans"][0];
-    assert_eq!((&plan["verdict"], &plan["clearance"]), (&"no path: budget-exhausted".into(), &Value::Null));
+    assert_eq!(
+        (&plan["verdict"], &plan["clearance"]),
+        (&"no path: no grasp can be reached".into(), &Value::Null)
+    );
+    assert_eq!(plan["outcome"], "no grasp can be reached", "codes are not for people");
     assert_eq!((&plan["times_s"], &plan["is_valid"]), (&"".into(), &false.into()));
     assert_eq!(list(&plan["blocked"]).len(), 4);
     assert_eq!(plan["blocked"][1]["grasp"], 10);

@@ -4,18 +4,20 @@ use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use cranny_collision::Cell;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageData, PageServer, PageSettings, ViewError, page_cell};
+use cranny_view::{PageData, PageLimits, PageServer, PageSettings, ViewError, page_cell};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
 /// A server that runs until it is dropped.
 struct Running {
     port: u16,
+    /// What stands before every path: `/` and the token.
+    inside: String,
     cell: Arc<Cell>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ViewError>>>,
@@ -23,13 +25,18 @@ struct Running {
 
 impl Running {
     fn start() -> Self {
+        Self::with(PageLimits::default())
+    }
+
+    fn with(limits: PageLimits) -> Self {
         let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
         let cell = page_cell(&scenario).expect("a cell");
         let page = PageData::of(&scenario, &[], &cell, PageSettings::default()).expect("a page");
-        let server = PageServer::bind(0).expect("a free port");
+        let server = PageServer::bind(0, limits).expect("a free port");
         let url = server.url();
-        let address =
-            url.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/')).expect("an address");
+        let address = url.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/'));
+        let (address, token) = address.and_then(|rest| rest.split_once('/')).expect("an address and a token");
+        let inside = format!("/{token}");
         let address: SocketAddr = address.parse().expect("an address");
         assert_eq!(address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (stop, told) = oneshot::channel();
@@ -42,17 +49,22 @@ impl Running {
             server.serve(&page, of_server, stop, || tell_ready.send(()).expect("somebody waits"))
         });
         ready.recv().expect("it is ready");
-        Self { port: address.port(), cell, stop: Some(stop), thread: Some(thread) }
+        Self { port: address.port(), inside, cell, stop: Some(stop), thread: Some(thread) }
     }
 
     fn host(&self) -> String {
         format!("127.0.0.1:{}", self.port)
     }
 
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).expect("it listens");
+        stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
+        stream
+    }
+
     /// Sends these bytes and returns status, head and body.
     fn raw(&self, request: &str) -> (u16, String, String) {
-        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).expect("it listens");
-        stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
+        let mut stream = self.connect();
         stream.write_all(request.as_bytes()).expect("it reads");
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).expect("it answers");
@@ -62,14 +74,19 @@ impl Running {
         (status, head.to_lowercase(), body.to_owned())
     }
 
+    /// Of a path below the token.
     fn get(&self, path: &str, host: &str) -> (u16, String, String) {
+        self.get_bare(&format!("{}{path}", self.inside), host)
+    }
+
+    fn get_bare(&self, path: &str, host: &str) -> (u16, String, String) {
         self.raw(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"))
     }
 
     fn ask(&self, body: &str) -> (u16, Value) {
-        let (host, length) = (self.host(), body.len());
+        let (host, length, inside) = (self.host(), body.len(), &self.inside);
         let (status, _, answer) = self.raw(&format!(
-            "POST /verdict HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n\
+            "POST {inside}/verdict HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n\
              Content-Length: {length}\r\nConnection: close\r\n\r\n{body}"
         ));
         (status, serde_json::from_str(&answer).expect("JSON"))
@@ -143,11 +160,12 @@ fn nothing_outside_the_page_is_served() {
         let (status, _, body) = server.get(path, &server.host());
         assert!([400, 404].contains(&status), "{path}: {status}");
         assert!(!body.contains("root:") && !body.contains("[package]"), "{path}: {body}");
+        assert_eq!(server.get_bare(path, &server.host()).0, 403, "{path} without the token");
     }
     // A whole address in place of the path changes nothing.
     let absolute =
         format!("GET file:///etc/passwd HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", server.host());
-    assert!([400, 404].contains(&server.raw(&absolute).0));
+    assert_eq!(server.raw(&absolute).0, 403);
 }
 
 #[test]
@@ -173,12 +191,101 @@ fn other_hosts_and_other_origins_are_turned_away() {
         (format!("http://127.0.0.1:{port}"), 200),
     ] {
         let (status, _, _) = server.raw(&format!(
-            "POST /verdict HTTP/1.1\r\nHost: {}\r\nOrigin: {origin}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            "POST {}/verdict HTTP/1.1\r\nHost: {}\r\nOrigin: {origin}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            server.inside,
             server.host(),
             body.len()
         ));
         assert_eq!(status, expected, "{origin}");
     }
+}
+
+/// Every user of a machine can open its loopback ports, and ask them for other people's scenes.
+#[test]
+fn who_does_not_know_the_token_gets_nothing() {
+    let server = Running::start();
+    let host = server.host();
+    let token = server.inside.trim_start_matches('/').to_owned();
+    let cut = &token[..token.len() - 1];
+    let last = if token.ends_with('0') { '1' } else { '0' };
+    for prefix in [
+        String::new(),
+        format!("/{}", "0".repeat(token.len())),
+        format!("/{cut}"),
+        format!("/{cut}{last}"),
+        format!("/{token}0"),
+        format!("//{token}"),
+        format!("/%{:02x}{}", token.as_bytes()[0], &token[1..]),
+        format!("/x/../{token}"),
+    ] {
+        for path in ["/", "/page.json", "/index.html", "/verdict", &format!("/page.json?token={token}")] {
+            let (status, _, body) = server.get_bare(&format!("{prefix}{path}"), &host);
+            assert_eq!(status, 403, "{prefix}{path}");
+            assert!(!body.contains("cranny-page") && !body.contains(&token), "{prefix}{path}: {body}");
+        }
+    }
+    let q = json!({"q": vec![0.0; server.cell.robot().dof()]}).to_string();
+    let (status, _, body) = server.raw(&format!(
+        "POST /verdict HTTP/1.1\r\nHost: {host}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{q}",
+        q.len()
+    ));
+    assert_eq!(status, 403, "{body}");
+    // The address as it is printed, and without the stroke at its end.
+    let (status, head, _) = server.get("", &host);
+    assert_eq!(status, 308);
+    assert!(head.contains(&format!("location: {}/", server.inside)), "{head}");
+    let other = PageServer::bind(0, PageLimits::default()).expect("a free port").url();
+    assert!(!other.contains(&token), "two servers have the same token");
+}
+
+const QUICK: PageLimits = PageLimits {
+    connections: 2,
+    request: Duration::from_millis(100),
+    connection: Duration::from_millis(400),
+};
+
+/// Slowloris: a head or a body that comes one byte at a time would hold its connection for ever.
+#[test]
+fn who_sends_slowly_is_cut() {
+    let server = Running::with(QUICK);
+    let (host, inside) = (server.host(), &server.inside);
+    let head = format!("POST {inside}/verdict HTTP/1.1\r\nHost: {host}\r\nContent-Length: 60000\r\n\r\n");
+    for (whole, drop) in [("GET /page.json HTTP/1.1\r\n", "a"), (&head, " ")] {
+        let mut stream = server.connect();
+        stream.write_all(whole.as_bytes()).expect("it reads");
+        let begin = Instant::now();
+        // Drop by drop, until nobody listens.
+        while begin.elapsed() < Duration::from_secs(20) && stream.write_all(drop.as_bytes()).is_ok() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        assert!(begin.elapsed() < Duration::from_secs(10), "still open after {whole}");
+    }
+    assert_eq!(server.get("/page.json", &host).0, 200);
+}
+
+#[test]
+fn who_says_nothing_or_reads_nothing_holds_no_place_for_long() {
+    let server = Running::with(QUICK);
+    let (host, inside) = (server.host(), &server.inside);
+    let mut idle: Vec<TcpStream> = (0..8).map(|_| server.connect()).collect();
+    for reader in idle.iter_mut().take(4) {
+        reader
+            .write_all(format!("GET {inside}/page.json HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+            .expect("it reads");
+    }
+    // Its turn comes once those before it are cut: all places were taken.
+    assert_eq!(server.get("/page.json", &host).0, 200);
+    drop(idle);
+}
+
+#[test]
+fn a_connection_carries_one_request() {
+    let server = Running::start();
+    let one = format!("GET {}/page.json HTTP/1.1\r\nHost: {}\r\n\r\n", server.inside, server.host());
+    let (status, head, body) = server.raw(&format!("{one}{one}"));
+    assert_eq!(status, 200);
+    assert!(head.contains("connection: close"), "{head}");
+    assert!(!body.contains("HTTP/1.1"), "two answers");
 }
 
 #[test]
@@ -269,7 +376,8 @@ fn other_methods_are_refused() {
     for (method, path) in [("POST", "/page.json"), ("DELETE", "/"), ("PUT", "/verdict"), ("GET", "/verdict")]
     {
         let request = format!(
-            "{method} {path} HTTP/1.1\r\nHost: {}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n",
+            "{method} {}{path} HTTP/1.1\r\nHost: {}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n",
+            server.inside,
             server.host()
         );
         assert_eq!(server.raw(&request).0, 405, "{method} {path}");
@@ -287,10 +395,9 @@ fn it_stops_when_told_even_with_a_client_that_says_nothing() {
 
 #[test]
 fn a_port_that_is_taken_is_an_error_with_a_hint() {
-    let server = PageServer::bind(0).expect("a free port");
+    let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
     let url = server.url();
-    let port: u16 =
-        url.rsplit(':').next().and_then(|rest| rest.trim_end_matches('/').parse().ok()).expect("a port");
-    let message = PageServer::bind(port).expect_err("it is taken").to_string();
+    let port = url.rsplit(':').next().and_then(|rest| rest.split('/').next()?.parse().ok()).expect("a port");
+    let message = PageServer::bind(port, PageLimits::default()).expect_err("it is taken").to_string();
     assert!(message.contains(&port.to_string()) && message.contains("--port"), "{message}");
 }

@@ -120,6 +120,36 @@ fn a_plan_that_does_not_fit_is_refused() {
     assert!(matches!(other, Err(ViewError::OtherRobot { found, .. }) if found == "elbow"));
 }
 
+/// Its length was shown as so many seconds.
+#[test]
+fn a_path_without_limits_of_acceleration_has_no_time() {
+    let mut scenario = scenario("021");
+    let timed = ShownPath::of_waypoints(&scenario, &moved(&scenario), 30.0).unwrap().unwrap();
+    assert!(timed.is_timed);
+    let urdf = r#"<robot name="r"><link name="base"/><link name="cart"/>
+      <joint name="drive" type="prismatic">
+        <parent link="base"/><child link="cart"/><limit lower="-1" upper="1" velocity="1"/>
+      </joint>
+    </robot>"#;
+    let robot = Robot::from_urdf_text(urdf, "r.urdf", None, &RobotOptions::default());
+    scenario.robot = std::sync::Arc::new(robot.unwrap());
+    let there = ShownPath::of_waypoints(&scenario, &[vec![0.0], vec![0.5], vec![-0.25]], 30.0);
+    let there = there.unwrap().unwrap();
+    assert!(!there.is_timed);
+    assert_eq!(there.times_s.last(), Some(&1.25), "a length of 1 a second");
+}
+
+#[test]
+fn a_path_of_hours_has_no_more_instants_than_can_be_held() {
+    let scenario = scenario("021");
+    let [near, far] = [moved(&scenario)[0].clone(), moved(&scenario)[1].clone()];
+    let there_and_back: Vec<_> =
+        (0..4000).map(|i| if i % 2 == 0 { near.clone() } else { far.clone() }).collect();
+    let path = ShownPath::of_waypoints(&scenario, &there_and_back, 10_000.0).unwrap().unwrap();
+    assert!(path.times_s.last().is_some_and(|&last_s| last_s > 100.0), "{:?}", path.times_s.last());
+    assert!(path.times_s.len() < 100_010, "{}", path.times_s.len());
+}
+
 #[test]
 fn a_robot_that_is_drawn_with_a_missing_mesh_says_which() {
     let mut scenario = scenario("021");

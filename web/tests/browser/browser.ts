@@ -75,7 +75,7 @@ export async function view(...args: string[]): Promise<{ address: string; stop()
   const address = await new Promise<string>((resolve, reject) => {
     const listen = (part: Buffer): void => {
       said += part.toString();
-      const found = /http:\/\/127\.0\.0\.1:\d+\//.exec(said.replace(/(:\d+)(?=\s|$)/g, "$1/"));
+      const found = /http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\//.exec(said);
       if (found) resolve(found[0]);
     };
     program.stdout?.on("data", listen);
@@ -99,7 +99,9 @@ export interface Opened {
 }
 
 export async function open(browser: Browser, address: string, options: BrowserContextOptions = {}): Promise<Opened> {
-  const context = await browser.newContext({ viewport: { width: 960, height: 640 }, ...options });
+  // Whoever wants no motion has a page that stands still when it opens.
+  const still = { viewport: { width: 960, height: 640 }, reducedMotion: "reduce" as const };
+  const context = await browser.newContext({ ...still, ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
   const complaints: string[] = [];

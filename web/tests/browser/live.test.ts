@@ -114,6 +114,7 @@ test("play moves the robot, and a grasp that is pointed at says its score", { sk
     await page.waitForFunction(() => (window.cranny?.time ?? 0) > 0.5);
     await page.keyboard.press(" ");
     assert.ok(distanceBetween(start, await look(page, "worldFromGripper")) > 0.01);
+    await page.keyboard.press("e");
     await rest(page);
     const { x, y } = await page.evaluate(() => window.cranny!.graspOnScreen(50));
     await page.mouse.move(x, y);

@@ -14,6 +14,9 @@ before(async () => {
 });
 after(() => browser.close());
 
+/** What no panel lies over. */
+const SCENE = { x: 0, y: 60, width: 620, height: 420 };
+
 /** Opens a page, looks at it, and wants no complaint of it. */
 async function withPage(
   data: PageData,
@@ -43,6 +46,27 @@ test("the canvas shows robot and scene, and nothing of them when they are switch
     await rest(page);
     const share = await difference(browser, scene, await page.screenshot());
     assert.ok(share > 0.03, `only ${share} of the picture differs`);
+  }));
+
+test("a motion shows itself when the page opens, and who stops it finds it standing", () =>
+  withPage(
+    twoJointPage(),
+    async ({ page }) => {
+      assert.equal(await look(page, "time"), 2, "it did not play to its end");
+      await page.keyboard.press("Home");
+      await page.waitForFunction(() => location.hash === "#t=0");
+      await page.reload();
+      await page.waitForFunction(() => window.cranny !== undefined);
+      await page.waitForTimeout(300);
+      assert.deepEqual([await look(page, "isPlaying"), await look(page, "time")], [false, 0]);
+    },
+    { reducedMotion: "no-preference" },
+  ));
+
+test("whoever wants no motion has a page that opens still", () =>
+  withPage(twoJointPage(), async ({ page }) => {
+    await page.waitForTimeout(300);
+    assert.deepEqual([await look(page, "isPlaying"), await look(page, "time")], [false, 0]);
   }));
 
 test("a page that stands still draws nothing", () =>
@@ -103,6 +127,41 @@ test("a grasp that is pointed at says its score, its width and what IK knows", (
   });
 });
 
+/** Two hundred small grippers hide what they hold, and the hand. */
+test("of many grasps the taken one and the best are shown, all when asked for", () => {
+  const data = twoJointPage({ grasps: 200 });
+  data.plans[0].grasp = 150;
+  return withPage(data, async ({ page }) => {
+    const panel = page.getByRole("complementary", { name: "Settings" });
+    assert.equal(await look(page, "shownGrasps"), 11);
+    assert.match(await panel.innerText(), /Grasps \(11 of 200\)/);
+    await picture(page, "few_grasps");
+    const few = await page.screenshot();
+    await page.keyboard.press("e");
+    await rest(page);
+    assert.equal(await look(page, "shownGrasps"), 200);
+    assert.match(await panel.innerText(), /Grasps \(200\)/);
+    assert.ok((await difference(browser, few, await page.screenshot())) > 0.002);
+  });
+});
+
+/** A path of a robot without limits of acceleration was shown as lasting as many seconds as it is long. */
+test("a path without time has a length and no seconds", () => {
+  const data = twoJointPage({ plans: 2 });
+  data.plans[0] = { ...data.plans[0], is_timed: false, path_length: 2 };
+  return withPage(data, async ({ page }) => {
+    const panel = page.getByRole("complementary", { name: "Settings" });
+    const dock = page.getByRole("region", { name: "Time line" });
+    assert.match(await panel.innerText(), /reach · length 2\.00[\s\S]*ik-rrt · 2\.50 s[\s\S]*nominal pace/);
+    assert.match(await dock.innerText(), /0\.00 \/ 2\.00 long/);
+    assert.doesNotMatch(await dock.innerText(), /\d s\b/);
+    await picture(page, "without_time");
+    await page.keyboard.press("]");
+    assert.match(await dock.innerText(), /0\.00 \/ 2\.50 s/);
+    assert.doesNotMatch(await panel.innerText(), /nominal pace/);
+  });
+});
+
 test("a failed plan is shown with what blocked each grasp", () =>
   withPage(twoJointPage({ plans: 0, hasFailedPlan: true, grasps: 6 }), async ({ page }) => {
     assert.equal(await page.getByRole("region", { name: "Time line" }).count(), 0);
@@ -121,11 +180,22 @@ test("a failed plan is shown with what blocked each grasp", () =>
 
 test("several plans play in step, and each can have the robot", () =>
   withPage(twoJointPage({ plans: 3 }), async ({ page }) => {
-    const one = await page.screenshot();
-    await page.keyboard.press("a");
-    await rest(page);
-    assert.ok((await difference(browser, one, await page.screenshot())) > 0.005);
-    await page.keyboard.press("a");
+    /** How much of the scene the other robots are, without the ways of their grippers. */
+    const others = async (time: string): Promise<number> => {
+      await page.getByRole("slider", { name: "Time along the path" }).fill(time);
+      await page.keyboard.press("p");
+      await rest(page);
+      const both = await page.screenshot({ clip: SCENE });
+      await page.keyboard.press("a");
+      await rest(page);
+      const alone = await page.screenshot({ clip: SCENE });
+      await page.keyboard.press("a");
+      await page.keyboard.press("p");
+      return difference(browser, both, alone);
+    };
+    assert.ok((await others("1")) > 0.005);
+    // Where all begin, the robot that is looked at is not covered by the others.
+    assert.equal(await others("0"), 0);
     await page.keyboard.press("]");
     assert.equal(await look(page, "plan"), 1);
     await page.getByText("two-joint-2").click();
@@ -241,6 +311,13 @@ test("a screen of the size of a hand has room for all", () =>
       await page.touchscreen.tap(x + 4, y + 4);
       await page.getByRole("tooltip").waitFor();
       await picture(page, "hand");
+      // The words of the scale stand beside the curve.
+      const [plot, scrub] = [
+        await page.getByRole("img", { name: /Clearance over time/ }).boundingBox(),
+        await page.getByRole("slider", { name: "Time along" }).boundingBox(),
+      ];
+      assert.ok(plot && scrub);
+      assert.ok(plot.x + plot.width - (scrub.x + scrub.width) >= 40);
       await page.getByRole("button", { name: "Settings" }).tap();
       await page.getByRole("complementary").getByText("Collision shapes").tap();
       assert.ok(await page.getByRole("switch", { name: "Collision shapes" }).isChecked());

@@ -29,7 +29,7 @@ test("the page as one file works from disk and loads nothing", async () => {
     assert.equal(await look(page, "time"), 2.5);
     await page.waitForFunction(() => location.hash === "#t=2.5");
     await page.keyboard.press("Home");
-    await page.waitForFunction(() => location.hash === "");
+    await page.waitForFunction(() => location.hash === "#t=0");
     await page.getByText("Joints", { exact: true }).click();
     await page.getByRole("slider", { name: "elbow" }).fill("0.2");
     assert.equal((await look(page, "q"))[2], 0.2);

@@ -24,6 +24,11 @@ test("a view comes back from its link", () => {
   assert.deepEqual({ ...INITIAL, ...fromHash(`#${toHash(state)}`) }, state);
 });
 
+test("where something can play, a link says when", () => {
+  assert.equal(toHash(INITIAL, true), "t=0");
+  assert.equal(fromHash("#t=0").time_s, 0);
+});
+
 test("what a damaged link says wrongly is left out", () => {
   for (const hash of [
     "#t=NaN&plan=-1&ghosts=1e9&speed=0",

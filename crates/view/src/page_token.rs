@@ -1,0 +1,59 @@
+use std::fmt;
+use std::hint::black_box;
+
+/// What only the user of a page knows: 128 random bits of the operating system, as hexadecimal digits. They stand
+/// in the page's address, for every user of a machine can open its ports.
+#[derive(Clone)]
+pub(crate) struct PageToken(String);
+
+/// As many as cannot be guessed.
+const BYTES: usize = 16;
+
+impl PageToken {
+    /// # Errors
+    /// If the system has no random numbers to give.
+    pub fn random() -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; BYTES];
+        getrandom::fill(&mut bytes)?;
+        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+    }
+
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether `other` is this token. How long the answer takes does not tell how much of it is right.
+    pub fn is(&self, other: &str) -> bool {
+        let pairs = self.0.bytes().zip(other.bytes());
+        let difference = pairs.fold(0, |sum: u8, (a, b)| black_box(sum | (a ^ b)));
+        self.0.len() == other.len() && difference == 0
+    }
+}
+
+/// Without the token itself, which would else stand in whatever is logged.
+impl fmt::Debug for PageToken {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("PageToken")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_token_itself_is_it() {
+        let token = PageToken::random().expect("random numbers");
+        let text = token.text().to_owned();
+        assert_eq!(text.len(), 2 * BYTES);
+        assert!(token.is(&text));
+        let longer = format!("{text}0");
+        let last = if text.ends_with('0') { '1' } else { '0' };
+        let other = format!("{}{last}", &text[..text.len() - 1]);
+        for wrong in ["", "0", &text[1..], &text[..text.len() - 1], &longer, &other, &text.to_uppercase()] {
+            assert!(wrong == text || !token.is(wrong), "{wrong}");
+        }
+        assert_ne!(PageToken::random().expect("random numbers").text(), text);
+        assert!(!format!("{token:?}").contains(&text));
+    }
+}
