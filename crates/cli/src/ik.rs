@@ -39,7 +39,8 @@ struct Solution {
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, None, PlanMargins::default())?;
+    let Task { scenario, mut problem, .. } =
+        Task::open(&arguments.task, None, PlanMargins::default(), output)?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());

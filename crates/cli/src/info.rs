@@ -37,7 +37,7 @@ struct Body {
 }
 
 pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default())?;
+    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default(), output)?;
     let (robot, world) = (&scenario.robot, &scenario.world);
     let mut scratch = problem.validity.scratch();
     let mut info = Info {

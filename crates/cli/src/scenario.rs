@@ -7,7 +7,8 @@ use clap::{Args, Subcommand};
 use cranny_plan::Validity;
 use cranny_scenario::{
     Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, TemplateRobot, check, pack, scenario_schema, unpack, write_set, write_sweep, write_template,
+    SetSettings, TemplateRobot, check, mesh_repairs, pack, scenario_schema, unpack, write_set, write_sweep,
+    write_template,
 };
 use serde::Serialize;
 
@@ -269,12 +270,16 @@ struct Checked {
     scenario: String,
     sound: bool,
     problems: Vec<String>,
+    /// What was repaired in its meshes.
+    notes: Vec<String>,
 }
 
 fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     let mut problems: Vec<String> = check(id)?.iter().map(ToString::to_string).collect();
+    let mut notes = Vec::new();
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
+        notes = mesh_repairs(&scenario.robot, &scenario.world);
         let problem = scenario.problem(&Demands::default())?;
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
@@ -291,13 +296,16 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
             }
         }
     }
-    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems };
+    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems, notes };
     if output.json {
         text::print_json(&checked)?;
     } else if !output.quiet || !checked.sound {
         let mut page = String::new();
         for problem in &checked.problems {
             let _ = writeln!(page, "{problem}");
+        }
+        for note in &checked.notes {
+            let _ = writeln!(page, "note: {note}");
         }
         let _ = match checked.problems.len() {
             0 => writeln!(page, "{id}: sound"),

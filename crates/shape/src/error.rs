@@ -49,19 +49,21 @@ pub enum ShapeError {
         /// How many edges lack their second triangle.
         edges: usize,
     },
-    /// Triangles of a mesh cannot be turned so that all face outwards.
+    /// Faces of a mesh do not part its inside from what is around it.
     #[error(
-        "the mesh has no inside: its faces cannot all be turned outwards, {edges} of its edges contradict \
-         each other (is it one-sided, or do more than two faces share an edge?)"
+        "the mesh has no inside: {faces} of its faces have the same space on both sides (is it one-sided, or does \
+         a face lie where bodies that share an edge overlap? take its convex hull, or unite its bodies with \
+         Blender's boolean modifier or `trimesh.boolean.union` in Python)"
     )]
     OneSided {
-        /// How many edges have no second triangle the other way round.
-        edges: usize,
+        /// How many faces do not.
+        faces: usize,
     },
     /// Triangles of a mesh pass through each other.
     #[error(
         "the mesh crosses itself: {pairs} pairs of triangles pass through each other, triangles {first} and \
-         {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one surface)",
+         {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one \
+         surface with Blender's boolean modifier or `trimesh.boolean.union` in Python)",
         depth_m * 1000.0
     )]
     SelfCrossing {

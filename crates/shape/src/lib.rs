@@ -9,7 +9,8 @@
 //!
 //! ## Limits
 //! No point clouds, no height fields, no signed distance fields. Density is uniform. Meshes with holes have
-//! no volume here, and nothing fills the holes.
+//! no volume here, and nothing fills the holes. Of a body that crosses itself the parts that it winds around count
+//! as full.
 
 mod area;
 mod ball_tree;
@@ -22,9 +23,12 @@ mod convex_hull;
 mod convex_parts;
 mod cuboid_run;
 mod cut;
+mod disjoint_sets;
+mod enclosure;
 mod error;
 mod geodesic_sphere;
 mod gjk;
+mod hull;
 mod inner_balls;
 mod loft;
 mod mesh;
@@ -32,12 +36,16 @@ mod mesh_file;
 mod moments;
 mod painted_mesh;
 mod parry;
+mod ply;
+mod pose_symmetry;
 mod ray;
 mod repair;
 mod self_crossing;
 mod separation;
+mod shell;
 mod solid;
 mod stable_pose;
+mod stl;
 mod surface;
 mod tessellation;
 
@@ -49,13 +57,15 @@ pub use coarse_hull::CoarseHull;
 pub use convex_parts::{ConvexParts, DecompositionSettings, VolumeError};
 pub use cuboid_run::cuboid_of_faces;
 pub use error::ShapeError;
+pub use hull::MOST_HULL_CORNERS;
 pub use inner_balls::inner_balls;
 pub use loft::Loft;
 pub use mesh_file::TriangleSoup;
 pub use moments::VolumeMoments;
 pub use painted_mesh::{PaintedMesh, PaintedPiece};
+pub use pose_symmetry::distinct_poses;
 pub use ray::RayHit;
-pub use repair::{RepairedMesh, SAME_PLACE_M};
+pub use repair::{MeshRepairs, RepairedMesh, SAME_PLACE_M};
 pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
 pub use solid::{Outline, Solid};
 pub use stable_pose::{StablePose, stable_poses};
