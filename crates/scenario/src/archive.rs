@@ -14,7 +14,10 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
-use crate::{OpenOptions, Scenario, ScenarioError, builtin_robot, own_layout, scenario, yaml};
+use crate::{
+    OpenOptions, Scenario, ScenarioError, builtin_robot, own_layout, scenario, write_whole_file,
+    write_whole_folder, yaml,
+};
 
 const MANIFEST: &str = "manifest.json";
 
@@ -69,8 +72,13 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
         bring_robot(&file, folder, &mut contents)?;
     }
-    open_alone(&id, &contents).map_err(|reason| {
-        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
+    open_alone(&id, &contents).map_err(|reason| match reason {
+        // That it could not be tried is no fault of the scenario.
+        ScenarioError::Unwritable { .. } => reason,
+        _ => {
+            let problem = "the scenario does not open by itself, without the files around it";
+            fault(folder, format!("{problem}: {reason}"))
+        }
     })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
@@ -83,22 +91,18 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         id,
     };
     let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
-    fs::write(archive, bytes)
-        .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
+    write_whole_file(archive, &bytes)?;
     Ok(contents.into_keys().collect())
 }
 
-/// Unpacks an archive into `folder`, which must not be there, checksums verified.
+/// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
 ///
 /// # Errors
 /// [`ScenarioError::Archive`] for a broken archive, a path that leaves the folder, a wrong checksum;
 /// [`ScenarioError::Exists`].
 pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
-    if folder.exists() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() });
-    }
     let contents = read(archive, &bytes_of(archive)?)?;
-    write_all(folder, &contents)?;
+    write_whole_folder(folder, |folder| write_all(folder, &contents))?;
     Ok(contents.into_keys().collect())
 }
 

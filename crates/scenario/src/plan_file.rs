@@ -5,7 +5,7 @@ use cranny_plan::{Criterion, GraspFailure, Improvement, Outcome, Statistics, Tim
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
-use crate::{ScenarioError, atomic_file};
+use crate::{ScenarioError, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -142,15 +142,7 @@ impl PlanFile {
         let mut text = serde_json::to_string_pretty(self)
             .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
         text.push('\n');
-        atomic_file::write(path, &text)
-    }
-
-    /// Whether a plan could be written there, found out without touching what stands there.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Unwritable`] for a folder, or where no file can be made.
-    pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
-        atomic_file::check(path)
+        write_whole_file(path, text.as_bytes())
     }
 
     /// Reads a plan.
