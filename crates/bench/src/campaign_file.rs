@@ -33,7 +33,7 @@ struct CampaignEntry {
     #[serde(default)]
     measure_clearance: Option<bool>,
     #[serde(default)]
-    exceptions: Vec<ExceptionEntry>,
+    exceptions: Vec<Spanned<ExceptionEntry>>,
 }
 
 #[derive(Deserialize)]
@@ -95,11 +95,20 @@ impl Campaign {
         }
         let default = Self::default();
         let criteria = entry.criteria.map(|criteria| criteria.into_iter().map(|entry| entry.0).collect());
-        let exception = |entry: ExceptionEntry| Exception {
-            scenario: entry.scenario,
-            planner: entry.planner,
-            time_limit_s: entry.time_limit_s,
-        };
+        let mut exceptions = Vec::new();
+        for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
+            entry.exceptions
+        {
+            if !planners.iter().any(|known: &CampaignPlanner| known.name == planner) {
+                let names: Vec<&str> = planners.iter().map(|known| known.name.as_str()).collect();
+                let problem = format!(
+                    "no planner of the campaign is called '{planner}' (there are: {})",
+                    names.join(", ")
+                );
+                return Err(fault(referenced, problem));
+            }
+            exceptions.push(Exception { scenario, planner, time_limit_s });
+        }
         Ok(Self {
             scenarios: entry.scenarios.iter().map(|word| scenario_beside(folder, word)).collect(),
             planners,
@@ -108,10 +117,12 @@ impl Campaign {
             first_seed: entry.first_seed.unwrap_or(default.first_seed),
             time_limit_s: entry.time_limit_s.unwrap_or(default.time_limit_s),
             iteration_limit: entry.iteration_limit,
-            memory_limit_bytes: entry.memory_limit_mb.map_or(default.memory_limit_bytes, |mb| mb << 20),
+            memory_limit_bytes: entry
+                .memory_limit_mb
+                .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
-            exceptions: entry.exceptions.into_iter().map(exception).collect(),
+            exceptions,
         })
     }
 }

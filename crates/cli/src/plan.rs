@@ -13,12 +13,14 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
 use crate::ik;
+use crate::output_file;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
 use crate::text::{self, degrees, millimetres};
-use crate::timing::Timing;
+use crate::timing::{Timing, trajectory_file};
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -46,7 +48,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let PlanTask { id, grasps, mut problem, margins } =
         PlanTask::open(&arguments.task, &arguments.moveit, None, PlanMargins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let file = destination(arguments, &id)?;
+    let file = destination(arguments, &id, output)?;
     set_threshold(arguments, &mut problem)?;
     let planner = named.unwrap_or_else(|| cranny_plan::default_planner(problem.criterion()));
     let timing = Timing::new(arguments, &problem)?;
@@ -74,11 +76,13 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     judged.plan.timing = timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory));
     let mut trajectory_file = None;
     if solved {
-        trajectory_file = timed.as_ref().map(|timed| timed.write(arguments, &file)).transpose()?.flatten();
+        trajectory_file =
+            timed.as_ref().map(|timed| timed.write(arguments, &file, output)).transpose()?.flatten();
     }
     // A failed search is worth a look too, but never in the place of a plan that nobody named.
     let is_written = solved || arguments.output.is_some();
     if is_written {
+        output_file::check(&file, FileKind::Plan, output)?;
         judged.plan.write(&file)?;
     }
     let answered = Answered {
@@ -206,13 +210,13 @@ fn judge(
     Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
 }
 
-fn destination(arguments: &PlanArguments, id: &str) -> Result<PathBuf, Failure> {
+fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {
     let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
-    if file.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-        return Err(Failure::NoFolder { path: file });
-    }
     // Better now than after the search.
-    PlanFile::check_writable(&file)?;
+    output_file::check(&file, FileKind::Plan, output)?;
+    if arguments.rate.is_some() {
+        output_file::check(&trajectory_file(&file), FileKind::Trajectory, output)?;
+    }
     Ok(file)
 }
 

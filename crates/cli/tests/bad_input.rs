@@ -224,3 +224,50 @@ fn a_plan_and_way_points_come_through_a_pipe() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     writer.join().expect("it ends").expect("written");
 }
+
+/// Some of these took all memory, some wrapped round to nothing, and some said that there was no flag `-1`.
+#[test]
+fn a_number_out_of_its_range_is_refused_with_the_range() {
+    let folder = folder();
+    let run = "bench run --scenarios 021 --planners reach";
+    let sample = "grasps sample banana";
+    let generate = "scenario generate --family gap";
+    let cases = [
+        (run, "--runs", "1 to 1000000", &["0", "100000000", "-1", "1e3", "99999999999999999999999"][..]),
+        (run, "--memory-limit", "1 to 16777216", &["0", "17592186044416", "-5"]),
+        (run, "--time-limit", "0 to 10000000", &["-1", "nan", "inf", "1e300"]),
+        (run, "--iterations", "0 to 9223372036854775807", &["-1", "9223372036854775808"]),
+        (run, "--first-seed", "0 to 9223372036854775807", &["-1", "18446744073709551615"]),
+        (run, "--workers", "1 to 1024", &["0", "1000000000", "-1"]),
+        (sample, "--count", "1 to 100000", &["0", "1000000000000", "-1", "1844674407370955162"]),
+        (sample, "--candidates", "1 to 1000000", &["0", "1000000000000"]),
+        (sample, "--approaches", "1 to 3600", &["0", "1000000000000"]),
+        (sample, "--scale", "positive number", &["0", "-1", "nan", "inf"]),
+        (sample, "--seed", "0 to 18446744073709551615", &["-1", "1.5"]),
+        (generate, "--count", "1 to 1000000", &["0", "1000000000000", "-1"]),
+        (generate, "--clutter", "0 to 50", &["51", "-1"]),
+        ("scenario sweep gap --from 0.6 --to 0.5", "--steps", "1 to 100000", &["0", "4294967296"]),
+        ("plan 021", "--time-limit", "0 to 10000000", &["-1", "nan", "inf", "1e20"]),
+        ("plan 021", "--iterations", "0 to 9223372036854775807", &["-1"]),
+        ("plan 021", "--rate", "samples a second", &["0", "-1", "nan", "inf"]),
+        ("plan 021", "--seed", "0 to 18446744073709551615", &["-1", "18446744073709551616"]),
+        ("ik 021", "--solutions", "1 to 1000", &["0", "1000000000000000000"]),
+        ("ik 021", "--attempts", "1 to 1000000000", &["0", "-1"]),
+        ("object add box.obj --mass 1", "--parts", "1 to 10000", &["0", "-1"]),
+        ("object add box.obj --mass 1", "--resolution", "8 to 400", &["7", "401", "-8"]),
+        ("bench replay results.db", "", "1 to 9223372036854775807", &["0", "18446744073709551615"]),
+    ];
+    for (command, flag, range, values) in cases {
+        for value in values {
+            let words = command.split(' ').chain((!flag.is_empty()).then_some(flag)).chain([*value]);
+            let mut program = Command::cargo_bin("cranny").expect("the program");
+            let output = program.current_dir(folder.path()).args(words).output().expect("it runs");
+            let error = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command} {flag} {value}: {error}");
+            assert!(error.contains(range) && error.contains(value), "{command} {flag} {value}: {error}");
+            let first = error.lines().next().unwrap_or_default();
+            assert!(first.contains(range), "the range stands in another line: {error}");
+            assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{command} {flag}");
+        }
+    }
+}

@@ -17,7 +17,7 @@ use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
 use crate::{
     OpenOptions, Scenario, ScenarioError, archive_contents as unpacked, builtin_robot, own_layout, scenario,
-    yaml,
+    write_whole_file, write_whole_folder, yaml,
 };
 
 const MANIFEST: &str = "manifest.json";
@@ -71,8 +71,13 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         bring_robot(&file, folder, &mut contents)?;
     }
     unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
-    open_alone(&id, &contents).map_err(|reason| {
-        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
+    open_alone(&id, &contents).map_err(|reason| match reason {
+        // That it could not be tried is no fault of the scenario.
+        ScenarioError::Unwritable { .. } => reason,
+        _ => {
+            let problem = "the scenario does not open by itself, without the files around it";
+            fault(folder, format!("{problem}: {reason}"))
+        }
     })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
@@ -88,22 +93,18 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     // What could not be unpacked again is not packed.
     let whole = contents.values().map(|content| content.len() as u64).sum();
     unpacked::check_size(whole, bytes.len() as u64).map_err(|problem| fault(archive, problem))?;
-    fs::write(archive, bytes)
-        .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
+    write_whole_file(archive, &bytes)?;
     Ok(contents.into_keys().collect())
 }
 
-/// Unpacks an archive into `folder`, which must not be there, checksums verified.
+/// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
 ///
 /// # Errors
 /// [`ScenarioError::Archive`] for a broken archive, a path that leaves the folder, a wrong checksum;
 /// [`ScenarioError::Exists`].
 pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
-    if folder.exists() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() });
-    }
     let contents = read(archive, &bytes_of(archive)?)?;
-    write_all(folder, &contents)?;
+    write_whole_folder(folder, |folder| write_all(folder, &contents))?;
     Ok(contents.into_keys().collect())
 }
 

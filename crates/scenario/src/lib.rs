@@ -68,6 +68,7 @@ mod waypoints;
 mod yaml;
 
 pub use archive::{Credits, pack, unpack};
+pub use atomic_file::{check_free_folder, check_writable, write_whole_file, write_whole_folder};
 pub use builtin_object::{builtin_object, builtin_object_names};
 pub use builtin_robot::{panda_hand, panda_mobile, write_panda_mobile};
 pub use catalogue::{CatalogueEntry, catalogue};

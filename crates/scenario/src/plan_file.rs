@@ -6,7 +6,7 @@ use cranny_plan::{
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
-use crate::{ScenarioError, atomic_file, waypoints};
+use crate::{ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -146,15 +146,7 @@ impl PlanFile {
         let mut text = serde_json::to_string_pretty(self)
             .map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason: reason.into() })?;
         text.push('\n');
-        atomic_file::write(path, &text)
-    }
-
-    /// Whether a plan could be written there, found out without touching what stands there.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Unwritable`] for a folder, or where no file can be made.
-    pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
-        atomic_file::check(path)
+        write_whole_file(path, text.as_bytes())
     }
 
     /// Reads a plan.

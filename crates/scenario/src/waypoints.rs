@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::{PlanFile, ScenarioError, atomic_file, number_table};
+use crate::{PlanFile, ScenarioError, number_table, write_whole_file};
 
 /// The way points (m, rad) of a plan file (`.plan.json`) or of a file with one configuration a line
 /// (`.csv`, `.try`: comma-separated, no header), each of `joints` values.
@@ -36,7 +36,7 @@ pub fn write_waypoints_csv(path: &Path, waypoints: &[Vec<f64>]) -> Result<(), Sc
         }
         text.push('\n');
     }
-    atomic_file::write(path, &text)
+    write_whole_file(path, text.as_bytes())
 }
 
 #[cfg(test)]
