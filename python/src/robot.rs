@@ -76,6 +76,7 @@ impl PyRobot {
             tip,
             fixed: fixed.unwrap_or_default(),
             packages: packages.unwrap_or_default(),
+            unchecked_pairs: Vec::new(),
             meshes: match meshes {
                 "hull" => MeshUse::Hull,
                 "solid" => MeshUse::Solid,

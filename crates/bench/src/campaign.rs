@@ -150,7 +150,7 @@ impl Campaign {
         let criteria = self.distinct_criteria();
         let chosen = choose_scenarios(&self.scenarios)?;
         // Before many are opened in vain; where each goal is aimed at, their number comes later.
-        self.check_size(chosen.iter().map(|_| 1))?;
+        self.check_size(&chosen.iter().map(|_| 1))?;
         let (mut scenarios, mut notes) = (Vec::new(), Vec::new());
         for chosen in chosen {
             let mut source = ScenarioSource {
@@ -168,7 +168,7 @@ impl Campaign {
             }
             scenarios.push(source);
         }
-        self.check_size(scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
+        self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
         let settings: Vec<String> = self.planners.iter().map(|planner| planner.call.settings()).collect();
         let most_runs =
             self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
@@ -276,7 +276,7 @@ impl Campaign {
     }
 
     /// Refuses a campaign with too many trials, `goals` being the number of goals of each scenario.
-    fn check_size(&self, goals: impl Iterator<Item = u64> + Clone) -> Result<(), BenchError> {
+    fn check_size(&self, goals: &(impl Iterator<Item = u64> + Clone)) -> Result<(), BenchError> {
         let of_planner = |planner: &CampaignPlanner| {
             let per_run: u64 = goals.clone().map(|goals| if planner.each_goal { goals } else { 1 }).sum();
             planner.runs.unwrap_or(self.runs).saturating_mul(per_run)

@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, csv_text, nearest_distances, read_csv,
-    sample_grasps, spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, csv_text, nearest_distances,
+    read_csv, sample_grasps, spread,
 };
 use cranny_plan::{APPROACH_M, Hand, HandFilter};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};

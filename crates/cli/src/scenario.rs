@@ -8,8 +8,8 @@ use clap::{Args, Subcommand};
 use cranny_plan::Validity;
 use cranny_scenario::{
     Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack, write_set,
-    write_sweep, write_template, write_whole_folder,
+    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack,
+    write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 

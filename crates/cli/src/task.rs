@@ -1,11 +1,11 @@
 use std::fmt::Display;
-use std::io::Write;
 
 use cranny_plan::{Criterion, Problem};
 use cranny_scenario::{Demands, OpenOptions, PlanMargins, Scenario, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
+use crate::text;
 
 /// A scenario and the problem that the flags make of it.
 pub struct Task {

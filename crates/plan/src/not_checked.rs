@@ -58,8 +58,7 @@ pub fn search(
     observer: &mut dyn Observer,
 ) -> Result<PlanReport, PlanError> {
     let begin = Instant::now();
-    loop {
-        let Validity::Exact(cell) = &problem.validity else { break };
+    while let Validity::Exact(cell) = &problem.validity {
         if !cell.unchecked().iter().any(|unchecked| unchecked.reason == UncheckedReason::AlwaysTouching) {
             break;
         }

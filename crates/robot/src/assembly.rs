@@ -76,7 +76,7 @@ impl Robot {
                 visuals: link.visuals.iter().map(|visual| solids.visual(visual)).collect(),
             });
         }
-        let limits = resolved
+        let limits: Vec<JointLimits> = resolved
             .group
             .iter()
             .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
@@ -104,7 +104,7 @@ impl Robot {
             steps,
             rest,
         };
-        robot.check_steadiness()?;
+        robot.check_steadiness(source_name)?;
         Ok(robot)
     }
 }

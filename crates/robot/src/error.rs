@@ -112,10 +112,12 @@ pub enum RobotError {
     },
     /// A link can be farther from the root than anything may be.
     #[error(
-        "link `{link}` can be {farthest_m:.1} m from the root, but no more than {most} m are allowed: is a length in \
+        "{file}: link `{link}` can be {farthest_m:.1} m from the root, but no more than {most} m are allowed: is a length in \
          millimetres, or a limit too wide?", most = cranny_spatial::FARTHEST_M
     )]
     TooFar {
+        /// The file.
+        file: String,
         /// The link.
         link: String,
         /// How far a point of it can be, in metres.
@@ -123,11 +125,13 @@ pub enum RobotError {
     },
     /// Rounding would move a link by more than a proof allows for.
     #[error(
-        "link `{link}` cannot be placed to better than {error_m:.1e} m in double precision, which is more than proofs \
+        "{file}: link `{link}` cannot be placed to better than {error_m:.1e} m in double precision, which is more than proofs \
          allow for: its own joint goes up to {greatest:e}, and those before it add to that; narrow the limits or \
          shorten the chain"
     )]
     Unsteady {
+        /// The file.
+        file: String,
         /// The link.
         link: String,
         /// By how much rounding could move a point of it, in metres.

@@ -9,11 +9,11 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 impl Robot {
     /// Whether the bounds that proofs rest on hold for this robot: no point of it can be farther from the root than
     /// [`FARTHEST_M`], and rounding in double precision takes no two of its links farther from where they are than
-    /// [`ROUNDING_M`] together.
+    /// [`ROUNDING_M`] together. `file` is where it comes from, for errors.
     ///
     /// # Errors
     /// [`RobotError::TooFar`], [`RobotError::Unsteady`] for the first link of which this is not true.
-    pub(crate) fn check_steadiness(&self) -> Result<(), RobotError> {
+    pub(crate) fn check_steadiness(&self, file: &str) -> Result<(), RobotError> {
         let mut errors = vec![FrameError::root(UNIT)];
         for (index, link) in self.links.iter().enumerate() {
             let mut here = errors[link.parent.unwrap_or(0)];
@@ -39,11 +39,20 @@ impl Robot {
             let from_link_m = link.collisions.iter().map(reach).fold(0.0, f64::max);
             let farthest_m = here.farthest_m() + from_link_m;
             if farthest_m.is_nan() || farthest_m > FARTHEST_M {
-                return Err(RobotError::TooFar { link: link.name.clone(), farthest_m });
+                return Err(RobotError::TooFar {
+                    file: file.to_owned(),
+                    link: link.name.clone(),
+                    farthest_m,
+                });
             }
             let error_m = here.of_point_m(from_link_m);
             if error_m.is_nan() || error_m > 0.5 * ROUNDING_M {
-                return Err(RobotError::Unsteady { link: link.name.clone(), error_m, greatest });
+                return Err(RobotError::Unsteady {
+                    file: file.to_owned(),
+                    link: link.name.clone(),
+                    error_m,
+                    greatest,
+                });
             }
         }
         Ok(())

@@ -11,6 +11,8 @@ use cranny_robot::{JointGroup, Robot, RobotError, RobotOptions, TextSource};
 const URDF: &[(&str, u32, &[&str])] = &[
     ("defined_twice.urdf", 5, &["link `b` is defined twice, first in line 3"]),
     ("empty.urdf", 0, &["the file is empty"]),
+    ("endless_turn.urdf", 0, &["link `b` cannot be placed", "up to 1e12", "narrow the limits"]),
+    ("far_root.urdf", 0, &["link `b` can be 2000.1 m from the root", "millimetres"]),
     ("floating.urdf", 5, &["joint `ab`", "`floating`", "supported: fixed, revolute"]),
     ("four_numbers.urdf", 14, &["xyz=\"0 0 1 0\" of <axis>: expected 3 finite number(s)"]),
     ("infinite.urdf", 14, &["xyz=\"0 0 inf\" of <axis>"]),

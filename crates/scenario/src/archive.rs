@@ -71,10 +71,11 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         bring_robot(&file, folder, &mut contents)?;
     }
     unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
-    open_alone(&id, &contents).map_err(|reason| match reason {
+    open_alone(&id, &contents).map_err(|reason| {
         // That it could not be tried is no fault of the scenario.
-        ScenarioError::Unwritable { .. } => reason,
-        _ => {
+        if matches!(reason, ScenarioError::Unwritable { .. }) {
+            reason
+        } else {
             let problem = "the scenario does not open by itself, without the files around it";
             fault(folder, format!("{problem}: {reason}"))
         }

@@ -70,11 +70,13 @@ fn outermost(points: &[Point], axis: usize) -> Vec<Point> {
     let flat = |point: &Point| [point[(axis + 1) % 3], point[(axis + 2) % 3]];
     let mut sorted: Vec<(PlanePoint, &Point)> = points.iter().map(|point| (flat(point), point)).collect();
     sorted.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    sorted.dedup_by(|(a, _), (b, _)| a == b);
+    sorted.dedup_by_key(|(point, _)| point.map(f64::to_bits));
     let outline = outline(&sorted.iter().map(|(point, _)| *point).collect::<Vec<_>>());
     let corners: Vec<PlanePoint> = outline.iter().map(|&corner| sorted[corner].0).collect();
     let mut is_kept = vec![false; sorted.len()];
-    outline.iter().for_each(|&corner| is_kept[corner] = true);
+    for &corner in &outline {
+        is_kept[corner] = true;
+    }
     let kept = sorted.iter().zip(is_kept).filter(|((point, _), kept)| *kept || is_outside(point, &corners));
     kept.map(|((_, point), _)| **point).collect()
 }

@@ -207,7 +207,7 @@ impl Body<'_> {
     fn word(&mut self, kind: Number) -> Result<f64, String> {
         let begin = self.rest.iter().position(|byte| !byte.is_ascii_whitespace());
         let begin = begin.ok_or("the file ends before all that its header announces")?;
-        self.line += self.rest[..begin].iter().filter(|byte| **byte == b'\n').count();
+        self.line += self.rest[..begin].split(|byte| *byte == b'\n').count() - 1;
         let rest = &self.rest[begin..];
         let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         let word = String::from_utf8_lossy(&rest[..end]);
