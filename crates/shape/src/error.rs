@@ -140,6 +140,17 @@ pub enum ShapeError {
         /// The factor of z.
         z: f64,
     },
+    /// There are more triangles than are worked with.
+    #[error(
+        "the mesh has {triangles} triangles, more than {most} (reduce it, with Blender's decimate modifier or \
+         `simplify_quadric_decimation` of trimesh in Python)"
+    )]
+    TooManyTriangles {
+        /// How many there are.
+        triangles: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// There is no triangle.
     #[error("the mesh has no triangles (is it a mesh at all?)")]
     Empty,
