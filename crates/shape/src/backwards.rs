@@ -69,7 +69,7 @@ impl Lines<'_> {
                 let p = [self.place(0, row), self.place(1, column)];
                 let shares = [0, 1, 2].map(|i| cross(flat[(i + 1) % 3], flat[(i + 2) % 3], p) / area);
                 if shares.iter().all(|share| *share > 0.0) {
-                    let at = (0..3).map(|i| shares[i] * corners[i][self.axis]).sum();
+                    let at = (0..3).map(|i| shares[i] * corners[i][self.axis]).sum::<f64>();
                     // A normal along the line leaves the body.
                     let step = if (area > 0.0) == is_inward { 1 } else { -1 };
                     hits[row * COUNT + column].push((at, step));

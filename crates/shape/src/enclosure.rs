@@ -163,7 +163,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
         run.triangles.push([a, b, c]);
         let mut face = [a, b, c];
         face.sort_unstable();
-        if known.insert(face) {
+        if face[0] != face[1] && face[1] != face[2] && known.insert(face) {
             for edge in [[face[0], face[1]], [face[1], face[2]], [face[0], face[2]]] {
                 if !odd.remove(&edge) {
                     odd.insert(edge);

@@ -55,8 +55,8 @@ impl Patches {
             let kept = members[&equal[0]][0];
             let normal = triangle_normal(&soup.corners(kept as usize));
             let is_flat = |patch: &u32| {
-                let normals = members[patch].iter().map(|t| triangle_normal(&soup.corners(*t as usize)));
-                normals.into_iter().all(|other| other.cross(&normal).norm() < ONE_PLANE_RAD)
+                let mut normals = members[patch].iter().map(|t| triangle_normal(&soup.corners(*t as usize)));
+                normal.norm() > 0.0 && normals.all(|other| other.cross(&normal).norm() < ONE_PLANE_RAD)
             };
             if is_flat(&equal[0]) {
                 for triangle in equal[1..].iter().filter(|patch| is_flat(patch)).flat_map(|p| &members[p]) {
