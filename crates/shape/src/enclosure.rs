@@ -1,8 +1,11 @@
+use std::collections::HashSet;
+
 use cranny_spatial::Point;
 
+use crate::backwards::wound_backwards;
 use crate::mesh::signed_solid_angle;
 use crate::repair::merged;
-use crate::shell::{DEGENERATE, Facet, Shell, first_copies, shells};
+use crate::shell::{DEGENERATE, Facet, Shell, shells};
 use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
 
 /// A mesh whose inside is well defined, whatever its file said of it.
@@ -27,20 +30,27 @@ impl Enclosure {
     /// What a soup encloses, each of its shells by itself, so that shells that overlap are all full.
     ///
     /// 1. The shells of the mesh; where it has holes, those with vertices closer than
-    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) taken for one.
+    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) taken for one; where bodies that share edges cross, those of the
+    ///    bodies one after the other.
     /// 2. A shell is a cavity if all its faces look inwards, and another whose faces do not contains it without
     ///    touching it. Any other is full.
     /// 3. Faces of other shells are turned outwards, and doubled ones left out.
     ///
     /// # Errors
-    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`].
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
+    /// [`ShapeError::WoundBackwards`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         crate::mesh::check_indices(soup)?;
         // 1.
-        let (first, found, merged_vertices) = joined_shells(soup)?;
+        let (found, first, merged_vertices) = joined_shells(soup)?;
         let mut is_turned = vec![false; soup.triangles.len()];
         let mut is_left_out = vec![false; soup.triangles.len()];
         let mut is_wall_inside = vec![true; soup.triangles.len()];
+        for shell in found.iter().filter(|shell| shell.is_alone) {
+            if let Some(p) = wound_backwards(soup, shell, &box_around(soup, &shell.facets)) {
+                return Err(ShapeError::WoundBackwards { x: p.x, y: p.y, z: p.z });
+            }
+        }
         // 2.
         let cavities = cavities(soup, &found);
         // 3.
@@ -117,27 +127,63 @@ pub(crate) fn winds_around(facets: &[Facet], corners: impl Fn(u32) -> [Point; 3]
     facets.iter().map(signed).sum::<f64>().abs() > std::f64::consts::TAU
 }
 
-/// The first copy of each triangle, the shells, and how many vertices had to be merged to find them.
-fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<u32>, Vec<Shell>, usize), ShapeError> {
-    let first = first_copies(&soup.triangles);
-    match shells(soup, &first) {
+/// The shells, the first copy of each triangle, and how many vertices had to be merged to find them.
+fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), ShapeError> {
+    let (found, first, merged_vertices) = match shells(soup) {
+        Ok((found, first)) => (found, first, 0),
         Err(ShapeError::Open { edges }) => {
             let (vertices, place) = merged(&soup.vertices);
             let merged_vertices = soup.vertices.len() - vertices.len();
             let triangles = soup.triangles.iter().map(|triangle| triangle.map(|v| place[v as usize]));
             let joined = TriangleSoup { triangles: triangles.collect(), vertices };
-            let first = first_copies(&joined.triangles);
-            match shells(&joined, &first) {
-                Ok(found) if !found.is_empty() => Ok((first, found, merged_vertices)),
-                Ok(_) => Err(ShapeError::Empty),
+            match shells(&joined) {
+                Ok((found, first)) => (found, first, merged_vertices),
                 // The holes of the mesh as it was given.
-                Err(ShapeError::Open { .. }) => Err(ShapeError::Open { edges }),
-                Err(fault) => Err(fault),
+                Err(ShapeError::Open { .. }) => return Err(ShapeError::Open { edges }),
+                Err(fault) => return Err(fault),
             }
         }
-        Ok(found) if found.is_empty() => Err(ShapeError::Empty),
-        found => Ok((first, found?, 0)),
+        Err(fault) => {
+            let (found, first) = shells_of_runs(soup).ok_or(fault)?;
+            (found, first, 0)
+        }
+    };
+    if found.is_empty() { Err(ShapeError::Empty) } else { Ok((found, first, merged_vertices)) }
+}
+
+/// The shells of bodies that stand one after the other in the file, each found without the others; `None` if
+/// that does not part it into closed bodies.
+fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
+    let mut found = Vec::new();
+    let mut first_copies = Vec::with_capacity(soup.triangles.len());
+    // Edges with an odd number of faces, and the faces, of the body that is being looked at.
+    let (mut odd, mut known) = (HashSet::new(), HashSet::new());
+    let mut run = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
+    for &[a, b, c] in &soup.triangles {
+        run.triangles.push([a, b, c]);
+        let mut face = [a, b, c];
+        face.sort_unstable();
+        if face[0] != face[1] && face[1] != face[2] && known.insert(face) {
+            for edge in [[face[0], face[1]], [face[1], face[2]], [face[0], face[2]]] {
+                if !odd.remove(&edge) {
+                    odd.insert(edge);
+                }
+            }
+        }
+        if odd.is_empty() {
+            let begin = u32::try_from(first_copies.len()).ok()?;
+            let (mut of_run, first_of_run) = shells(&run).ok()?;
+            for facet in of_run.iter_mut().flat_map(|shell| &mut shell.facets) {
+                facet.triangle += begin;
+            }
+            found.extend(of_run);
+            let shifted = |first: u32| if first == DEGENERATE { DEGENERATE } else { first + begin };
+            first_copies.extend(first_of_run.into_iter().map(shifted));
+            run.triangles.clear();
+            known.clear();
+        }
     }
+    odd.is_empty().then_some((found, first_copies))
 }
 
 /// For each shell in which other it is a cavity, if in any.
@@ -170,6 +216,6 @@ fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<usize>> {
 }
 
 fn box_around(soup: &TriangleSoup, facets: &[Facet]) -> Aabb {
-    let corners: Vec<Point> = facets.iter().flat_map(|facet| soup.corners(facet.triangle as usize)).collect();
-    Aabb::around(&corners, 0.0)
+    let corners = facets.iter().flat_map(|facet| soup.triangles[facet.triangle as usize]);
+    Aabb::around(corners.map(|vertex| &soup.vertices[vertex as usize]), 0.0)
 }

@@ -9,10 +9,11 @@
 //!
 //! ## Limits
 //! No point clouds, no height fields, no signed distance fields. Density is uniform. Meshes with holes have
-//! no volume here, and nothing fills the holes. Of a body that crosses itself the parts that it winds around count
-//! as full.
+//! no volume here, and nothing fills the holes. A body that crosses itself is full where it winds around; one that
+//! winds backwards somewhere is refused, if the part is wider than a sixteenth of the body.
 
 mod area;
+mod backwards;
 mod ball_tree;
 mod bound;
 mod closest;
@@ -36,6 +37,7 @@ mod mesh_file;
 mod moments;
 mod painted_mesh;
 mod parry;
+mod patch;
 mod ply;
 mod pose_symmetry;
 mod ray;

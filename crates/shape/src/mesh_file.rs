@@ -33,6 +33,10 @@ impl TriangleSoup {
             "ply" => read_ply(path)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
         };
+        let triangles = corners.len() / 3;
+        if triangles > MOST_TRIANGLES {
+            return Err(ShapeError::TooManyTriangles { triangles, most: MOST_TRIANGLES }.in_file(path));
+        }
         let mut soup = Self::from_corners(corners.iter().map(|c| c.coords.component_mul(&scale).into()))
             .and_then(|soup| if soup.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(soup) })
             .map_err(|fault| fault.in_file(path))?;
@@ -85,6 +89,9 @@ impl TriangleSoup {
         self.triangles[index].map(|v| self.vertices[v as usize])
     }
 }
+
+/// Each takes some 500 bytes as part of a solid: 4 GB for these.
+const MOST_TRIANGLES: usize = 8_000_000;
 
 fn read_obj(path: &Path) -> Result<Vec<Point>, ShapeError> {
     let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };

@@ -5,7 +5,7 @@ use cranny_spatial::Point;
 use crate::enclosure::winds_around;
 use crate::mesh::check_indices;
 use crate::self_crossing::shallow_crossings;
-use crate::shell::{first_copies, shells};
+use crate::shell::shells;
 use crate::{ShapeError, TriangleSoup};
 
 /// A mesh that encloses a volume, and what was done to make it so.
@@ -126,7 +126,7 @@ pub(crate) fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
 
 /// Turns the triangles outwards; returns how many were turned.
 fn orient(soup: &mut TriangleSoup) -> Result<usize, ShapeError> {
-    let bodies = shells(soup, &first_copies(&soup.triangles))?;
+    let (bodies, _) = shells(soup)?;
     let shared: usize = bodies.iter().filter(|body| !body.is_alone).map(|body| body.facets.len()).sum();
     if shared > 0 {
         return Err(ShapeError::OneSided { faces: shared });

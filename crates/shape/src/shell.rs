@@ -1,8 +1,7 @@
 //! The closed surfaces that a mesh is made of, however its faces are turned, doubled or glued together.
 
-use cranny_spatial::{Point, Vector};
-
 use crate::disjoint_sets::DisjointSets;
+use crate::patch::Patches;
 use crate::{ShapeError, TriangleSoup};
 
 /// A closed surface: faces that hang together by their edges and part the space within from the space without.
@@ -23,48 +22,63 @@ pub(crate) struct Facet {
     pub is_inward: bool,
 }
 
-/// The shells of a soup whose indices are sound, in the order of their first triangles. Triangles with two
-/// equal corners do not count.
+/// The shells of a soup whose indices are sound, in the order of their first triangles, and what
+/// [`first_copies`] says of its triangles, with equal pieces of planes counted as copies too.
 ///
 /// Space is parted as Zhou et al. 2016 ("Mesh arrangements for solid geometry", §3.2) do it: each face has two
 /// sides, and two sides that meet at an edge without a face between them look into the same space. So the
 /// windings of the file say nothing, and nothing can cancel.
 ///
 /// 1. Of equal triangles one is a face; each edge knows its faces.
-/// 2. Across an edge of two faces the sides are joined. What hangs together so is a patch.
+/// 2. Across an edge of two faces the sides are joined. What hangs together so is a patch; of flat patches with
+///    the same rim one stays.
 /// 3. At an edge of more faces, a patch that is closed without the others is a body that touches them: its
-///    sides are joined among themselves. Those of the other patches are joined around the edge, by angle.
+///    sides are joined among themselves. Those of the other patches are joined around the edge, by angle, and
+///    must not meet elsewhere.
 /// 4. Sides that were joined are a shell. The two shells of a body that shares no face are one surface, of
 ///    which the one with positive volume is kept.
 ///
 /// # Errors
-/// [`ShapeError::Open`], or [`ShapeError::OneSided`] if both sides of a face look into the same space.
-pub(crate) fn shells(soup: &TriangleSoup, first_copies: &[u32]) -> Result<Vec<Shell>, ShapeError> {
-    // 1.
-    let uses = edge_uses(soup, first_copies);
-    let edges = || uses.chunk_by(|a, b| a.edge == b.edge);
-    let open = edges().filter(|edge| edge.len() == 1).count();
-    if open > 0 {
-        return Err(ShapeError::Open { edges: open });
-    }
-    // 2.
-    let mut sides = DisjointSets::new(2 * soup.triangles.len());
-    for edge in edges().filter(|edge| edge.len() == 2) {
-        join_around(&mut sides, edge);
-    }
-    let crowded: Vec<&[EdgeUse]> = edges().filter(|edge| edge.len() > 2).collect();
-    if !crowded.is_empty() {
-        // 3.
-        let patches = Patches::of(&mut sides, &crowded);
-        for edge in crowded {
-            let mut uses = edge.to_vec();
-            uses.sort_by_key(|at| (patches.group(*at), at.ahead));
-            for group in uses.chunk_by(|a, b| patches.group(*a) == patches.group(*b)) {
-                join_around(&mut sides, &patches.by_angle(soup, group));
+/// [`ShapeError::Open`], or [`ShapeError::OneSided`] if both sides of a face look into the same space, or faces
+/// of patches that hang together cross.
+pub(crate) fn shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>), ShapeError> {
+    let mut first_copies = first_copies(&soup.triangles);
+    loop {
+        // 1.
+        let uses = edge_uses(soup, &first_copies);
+        let edges = || uses.chunk_by(|a, b| a.edge == b.edge);
+        let open = edges().filter(|edge| edge.len() == 1).count();
+        if open > 0 {
+            return Err(ShapeError::Open { edges: open });
+        }
+        // 2.
+        let mut sides = DisjointSets::new(2 * soup.triangles.len());
+        for edge in edges().filter(|edge| edge.len() == 2) {
+            join_around(&mut sides, edge);
+        }
+        let crowded: Vec<&[EdgeUse]> = edges().filter(|edge| edge.len() > 2).collect();
+        if !crowded.is_empty() {
+            let patches = Patches::of(&mut sides, &crowded);
+            if patches.leave_out_equal(soup, &crowded, &mut first_copies) {
+                continue;
+            }
+            // 3.
+            let crossing = patches.join(soup, &crowded, &first_copies, &mut sides);
+            if crossing > 0 {
+                return Err(ShapeError::OneSided { faces: crossing });
             }
         }
+        // 4.
+        let found = shells_of_sides(soup, &first_copies, &mut sides)?;
+        return Ok((found, first_copies));
     }
-    // 4.
+}
+
+fn shells_of_sides(
+    soup: &TriangleSoup,
+    first_copies: &[u32],
+    sides: &mut DisjointSets,
+) -> Result<Vec<Shell>, ShapeError> {
     let mut of_side: Vec<(u32, u32)> = Vec::with_capacity(2 * soup.triangles.len());
     let mut one_sided = 0;
     for (triangle, &first) in (0..).zip(first_copies).filter(|(triangle, first)| triangle == *first) {
@@ -97,7 +111,7 @@ pub(crate) fn shells(soup: &TriangleSoup, first_copies: &[u32]) -> Result<Vec<Sh
 
 /// For each triangle the first that has the same corners, whichever way round; for one with two equal corners
 /// [`DEGENERATE`].
-pub(crate) fn first_copies(triangles: &[[u32; 3]]) -> Vec<u32> {
+fn first_copies(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut sorted: Vec<([u32; 3], u32)> = (0..)
         .zip(triangles)
         .map(|(index, triangle)| {
@@ -143,17 +157,17 @@ impl Shell {
 
 /// A face at one of its edges.
 #[derive(Clone, Copy)]
-struct EdgeUse {
+pub(crate) struct EdgeUse {
     /// The edge's two vertices, the lower one in the high bits.
-    edge: u64,
+    pub edge: u64,
     /// The side of the face that one meets last when one turns about the edge, from its lower vertex to its
     /// higher one by the right hand. Sides are numbered: twice the triangle for its front, one more for its
     /// back.
-    ahead: u32,
+    pub ahead: u32,
 }
 
 impl EdgeUse {
-    fn behind(self) -> u32 {
+    pub fn behind(self) -> u32 {
         self.ahead ^ 1
     }
 }
@@ -174,102 +188,9 @@ fn edge_uses(soup: &TriangleSoup, first_copies: &[u32]) -> Vec<EdgeUse> {
 }
 
 /// Joins the sides that look at each other, of faces in their order around an edge.
-fn join_around(sides: &mut DisjointSets, ordered: &[EdgeUse]) {
+pub(crate) fn join_around(sides: &mut DisjointSets, ordered: &[EdgeUse]) {
     for (index, at) in ordered.iter().enumerate() {
         let next = ordered[(index + 1) % ordered.len()];
         sides.join(at.ahead, next.behind());
     }
-}
-
-/// Faces that hang together by edges of two faces.
-struct Patches {
-    /// What each side of a face belongs to: the one or the other side of a patch.
-    side_of: Vec<u32>,
-    /// Whether the patch, known by the lesser of its sides, is closed by itself.
-    is_closed: Vec<bool>,
-}
-
-impl Patches {
-    fn of(sides: &mut DisjointSets, crowded: &[&[EdgeUse]]) -> Self {
-        let side_of: Vec<u32> = (0..sides.len()).map(|side| sides.root(side)).collect();
-        let mut patches = Self { is_closed: vec![true; side_of.len()], side_of };
-        for edge in crowded {
-            let mut here: Vec<u32> = edge.iter().map(|at| patches.patch(*at)).collect();
-            here.sort_unstable();
-            for uses in here.chunk_by(|a, b| a == b).filter(|uses| uses.len() % 2 == 1) {
-                patches.is_closed[uses[0] as usize] = false;
-            }
-        }
-        patches
-    }
-
-    fn patch(&self, at: EdgeUse) -> u32 {
-        let [ahead, behind] = [at.ahead, at.behind()].map(|side| self.side_of[side as usize]);
-        ahead.min(behind)
-    }
-
-    /// The patch, if it is closed; one group for all that are not.
-    fn group(&self, at: EdgeUse) -> u32 {
-        let patch = self.patch(at);
-        if self.is_closed[patch as usize] { patch } else { u32::MAX }
-    }
-
-    /// The faces in their order around the edge. Of faces in one plane the patch of the lower number lies on
-    /// its own first side of the others, at this edge as at any other.
-    fn by_angle(&self, soup: &TriangleSoup, group: &[EdgeUse]) -> Vec<EdgeUse> {
-        if group.len() == 2 {
-            return group.to_vec();
-        }
-        let mut angles: Vec<(f64, EdgeUse)> = angles(soup, group);
-        angles.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // From behind the widest gap on, so that no plane is cut in two.
-        let gap = |index: usize| {
-            let before = angles[(index + angles.len() - 1) % angles.len()].0;
-            (angles[index].0 - before).rem_euclid(std::f64::consts::TAU)
-        };
-        let widest = (0..angles.len()).max_by(|a, b| gap(*a).total_cmp(&gap(*b))).unwrap_or(0);
-        angles.rotate_left(widest);
-        let in_one_plane = |a: &(f64, EdgeUse), b: &(f64, EdgeUse)| {
-            (b.0 - a.0).rem_euclid(std::f64::consts::TAU) < ONE_PLANE_RAD
-        };
-        let mut ordered = Vec::with_capacity(group.len());
-        for plane in angles.chunk_by(in_one_plane) {
-            let mut members: Vec<EdgeUse> = plane.iter().map(|(_, at)| *at).collect();
-            members.sort_by_key(|at| std::cmp::Reverse((self.patch(*at), at.ahead)));
-            let mut layers = std::collections::VecDeque::new();
-            for at in members {
-                if self.side_of[at.ahead as usize] == self.patch(at) {
-                    layers.push_back(at);
-                } else {
-                    layers.push_front(at);
-                }
-            }
-            ordered.extend(layers);
-        }
-        ordered
-    }
-}
-
-/// Faces at one edge whose angles differ by less are in one plane, in radians: flat sides read from a file in
-/// single precision differ by 1e-5.
-const ONE_PLANE_RAD: f64 = 1e-4;
-
-/// The angle of each face about the edge, from the first one, in radians.
-fn angles(soup: &TriangleSoup, group: &[EdgeUse]) -> Vec<(f64, EdgeUse)> {
-    let vertex = |index: u64| -> Point { soup.vertices[usize::try_from(index).unwrap_or(usize::MAX)] };
-    let (low, high) = (group[0].edge >> 32, group[0].edge & u64::from(u32::MAX));
-    let foot = vertex(low);
-    let axis = (vertex(high) - foot).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-    let across = |at: &EdgeUse| {
-        let corners = soup.triangles[at.ahead as usize / 2].map(u64::from);
-        let opposite = corners.into_iter().find(|&corner| corner != low && corner != high).unwrap_or(low);
-        let towards = vertex(opposite) - foot;
-        towards - axis * axis.dot(&towards)
-    };
-    let zero = across(&group[0]);
-    let angle = |at: &EdgeUse| {
-        let towards = across(at);
-        libm::atan2(axis.dot(&zero.cross(&towards)), zero.dot(&towards))
-    };
-    group.iter().map(|at| (angle(at), *at)).collect()
 }

@@ -101,10 +101,14 @@ impl Solid {
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole, or
-    /// [`ShapeError::OneSided`] for one with faces that part nothing from nothing.
+    /// [`ShapeError::OneSided`] for one with faces that part nothing from nothing, or
+    /// [`ShapeError::WoundBackwards`] for a body that is twisted through itself.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         let mesh = Mesh::new(soup)?;
-        let bounds = Bounds::around(&mesh.vertices().map(|v| (*v, 0.0)).collect::<Vec<_>>());
+        let mut is_used = vec![false; soup.vertices.len()];
+        soup.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
+        let used = soup.vertices.iter().zip(is_used).filter(|(_, is_used)| *is_used);
+        let bounds = Bounds::around(&used.map(|(vertex, _)| (*vertex, 0.0)).collect::<Vec<_>>());
         Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
     }
 
