@@ -47,6 +47,7 @@ fn options(bytes: usize) -> Options {
     let default = Budget::default();
     serde_saphyr::options! {
         budget: serde_saphyr::budget! {
+            max_reader_input_bytes: None,
             max_nodes: default.max_nodes.max(bytes),
             // A list or mapping has a begin and an end.
             max_events: default.max_events.max(bytes.saturating_mul(2)),
@@ -68,7 +69,8 @@ fn yaml_words(error: &Error) -> String {
         }
         Error::Budget {
             breach:
-                BudgetBreach::ScalarBytes { .. }
+                BudgetBreach::InputBytes { .. }
+                | BudgetBreach::ScalarBytes { .. }
                 | BudgetBreach::CommentBytes { .. }
                 | BudgetBreach::Documents { .. }
                 | BudgetBreach::MergeKeys { .. },
