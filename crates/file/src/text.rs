@@ -1,4 +1,5 @@
 use serde::de::DeserializeOwned;
+use serde_saphyr::budget::BudgetBreach;
 use serde_saphyr::{Budget, Error, Options};
 
 use crate::excerpt;
@@ -46,10 +47,12 @@ fn options(bytes: usize) -> Options {
     let default = Budget::default();
     serde_saphyr::options! {
         budget: serde_saphyr::budget! {
+            max_reader_input_bytes: None,
             max_nodes: default.max_nodes.max(bytes),
             // A list or mapping has a begin and an end.
             max_events: default.max_events.max(bytes.saturating_mul(2)),
             max_total_scalar_bytes: default.max_total_scalar_bytes.max(bytes),
+            max_total_comment_bytes: default.max_total_comment_bytes.max(bytes),
         },
     }
 }
@@ -61,9 +64,18 @@ fn yaml_words(error: &Error) -> String {
             let key = key.as_ref().map(|key| format!(" '{}'", excerpt(key))).unwrap_or_default();
             format!("the key{key} is given twice (keep one of the two)")
         }
-        Error::Budget { breach: serde_saphyr::budget::BudgetBreach::Depth { .. }, .. } => {
+        Error::Budget { breach: BudgetBreach::Depth { .. }, .. } => {
             format!("lists and mappings are nested more than {} deep", Budget::default().max_depth)
         }
+        Error::Budget {
+            breach:
+                BudgetBreach::InputBytes { .. }
+                | BudgetBreach::ScalarBytes { .. }
+                | BudgetBreach::CommentBytes { .. }
+                | BudgetBreach::Documents { .. }
+                | BudgetBreach::MergeKeys { .. },
+            ..
+        } => "the text is larger or more complex than any that is read".to_owned(),
         Error::Budget { .. }
         | Error::AliasReplayLimitExceeded { .. }
         | Error::AliasExpansionLimitExceeded { .. }

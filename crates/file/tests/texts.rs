@@ -75,9 +75,9 @@ fn no_fault_speaks_the_language_of_the_library() {
 /// The library's budget of nodes refused scenes of more than 12 450 obstacles.
 #[test]
 fn a_long_list_is_read_and_one_that_multiplies_itself_is_not() {
-    let long = format!("a: [{}]\n", "{b: [1, 2, 3]}, ".repeat(100_000));
+    let long = format!("a: [{}]\n", "{b: [1, 2, 3]}, ".repeat(45_000));
     let read: BTreeMap<String, Vec<BTreeMap<String, Vec<f64>>>> = cranny_file::yaml(&long).unwrap();
-    assert_eq!(read["a"].len(), 100_000);
+    assert_eq!(read["a"].len(), 45_000);
     let mut bomb = vec!["a0: &a0 [x, x, x, x, x, x, x, x, x]\n".to_owned()];
     for level in 1..10 {
         let list = format!("*a{}, ", level - 1).repeat(9);

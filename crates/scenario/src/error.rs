@@ -3,6 +3,8 @@ use std::path::PathBuf;
 use cranny_file::TextFault;
 use cranny_robot::Location;
 
+use crate::error_words::{length, listed, meant};
+
 /// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
 /// itself: file and line where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -495,18 +497,4 @@ impl ScenarioError {
             fault => fault,
         }
     }
-}
-
-/// The names that may be meant, or else a hint.
-fn meant(near: &[&str], hint: &str) -> String {
-    if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
-}
-
-fn listed(paths: &[PathBuf]) -> String {
-    paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
-}
-
-/// A length as a person says it.
-fn length(metres: f64) -> String {
-    if metres >= 1.0 { format!("{metres:.3} m") } else { format!("{:.4} mm", metres * 1000.0) }
 }

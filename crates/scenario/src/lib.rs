@@ -28,6 +28,7 @@ mod builtin_object;
 mod builtin_robot;
 mod catalogue;
 mod error;
+mod error_words;
 mod family;
 mod family_scenario;
 mod grasp_array;

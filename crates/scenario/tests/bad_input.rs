@@ -227,7 +227,7 @@ fn faults_of_a_released_folder_name_file_and_line() {
     assert!(fault().contains("ball.obj: cannot read the mesh"), "{}", fault());
 }
 
-/// Names a device as a mesh: it took all memory, and a pipe all time.
+/// A device named as a mesh took all memory, and a pipe all time.
 #[cfg(unix)]
 #[test]
 fn what_a_scenario_names_must_be_a_regular_file() {
