@@ -90,7 +90,12 @@ impl FileKind {
             Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
             Self::MarkdownTable => text.starts_with("| scenario |"),
             Self::CsvTable => text.starts_with("criterion,scenario,goals,"),
-            Self::OmplLog => text.starts_with("OMPL version "),
+            // `OMPL version 1.7`, or of another library, then the experiment.
+            Self::OmplLog => {
+                let mut lines = text.lines();
+                lines.next().is_some_and(|line| line.contains(" version "))
+                    && lines.next().is_some_and(|line| line.starts_with("Experiment "))
+            }
             // A zip archive whose first file is the manifest: after the head of that entry, which is 30 bytes long.
             Self::Archive => {
                 head.starts_with(b"PK\x03\x04")

@@ -68,7 +68,7 @@ fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_k
         ("object show tennis_ball --picture e.png", "e.png"),
         ("render 021 --size 16x16 --samples 1 -o f.png", "f.png"),
         ("render 021 reach.plan.json --size 16x16 --samples 1 --rate 1 -o g.gif", "g.gif"),
-        ("render 021 reach.plan.json --size 16x16 --samples 1 --rate 1 -o frames", "frames/0000.png"),
+        ("render 021 reach.plan.json --size 16x16 --samples 1 --rate 1 -o frames/", "frames/0000.png"),
         ("render 021 -o h.glb", "h.glb"),
         ("scenario pack mine", "mine.zip"),
         ("bench report trials.db", "trials.html"),
@@ -104,10 +104,10 @@ fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_k
         done(path, &format!("{words} --force"));
         assert_ne!(std::fs::read_to_string(&file).ok().as_deref(), Some(NOTES), "{words}");
         done(path, words);
-        // An empty file, as `mktemp` makes it, is nobody's.
-        std::fs::write(&file, "").expect("written");
-        done(path, words);
     }
+    // An empty file, as `mktemp` makes it, is nobody's.
+    std::fs::write(path.join("empty.csv"), "").expect("written");
+    done(path, "grasps sample banana --count 5 -o empty.csv");
 }
 
 #[test]
