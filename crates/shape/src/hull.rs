@@ -7,7 +7,8 @@ use parry3d_f64::transformation::try_convex_hull;
 
 use crate::convex::{Convex, Core, HullPoints};
 use crate::error::usable;
-use crate::{ShapeError, Solid, parry, separation};
+use crate::mesh::check_closed;
+use crate::{ShapeError, Solid, TriangleSoup, parry, separation};
 
 impl Solid {
     /// The convex hull of `points`. Of more than [`MOST_HULL_CORNERS`] corners, it is the hull of 2000 of them,
@@ -38,14 +39,17 @@ impl Solid {
             return Err(flat);
         }
         // The library may merge nearly equal points; to contain all of them the hull keeps every given
-        // point that its facets leave outside.
+        // point that its facets leave outside, and all points where the facets do not close it in.
         let mut kept = hull.clone();
+        let vertices = hull.iter().map(|p| parry::to_vector(*p).into()).collect();
+        let is_closed = check_closed(&TriangleSoup { vertices, triangles: faces.clone() }).is_ok();
         kept.extend(outer.iter().filter(|&&p| {
-            faces.iter().any(|f| {
-                let [a, b, c] = f.map(|v| hull[v as usize]);
-                let normal = (b - a).cross(c - a);
-                normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
-            })
+            !is_closed
+                || faces.iter().any(|f| {
+                    let [a, b, c] = f.map(|v| hull[v as usize]);
+                    let normal = (b - a).cross(c - a);
+                    normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
+                })
         }));
         Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
     }
