@@ -247,7 +247,7 @@ fn poses_that_look_different_stay_apart() {
     // Opposite sides of a cuboid are equal by a half turn.
     let (found, before) = distinct(&cuboid(0.038, 0.089, 0.175));
     assert_eq!((found.len(), before), (3, 6));
-    let both_sides = 2.0 * share_of_rectangle(0.089, 0.175, 0.038);
+    let both_sides = 2.0 * share_of_rectangle(0.089, 0.175, 0.5 * 0.038);
     assert!((found[0] - both_sides).abs() < 1e-12, "{found:?}");
     // A peg on one side of it leaves no symmetry but that of the peg's side: standing on it or on the opposite
     // side is different, and so are left and right of it where the peg is not in the middle.
