@@ -4,6 +4,7 @@ use cranny_plan::Verification;
 use pyo3::prelude::*;
 
 use crate::json::python_of;
+use crate::pickled::{Made, Reduced};
 
 /// What a judge found in a path. True if the path meets the criterion.
 #[pyclass(name = "Verification", module = "cranny", frozen)]
@@ -38,6 +39,10 @@ impl PyVerification {
     #[getter]
     fn clearance_m(&self) -> Option<f64> {
         self.verification.clearance_m
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Made::UNKNOWN.reduced(slf, "pickle its violations, goal and clearance_m, which are plain values")
     }
 
     fn __bool__(&self) -> bool {
