@@ -6,6 +6,7 @@ from typing import Any, Final, Literal, Protocol, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Never
 
 from cranny.notebook import View
 
@@ -24,6 +25,12 @@ __all__ = [
     "Scenario",
     "Verification",
     "__version__",
+    "_restored",
+    "_restored_contact",
+    "_restored_grasps",
+    "_restored_motion",
+    "_restored_plan",
+    "_restored_samples",
     "moving_picture",
     "page",
     "picture",
@@ -54,6 +61,8 @@ class CrannyError(ValueError): ...
 
 @final
 class Robot:
+    # There is no such robot: whoever calls it is told by what it is made.
+    def __new__(cls, *_arguments: Never, **_keywords: Never) -> Robot: ...
     @staticmethod
     def from_urdf(
         path: _Path,
@@ -410,3 +419,19 @@ def run_campaign(
     heard: Callable[[int, int, int], None] | None = None,
 ) -> None: ...
 def serve_trials() -> None: ...
+
+# What pickles call.
+def _restored(function: Callable[..., Any], arguments: tuple[Any, ...], known: int, version: str) -> Any: ...
+def _restored_contact(
+    first: str, second: str, lengths: tuple[float, float, float], point: Sequence[float]
+) -> Contact: ...
+def _restored_grasps(rows: ArrayLike) -> Grasps: ...
+def _restored_motion(kind: str, at: float | None, contact: Contact | None, joint: str | None) -> Motion: ...
+def _restored_plan(scenario: Scenario | MoveItProblem, text: str, path: ArrayLike) -> Plan: ...
+def _restored_samples(
+    joint_names: Sequence[str],
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike,
+    accelerations: ArrayLike,
+) -> Samples: ...

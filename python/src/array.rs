@@ -168,6 +168,11 @@ pub fn pose_or_translation(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyRe
     }
 }
 
+/// The same numbers in an array that nobody else can write to.
+pub fn copied<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    value.py().import("numpy")?.call_method1("array", (value, "float64"))
+}
+
 /// Three lengths.
 pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vector> {
     let numbers = Numbers::read(value, what)?;

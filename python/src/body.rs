@@ -1,18 +1,21 @@
 //! `Body`: a thing in the world.
 
 use cranny_collision::{Body, Part};
-use cranny_shape::{Outline, Solid};
+use cranny_shape::{Outline, Solid, TriangleSoup};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::array::{matrices, pose_or_translation, triangles, vector};
+use crate::array::{copied, matrices, pose_or_translation, triangles, vector};
 use crate::fault::{bad_value, fault};
+use crate::pickled::{Made, Reduced};
 
 /// A thing in the world under one name, made of solids. Poses are in the planning frame, the root frame of the
 /// robot: (4, 4), or (3,) for a translation in metres; without one, the thing stands at the origin. Immutable.
 #[pyclass(name = "Body", module = "cranny", frozen)]
 pub struct PyBody {
     pub body: Body,
+    made: Made,
 }
 
 #[pymethods]
@@ -20,54 +23,87 @@ impl PyBody {
     /// A box of full lengths `size` (3,) along x, y, z, in metres, its middle at `pose`.
     #[staticmethod]
     #[pyo3(signature = (name, size, pose=None))]
-    pub fn r#box(name: String, size: &Bound<'_, PyAny>, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Self::of(name, Solid::cuboid(vector(size, "size")? * 0.5).map_err(fault)?, pose)
+    pub fn r#box<'py>(
+        py: Python<'py>,
+        name: String,
+        size: &Bound<'py, PyAny>,
+        pose: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let solid = Solid::cuboid(vector(size, "size")? * 0.5).map_err(fault)?;
+        let made = Self::made(py, "box", (&name, copied(size)?, posed(pose)?))?;
+        Self::of(name, solid, pose, made)
     }
 
     /// A ball of `radius` (m), its middle at `pose`.
     #[staticmethod]
     #[pyo3(signature = (name, radius, pose=None))]
-    fn sphere(name: String, radius: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Self::of(name, Solid::sphere(radius).map_err(fault)?, pose)
+    fn sphere<'py>(
+        py: Python<'py>,
+        name: String,
+        radius: f64,
+        pose: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let made = Self::made(py, "sphere", (&name, radius, posed(pose)?))?;
+        Self::of(name, Solid::sphere(radius).map_err(fault)?, pose, made)
     }
 
     /// A cylinder of `radius` and full `length` (m) along the z of `pose`, its middle there.
     #[staticmethod]
     #[pyo3(signature = (name, radius, length, pose=None))]
-    fn cylinder(name: String, radius: f64, length: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose)
+    fn cylinder<'py>(
+        py: Python<'py>,
+        name: String,
+        radius: f64,
+        length: f64,
+        pose: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let made = Self::made(py, "cylinder", (&name, radius, length, posed(pose)?))?;
+        Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
     /// A capsule of `radius` (m) along the z of `pose`; `length` (m) is that of its cylindrical part.
     #[staticmethod]
     #[pyo3(signature = (name, radius, length, pose=None))]
-    fn capsule(name: String, radius: f64, length: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose)
+    fn capsule<'py>(
+        py: Python<'py>,
+        name: String,
+        radius: f64,
+        length: f64,
+        pose: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let made = Self::made(py, "capsule", (&name, radius, length, posed(pose)?))?;
+        Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
     /// What a closed mesh encloses: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of
     /// arrays (V, 3) in metres and (F, 3) of indices. `hull`: its convex hull, which need not be closed.
     #[staticmethod]
     #[pyo3(signature = (name, mesh, pose=None, *, hull=false))]
-    fn mesh(
+    fn mesh<'py>(
         name: String,
-        mesh: &Bound<'_, PyAny>,
-        pose: Option<&Bound<'_, PyAny>>,
+        mesh: &Bound<'py, PyAny>,
+        pose: Option<&Bound<'py, PyAny>>,
         hull: bool,
     ) -> PyResult<Self> {
+        let py = mesh.py();
         let soup = triangles(mesh)?;
         let solid = if hull { Solid::hull(&soup.vertices) } else { Solid::mesh(&soup) };
-        Self::of(name, solid.map_err(fault)?, pose)
+        let keywords = PyDict::new(py);
+        keywords.set_item("hull", hull)?;
+        let constructor = py.import("functools")?.getattr("partial")?;
+        let constructor = constructor.call((py.get_type::<Self>().getattr("mesh")?,), Some(&keywords))?;
+        let made = Made::by(constructor, (&name, arrays(py, &soup)?, posed(pose)?))?;
+        Self::of(name, solid.map_err(fault)?, pose, made)
     }
 
     /// The floor: everything below `height` (m) in the planning frame. Its name is "floor".
     #[staticmethod]
     #[pyo3(signature = (height=0.0))]
-    fn floor(height: f64) -> PyResult<Self> {
+    fn floor(py: Python<'_>, height: f64) -> PyResult<Self> {
         if !height.is_finite() {
             return Err(bad_value(format!("height is {height}, but must be finite")));
         }
-        Ok(Self { body: Body::floor(height) })
+        Ok(Self { body: Body::floor(height), made: Self::made(py, "floor", (height,))? })
     }
 
     /// Its name.
@@ -120,6 +156,10 @@ impl PyBody {
         Ok((crate::array::shaped(py, vertices, &[v, 3])?, crate::array::shaped(py, faces, &[f, 3])?))
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        slf.get().made.reduced(slf, "it is part of a scene that was opened; pickle that instead")
+    }
+
     fn __repr__(&self) -> String {
         format!("<cranny.Body '{}': {}>", self.body.name, self.kinds().join(", "))
     }
@@ -129,9 +169,34 @@ impl PyBody {
 type Triangles<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<i64>>);
 
 impl PyBody {
-    fn of(name: String, solid: Solid, pose: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Ok(Self { body: Body::new(name, pose_or_translation(pose, "pose")?, solid) })
+    fn of(name: String, solid: Solid, pose: Option<&Bound<'_, PyAny>>, made: Made) -> PyResult<Self> {
+        Ok(Self { body: Body::new(name, pose_or_translation(pose, "pose")?, solid), made })
     }
+
+    /// One of a scene that was opened.
+    pub fn of_scene(body: &Body) -> Self {
+        Self { body: body.clone(), made: Made::UNKNOWN }
+    }
+
+    fn made<'py>(
+        py: Python<'py>,
+        constructor: &str,
+        arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
+    ) -> PyResult<Made> {
+        Made::by(py.get_type::<Self>().getattr(constructor)?, arguments)
+    }
+}
+
+fn posed<'py>(pose: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    pose.map(copied).transpose()
+}
+
+/// Vertices and faces.
+fn arrays<'py>(py: Python<'py>, soup: &TriangleSoup) -> PyResult<Triangles<'py>> {
+    let vertices: Vec<f64> = soup.vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+    let faces: Vec<i64> = soup.triangles.iter().flatten().map(|corner| i64::from(*corner)).collect();
+    let (v, f) = (soup.vertices.len(), soup.triangles.len());
+    Ok((crate::array::shaped(py, vertices, &[v, 3])?, crate::array::shaped(py, faces, &[f, 3])?))
 }
 
 fn kind(solid: &Solid) -> &'static str {

@@ -16,6 +16,7 @@ use crate::fault::{bad_type, bad_value, fault};
 use crate::json::settings_of;
 use crate::planning::seconds;
 use crate::scenario::criterion_of;
+use crate::whole;
 
 /// How often the interpreter is asked for signals, and told how far the campaign is.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -38,21 +39,18 @@ pub fn run_campaign(
     output: PathBuf,
     worker: Vec<String>,
     criteria: Vec<String>,
-    runs: u64,
-    first_seed: u64,
+    #[pyo3(from_py_with = whole::runs)] runs: u64,
+    #[pyo3(from_py_with = whole::first_seed)] first_seed: u64,
     time_limit_s: f64,
-    iterations: Option<u64>,
-    memory_limit_mb: u64,
-    workers: usize,
+    #[pyo3(from_py_with = whole::iterations)] iterations: Option<u64>,
+    #[pyo3(from_py_with = whole::memory_limit_mb)] memory_limit_mb: u64,
+    #[pyo3(from_py_with = whole::workers)] workers: usize,
     judge_both: bool,
     measure_clearance: bool,
     command: &str,
     heard: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
     let [program, arguments @ ..] = &worker[..] else { return Err(bad_value("worker is no command")) };
-    if !(1..=1024).contains(&workers) {
-        return Err(bad_value(format!("workers is {workers}, but 1 to 1024 are expected")));
-    }
     let campaign = Campaign {
         scenarios,
         planners: planners.iter().map(campaign_planner).collect::<PyResult<_>>()?,

@@ -5,14 +5,16 @@ use std::sync::Arc;
 use cranny_collision::{Cell, Contact, Margins, Motion, World};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
+use pyo3::types::{PyBool, PyDict, PyTuple};
 
 use crate::array::{Configurations, shaped};
 use crate::body::PyBody;
 use crate::contact::{PyContact, PyMotion};
 use crate::fault::{bad_value, fault};
+use crate::pickled::{Made, Reduced};
 use crate::robot::PyRobot;
 use crate::rows::{computed, thread_count};
+use crate::whole;
 
 /// A robot in a world: is a configuration, is a whole motion free, and by how much?
 ///
@@ -22,6 +24,7 @@ use crate::rows::{computed, thread_count};
 #[pyclass(name = "Cell", module = "cranny", frozen)]
 pub struct PyCell {
     pub cell: Arc<Cell>,
+    pub made: Made,
 }
 
 /// Rows of one piece of work of vector lanes: some milliseconds.
@@ -37,7 +40,13 @@ impl PyCell {
     /// `scenario.cell()` gives that of a scenario, with its target.
     #[new]
     #[pyo3(signature = (robot, bodies, *, margin_m=0.0))]
-    fn new(robot: &PyRobot, bodies: Vec<Py<PyBody>>, margin_m: f64) -> PyResult<Self> {
+    fn new(robot: &Bound<'_, PyRobot>, bodies: Vec<Py<PyBody>>, margin_m: f64) -> PyResult<Self> {
+        let py = robot.py();
+        let keywords = PyDict::new(py);
+        keywords.set_item("margin_m", margin_m)?;
+        let constructor = py.import("functools")?.getattr("partial")?;
+        let constructor = constructor.call((py.get_type::<Self>(),), Some(&keywords))?;
+        let made = Made::by(constructor, (robot, PyTuple::new(py, &bodies)?))?;
         let bodies: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
         for (index, body) in bodies.iter().enumerate() {
             if bodies[..index].iter().any(|other| other.name == body.name) {
@@ -46,20 +55,20 @@ impl PyCell {
         }
         let world = World::new(bodies).map_err(fault)?;
         let margins = Margins { margin_m, ..Margins::default() };
-        let cell = Cell::new(robot.robot.clone(), world, margins).map_err(fault)?;
-        Ok(Self { cell: Arc::new(cell) })
+        let cell = Cell::new(robot.get().robot.clone(), world, margins).map_err(fault)?;
+        Ok(Self { cell: Arc::new(cell), made })
     }
 
     /// The robot.
     #[getter]
-    fn robot(&self) -> PyRobot {
-        PyRobot { robot: self.cell.robot().clone() }
+    fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
+        Ok(PyRobot { robot: slf.get().cell.robot().clone(), made: Made::by_attribute(slf, "robot")? })
     }
 
     /// All bodies, in the planning frame.
     #[getter]
     fn world(&self) -> Vec<PyBody> {
-        self.cell.world().bodies().iter().map(|body| PyBody { body: body.clone() }).collect()
+        self.cell.world().bodies().iter().map(PyBody::of_scene).collect()
     }
 
     /// Pairs of links that are checked against each other, by their names.
@@ -72,9 +81,13 @@ impl PyCell {
     /// Whether `q` is within the joint limits and every pair of things keeps its distance: a bool; of a batch,
     /// an array (N,) of bools, computed in vector lanes.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
-    fn is_free<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
+    fn is_free<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
-        let threads = thread_count(threads)?;
+        let threads = thread_count(threads);
         let q = Configurations::read(q, "q", cell.robot())?;
         let values = q.values()?;
         if q.is_single {
@@ -99,7 +112,11 @@ impl PyCell {
     /// The least distance in metres over all pairs of things at `q`, certified from below; 0 in contact, infinite
     /// where there is nothing to touch. A float; of a batch, an array (N,). Joint limits do not enter.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
-    fn clearance<'py>(&self, q: &Bound<'py, PyAny>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
+    fn clearance<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
         let q = Configurations::read(q, "q", cell.robot())?;
         let values = q.values()?;
@@ -107,7 +124,7 @@ impl PyCell {
             py,
             (q.count, 1),
             EXACT_BLOCK,
-            thread_count(threads)?,
+            thread_count(threads),
             || cell.scratch(),
             |scratch, range, out: &mut [f64]| {
                 for (index, out) in range.zip(out) {
@@ -124,7 +141,7 @@ impl PyCell {
     fn first_contact<'py>(
         &self,
         q: &Bound<'py, PyAny>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
         let q = Configurations::read(q, "q", cell.robot())?;
@@ -133,7 +150,7 @@ impl PyCell {
             py,
             (q.count, 1),
             EXACT_BLOCK,
-            thread_count(threads)?,
+            thread_count(threads),
             || cell.scratch(),
             |scratch, range, out: &mut [Option<Contact>]| {
                 for (index, out) in range.zip(out) {
@@ -160,7 +177,7 @@ impl PyCell {
         &self,
         a: &Bound<'py, PyAny>,
         b: &Bound<'py, PyAny>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (is_single, motions) = self.motions(a, b, threads)?;
         let proven: Vec<bool> = motions.iter().map(Motion::is_proven).collect();
@@ -176,7 +193,7 @@ impl PyCell {
         &self,
         a: &Bound<'py, PyAny>,
         b: &Bound<'py, PyAny>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = a.py();
         let (is_single, motions) = self.motions(a, b, threads)?;
@@ -191,6 +208,10 @@ impl PyCell {
         let a = crate::array::configuration(a, "a", self.cell.robot())?;
         let b = crate::array::configuration(b, "b", self.cell.robot())?;
         Ok(py.detach(|| self.cell.least_clearance(&a, &b, &mut self.cell.scratch())))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        slf.get().made.reduced(slf, "make it again")
     }
 
     fn __repr__(&self) -> String {
@@ -226,7 +247,7 @@ impl PyCell {
             py,
             (count, 1),
             EXACT_BLOCK,
-            thread_count(threads)?,
+            thread_count(threads),
             || cell.scratch(),
             |scratch, range, out: &mut [Option<Motion>]| {
                 for (index, out) in range.zip(out) {

@@ -5,6 +5,8 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use crate::array::shaped;
+use crate::fault::bad_value;
+use crate::pickled::Reduced;
 
 /// Two things that are closer than they may be.
 #[pyclass(name = "Contact", module = "cranny", frozen)]
@@ -48,6 +50,13 @@ impl PyContact {
         shaped(py, self.point.to_vec(), &[3])
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, own) = (slf.py(), slf.get());
+        let restore = py.import("cranny._cranny")?.getattr("_restored_contact")?;
+        let lengths = (own.clearance_m, own.required_m, own.depth_m);
+        Ok((restore, (&own.first, &own.second, lengths, own.point).into_pyobject(py)?))
+    }
+
     fn __repr__(&self) -> String {
         let Self { first, second, depth_m, clearance_m, .. } = self;
         if *depth_m > 0.0 {
@@ -56,6 +65,19 @@ impl PyContact {
             format!("<cranny.Contact: {first} is {:.2} mm from {second}>", clearance_m * 1000.0)
         }
     }
+}
+
+/// A contact as it was pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_contact")]
+pub fn restored_contact(
+    first: String,
+    second: String,
+    lengths: (f64, f64, f64),
+    point: [f64; 3],
+) -> PyContact {
+    let (clearance_m, required_m, depth_m) = lengths;
+    PyContact { first, second, clearance_m, required_m, depth_m, point }
 }
 
 /// What is known about a straight motion between two configurations. True only if all of it is proven free.
@@ -96,6 +118,13 @@ impl PyMotion {
 
 #[pymethods]
 impl PyMotion {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, own) = (slf.py(), slf.get());
+        let restore = py.import("cranny._cranny")?.getattr("_restored_motion")?;
+        let contact = own.contact.as_ref().map(|contact| contact.bind(py));
+        Ok((restore, (own.kind, own.at, contact, &own.joint).into_pyobject(py)?))
+    }
+
     fn __bool__(&self) -> bool {
         self.kind == "proven"
     }
@@ -106,4 +135,18 @@ impl PyMotion {
             None => format!("<cranny.Motion: {}>", self.kind),
         }
     }
+}
+
+/// A motion as it was pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_motion")]
+pub fn restored_motion(
+    kind: &str,
+    at: Option<f64>,
+    contact: Option<Py<PyContact>>,
+    joint: Option<String>,
+) -> PyResult<PyMotion> {
+    let kind = ["proven", "contact", "unresolved", "out-of-limits"].into_iter().find(|known| *known == kind);
+    let kind = kind.ok_or_else(|| bad_value("there is no such kind of motion"))?;
+    Ok(PyMotion { kind, at, contact, joint })
 }

@@ -18,6 +18,7 @@ use crate::array::triangles;
 use crate::fault::{bad_value, fault};
 use crate::grasp_set::PyGrasps;
 use crate::interrupt::Interrupt;
+use crate::whole;
 
 /// More grasps than this are a mistake: they would be compared with each other.
 const MOST_GRASPS: usize = 1_000_000;
@@ -44,13 +45,13 @@ const MOST_APPROACHES: usize = 360;
 pub fn sample_grasps(
     mesh: &Bound<'_, PyAny>,
     gripper: Option<PathBuf>,
-    count: usize,
-    candidates: Option<usize>,
+    #[pyo3(from_py_with = whole::count)] count: usize,
+    #[pyo3(from_py_with = whole::candidates)] candidates: Option<usize>,
     friction: f64,
-    approaches: usize,
+    #[pyo3(from_py_with = whole::approaches)] approaches: usize,
     approach_m: f64,
     bare: bool,
-    seed: u64,
+    #[pyo3(from_py_with = whole::seed)] seed: u64,
 ) -> PyResult<PyGrasps> {
     let py = mesh.py();
     let wished = candidates.unwrap_or(count.saturating_mul(10)).max(count);

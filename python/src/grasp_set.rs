@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 
 use cranny_grasp::{COVERAGE_THRESHOLD, Grasp, GraspSet, coverage, read_csv, write_csv};
+use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Pose, Rotation, Vector};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use crate::array::{self, Numbers, matrices, shaped};
 use crate::fault::{bad_value, fault};
+use crate::pickled::Reduced;
 
 /// Ways to hold an object, N of them: poses of the gripper frame, scores and widths. Immutable.
 ///
@@ -97,9 +100,45 @@ impl PyGrasps {
         self.set.len()
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, set) = (slf.py(), &slf.get().set);
+        // Not the matrices, from which rotations come back with other last digits.
+        let numbers = set.grasps().iter().flat_map(|grasp| {
+            let Pose { translation, rotation } = &grasp.world_from_gripper;
+            let unknown = |value: Option<f64>| value.unwrap_or(f64::NAN);
+            let known = [unknown(grasp.score), unknown(grasp.width_m)];
+            translation.vector.iter().chain(rotation.coords.iter()).copied().chain(known).collect::<Vec<_>>()
+        });
+        let rows = shaped(py, numbers.collect(), &[set.len(), ROW])?;
+        let restore = py.import("cranny._cranny")?.getattr("_restored_grasps")?;
+        Ok((restore, (rows,).into_pyobject(py)?))
+    }
+
     fn __repr__(&self) -> String {
         format!("<cranny.Grasps: {}>", self.set.len())
     }
+}
+
+/// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width.
+const ROW: usize = 9;
+
+/// Grasps as they were pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_grasps")]
+pub fn restored_grasps(rows: &Bound<'_, PyAny>) -> PyResult<PyGrasps> {
+    let numbers = Numbers::read(rows, "rows")?;
+    let [_, ROW] = *numbers.shape() else { return Err(numbers.wrong_shape("(N, 9)")) };
+    let grasps =
+        numbers.values()?.as_chunks::<ROW>().0.iter().map(|&[x, y, z, i, j, k, w, score, width_m]| {
+            let rotation = Rotation::new_unchecked(Quaternion::new(w, i, j, k));
+            let known = |value: f64| Some(value).filter(|value| !value.is_nan());
+            Grasp {
+                world_from_gripper: Pose::from_parts(Vector::new(x, y, z).into(), rotation),
+                score: known(score),
+                width_m: known(width_m),
+            }
+        });
+    Ok(PyGrasps { set: GraspSet::new(grasps.collect()).map_err(fault)? })
 }
 
 impl PyGrasps {

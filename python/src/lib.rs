@@ -24,6 +24,7 @@ mod grasp_set;
 mod interrupt;
 mod json;
 mod moveit_problem;
+mod pickled;
 mod picture;
 mod plan;
 mod planning;
@@ -34,6 +35,7 @@ mod scenario;
 mod task;
 mod trajectory;
 mod verification;
+mod whole;
 
 /// What the package `cranny` is made of.
 #[pyo3::pymodule]
@@ -45,19 +47,21 @@ mod _cranny {
     #[pymodule_export]
     use crate::cell::PyCell;
     #[pymodule_export]
-    use crate::contact::{PyContact, PyMotion};
+    use crate::contact::{PyContact, PyMotion, restored_contact, restored_motion};
     #[pymodule_export]
     use crate::fault::CrannyError;
     #[pymodule_export]
     use crate::grasp_sampling::sample_grasps;
     #[pymodule_export]
-    use crate::grasp_set::PyGrasps;
+    use crate::grasp_set::{PyGrasps, restored_grasps};
     #[pymodule_export]
     use crate::moveit_problem::PyMoveItProblem;
     #[pymodule_export]
+    use crate::pickled::restored;
+    #[pymodule_export]
     use crate::picture::{moving_picture, page, picture};
     #[pymodule_export]
-    use crate::plan::PyPlan;
+    use crate::plan::{PyPlan, restored_plan};
     #[pymodule_export]
     use crate::planning::{plan, planner_names, verify_path};
     #[pymodule_export]
@@ -67,7 +71,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::scenario::{PyScenario, scenario_ids};
     #[pymodule_export]
-    use crate::trajectory::PySamples;
+    use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]
     use crate::verification::PyVerification;
 

@@ -7,11 +7,13 @@ use cranny_plan::{Problem, Validity};
 use cranny_scenario::{Demands, MoveItOptions, MoveItProblem};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::array::{rows, shaped};
 use crate::body::PyBody;
 use crate::cell::PyCell;
 use crate::fault::{bad_value, fault};
+use crate::pickled::{Made, Reduced, absolute};
 use crate::robot::PyRobot;
 
 /// A problem in MoveIt's YAML, as MotionBenchMaker publishes them: a planning scene and a motion plan request with
@@ -20,6 +22,7 @@ use crate::robot::PyRobot;
 #[pyclass(name = "MoveItProblem", module = "cranny", frozen)]
 pub struct PyMoveItProblem {
     pub problem: Arc<MoveItProblem>,
+    made: Made,
 }
 
 #[pymethods]
@@ -35,7 +38,12 @@ impl PyMoveItProblem {
     ) -> PyResult<Self> {
         let options = MoveItOptions { robot, srdf };
         let problem = py.detach(|| MoveItProblem::open(&scene, &request, &options)).map_err(fault)?;
-        Ok(Self { problem: Arc::new(problem) })
+        let keywords = PyDict::new(py);
+        keywords.set_item("robot", options.robot.as_deref().map(absolute).transpose()?)?;
+        keywords.set_item("srdf", options.srdf.as_deref().map(absolute).transpose()?)?;
+        let files = (absolute(&scene)?, absolute(&request)?);
+        let made = Made::opened(py.get_type::<Self>().as_any(), files, &keywords)?;
+        Ok(Self { problem: Arc::new(problem), made })
     }
 
     /// The stem of the scene file's name.
@@ -46,14 +54,14 @@ impl PyMoveItProblem {
 
     /// The robot.
     #[getter]
-    fn robot(&self) -> PyRobot {
-        PyRobot { robot: self.problem.robot.clone() }
+    fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
+        Ok(PyRobot { robot: slf.get().problem.robot.clone(), made: Made::by_attribute(slf, "robot")? })
     }
 
     /// The collision objects, in the root frame of the robot.
     #[getter]
     fn world(&self) -> Vec<PyBody> {
-        self.problem.world.bodies().iter().map(|body| PyBody { body: body.clone() }).collect()
+        self.problem.world.bodies().iter().map(PyBody::of_scene).collect()
     }
 
     /// The configuration to start from, (dof,), m or rad.
@@ -76,11 +84,20 @@ impl PyMoveItProblem {
 
     /// The robot among the collision objects, with `margin_m` (m) demanded between any two things.
     #[pyo3(signature = (*, margin_m=0.0))]
-    fn cell(&self, margin_m: f64) -> PyResult<PyCell> {
-        match self.problem(&Demands { margin_m, grasp_margin_m: 0.0 })?.validity {
-            Validity::Exact(cell) => Ok(PyCell { cell }),
+    fn cell(slf: &Bound<'_, Self>, margin_m: f64) -> PyResult<PyCell> {
+        let keywords = PyDict::new(slf.py());
+        keywords.set_item("margin_m", margin_m)?;
+        match slf.get().problem(&Demands { margin_m, grasp_margin_m: 0.0 })?.validity {
+            Validity::Exact(cell) => {
+                Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
+            }
             Validity::Paper { .. } => Err(bad_value("the problem has no exact cell")),
         }
+    }
+
+    /// As of a Scenario.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        slf.get().made.reduced(slf, "open it again")
     }
 
     fn __repr__(&self) -> String {

@@ -14,6 +14,7 @@ use crate::fault::{bad_value, fault};
 use crate::interrupt::Interrupt;
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
+use crate::whole;
 
 /// Instants a second of a path that only one is shown of.
 const STILL_RATE_HZ: f64 = 20.0;
@@ -33,8 +34,8 @@ pub fn picture<'py>(
     scenario: &PyScenario,
     plan: Option<&PyPlan>,
     view: &str,
-    width: usize,
-    height: usize,
+    #[pyo3(from_py_with = whole::width)] width: usize,
+    #[pyo3(from_py_with = whole::height)] height: usize,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ..PictureSettings::default() };
@@ -54,13 +55,10 @@ pub fn moving_picture<'py>(
     scenario: &PyScenario,
     plan: &PyPlan,
     view: &str,
-    width: usize,
-    height: usize,
-    rate: u16,
+    #[pyo3(from_py_with = whole::width)] width: usize,
+    #[pyo3(from_py_with = whole::height)] height: usize,
+    #[pyo3(from_py_with = whole::rate)] rate: u16,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    if !(1..=50).contains(&rate) {
-        return Err(bad_value(format!("rate is {rate}, but 1 to 50 pictures a second are expected")));
-    }
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ghosts: 0, ..PictureSettings::default() };
     let mut interrupt = Interrupt::new();

@@ -9,9 +9,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{rows, shaped};
+use crate::array::{Numbers, rows, shaped};
 use crate::fault::{bad_value, fault};
 use crate::json::python_of;
+use crate::pickled::Reduced;
 use crate::planning::Timing;
 use crate::scenario::PyScenario;
 use crate::task::Task;
@@ -35,40 +36,7 @@ impl PyPlan {
     #[staticmethod]
     #[pyo3(signature = (path, scenario=None))]
     fn load(py: Python<'_>, path: PathBuf, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let file = PlanFile::read(&path).map_err(fault)?;
-        let demands =
-            Demands { margin_m: file.margins.margin_m, grasp_margin_m: file.margins.grasp_margin_m };
-        let named;
-        let scenario = if let Some(scenario) = scenario {
-            scenario
-        } else {
-            let what = (file.scenario.clone(),);
-            let criterion = PyDict::new(py);
-            criterion.set_item("criterion", file.criterion.name())?;
-            named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
-            &named
-        };
-        let task = Task::of(scenario, &demands)?;
-        let expected = task.problem.robot.joint_names();
-        if file.joint_names != expected {
-            let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
-            return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
-        }
-        let (is_valid, trajectory) = py
-            .detach(|| -> Result<_, cranny_plan::PlanError> {
-                if file.waypoints.is_empty() {
-                    return Ok((false, None));
-                }
-                let is_valid = verify(&task.problem, &file.waypoints)?.valid;
-                let trajectory = match &file.timing {
-                    Some(timing) => Timing { method: timing.method, blend: timing.blended }
-                        .time(&task.problem, &file.waypoints)?,
-                    None => None,
-                };
-                Ok((is_valid, trajectory))
-            })
-            .map_err(fault)?;
-        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid, failures: Vec::new() })
+        Self::of_file(py, PlanFile::read(&path).map_err(fault)?, scenario)
     }
 
     /// Way points from the start to the goal, (N, dof), joined by straight lines; (0, dof) where none was found.
@@ -168,6 +136,14 @@ impl PyPlan {
         write_trajectory_csv(&path, &trajectory, rate).map_err(fault)
     }
 
+    /// The scenario, what stands in a plan file, and the way points to their last digits.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, plan) = (slf.py(), slf.get());
+        let text = serde_json::to_string(&plan.file).map_err(fault)?;
+        let restore = py.import("cranny._cranny")?.getattr("_restored_plan")?;
+        Ok((restore, (plan.task.given.bind(py), text, plan.path(py)?).into_pyobject(py)?))
+    }
+
     fn __bool__(&self) -> bool {
         self.solved()
     }
@@ -182,7 +158,55 @@ impl PyPlan {
     }
 }
 
+/// A plan as it was pickled, judged anew.
+#[pyfunction]
+#[pyo3(name = "_restored_plan")]
+pub fn restored_plan(scenario: &Bound<'_, PyAny>, text: &str, path: &Bound<'_, PyAny>) -> PyResult<PyPlan> {
+    let file: PlanFile = serde_json::from_str(text).map_err(fault)?;
+    let path = Numbers::read(path, "path")?;
+    let waypoints = path.finite()?.chunks_exact(file.joint_names.len().max(1)).map(<[f64]>::to_vec).collect();
+    let plan = PyPlan::of_file(scenario.py(), PlanFile { waypoints, ..file }, Some(scenario))?;
+    Ok(PyPlan { failures: plan.file.failures.clone(), ..plan })
+}
+
 impl PyPlan {
+    /// What stands in a plan file, judged anew.
+    fn of_file(py: Python<'_>, file: PlanFile, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let demands =
+            Demands { margin_m: file.margins.margin_m, grasp_margin_m: file.margins.grasp_margin_m };
+        let named;
+        let scenario = if let Some(scenario) = scenario {
+            scenario
+        } else {
+            let what = (file.scenario.clone(),);
+            let criterion = PyDict::new(py);
+            criterion.set_item("criterion", file.criterion.name())?;
+            named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
+            &named
+        };
+        let task = Task::of(scenario, &demands)?;
+        let expected = task.problem.robot.joint_names();
+        if file.joint_names != expected {
+            let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
+            return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
+        }
+        let (is_valid, trajectory) = py
+            .detach(|| -> Result<_, cranny_plan::PlanError> {
+                if file.waypoints.is_empty() {
+                    return Ok((false, None));
+                }
+                let is_valid = verify(&task.problem, &file.waypoints)?.valid;
+                let trajectory = match &file.timing {
+                    Some(timing) => Timing { method: timing.method, blend: timing.blended }
+                        .time(&task.problem, &file.waypoints)?,
+                    None => None,
+                };
+                Ok((is_valid, trajectory))
+            })
+            .map_err(fault)?;
+        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid, failures: Vec::new() })
+    }
+
     fn timed(&self) -> PyResult<Arc<Trajectory>> {
         self.trajectory.clone().ok_or_else(|| {
             bad_value(if self.file.waypoints.is_empty() {

@@ -18,6 +18,7 @@ use crate::json::settings_of;
 use crate::plan::PyPlan;
 use crate::task::Task;
 use crate::verification::PyVerification;
+use crate::whole;
 
 /// Names of the planners that there are.
 #[pyfunction]
@@ -50,9 +51,9 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 pub fn plan(
     scenario: &Bound<'_, PyAny>,
     planner: Option<&str>,
-    seed: u64,
+    #[pyo3(from_py_with = whole::seed)] seed: u64,
     time_limit_s: f64,
-    iterations: Option<u64>,
+    #[pyo3(from_py_with = whole::iterations)] iterations: Option<u64>,
     margin_m: f64,
     grasp_margin_m: f64,
     strict_pairs: bool,

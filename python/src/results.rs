@@ -12,6 +12,8 @@ use pyo3::types::PyDict;
 use crate::array::rows;
 use crate::fault::{bad_value, fault};
 use crate::json::python_of;
+use crate::pickled::{Made, Reduced};
+use crate::whole;
 
 /// The results of campaigns: one SQLite file, open until `close`. What `bench.Results` reads from.
 #[pyclass(name = "ResultsFile", module = "cranny", frozen)]
@@ -77,8 +79,16 @@ impl PyResultsFile {
         Ok(columns)
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Made::UNKNOWN.reduced(slf, "it is an open file; pickle its path, and load it again")
+    }
+
     /// The path that the planner of trial `id` gave, (N, dof); (0, 0) where it gave none.
-    fn path_of<'py>(&self, py: Python<'py>, id: u64) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn path_of<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = whole::id)] id: u64,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let path = self.ask(py, |results| results.path_of(id))?;
         rows(py, &path, path.first().map_or(0, Vec::len))
     }

@@ -13,11 +13,14 @@ use cranny_spatial::{Pose, Stream};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::{self, Configurations, shaped};
 use crate::cell::PyCell;
-use crate::fault::{bad_value, fault};
+use crate::fault::{bad_type, bad_value, fault};
+use crate::pickled::{Made, Reduced, absolute};
 use crate::rows::{computed, thread_count};
+use crate::whole;
 
 /// A robot: links and the group of joints that moves them. Immutable.
 ///
@@ -27,6 +30,7 @@ use crate::rows::{computed, thread_count};
 #[pyclass(name = "Robot", module = "cranny", frozen)]
 pub struct PyRobot {
     pub robot: Arc<Robot>,
+    pub made: Made,
 }
 
 /// Rows of one piece of work: a few hundred microseconds.
@@ -40,6 +44,15 @@ const MOST_SAMPLES: usize = 100_000_000;
 
 #[pymethods]
 impl PyRobot {
+    #[new]
+    #[pyo3(signature = (*_arguments, **_keywords))]
+    fn new(_arguments: &Bound<'_, PyTuple>, _keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        Err(bad_type(
+            "a Robot is not made by Robot(…), but read by Robot.from_urdf(path) or Robot.from_urdf_text(text); the \
+             built-in one is Robot.panda_mobile(), that of a scenario is scenario.robot",
+        ))
+    }
+
     /// Reads a robot from the URDF file at `path`.
     ///
     /// The SRDF and the `limits.yaml` beside it are read too, unless `srdf` names another. `tip`: the link that
@@ -71,6 +84,18 @@ impl PyRobot {
             (None, Some(group)) => JointGroup::Srdf(group),
             (None, None) => JointGroup::RootToTip,
         };
+        let keywords = PyDict::new(py);
+        keywords.set_item("srdf", srdf.as_deref().map(absolute).transpose()?)?;
+        keywords.set_item("tip", &tip)?;
+        match &group {
+            JointGroup::Joints(joints) => keywords.set_item("joints", joints)?,
+            JointGroup::Srdf(group) => keywords.set_item("group", group)?,
+            JointGroup::RootToTip => {}
+        }
+        keywords.set_item("fixed", &fixed)?;
+        let folders = packages.iter().flatten().map(|folder| absolute(folder));
+        keywords.set_item("packages", folders.collect::<PyResult<Vec<_>>>()?)?;
+        keywords.set_item("meshes", meshes)?;
         let options = RobotOptions {
             srdf: srdf.map(TextSource::Path),
             limits: None,
@@ -90,22 +115,29 @@ impl PyRobot {
             },
         };
         let robot = py.detach(|| Robot::load(&path, &options)).map_err(fault)?;
-        Ok(Self { robot: Arc::new(robot) })
+        let reader = py.get_type::<Self>().getattr("from_urdf")?;
+        let made = Made::opened(&reader, (absolute(&path)?,), &keywords)?;
+        Ok(Self { robot: Arc::new(robot), made })
     }
 
     /// Reads a robot from the text of a URDF without meshes.
     #[staticmethod]
     #[pyo3(signature = (text, *, tip=None))]
-    fn from_urdf_text(text: &str, tip: Option<String>) -> PyResult<Self> {
+    fn from_urdf_text(py: Python<'_>, text: &str, tip: Option<String>) -> PyResult<Self> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("tip", &tip)?;
         let options = RobotOptions { tip, ..RobotOptions::default() };
         let robot = Robot::from_urdf_text(text, "<text>", None, &options).map_err(fault)?;
-        Ok(Self { robot: Arc::new(robot) })
+        let reader = py.get_type::<Self>().getattr("from_urdf_text")?;
+        Ok(Self { robot: Arc::new(robot), made: Made::opened(&reader, (text,), &keywords)? })
     }
 
     /// The built-in robot: a Franka Panda with its hand on a base that slides along y and x, 9 joints.
     #[staticmethod]
-    fn panda_mobile() -> PyResult<Self> {
-        Ok(Self { robot: panda_mobile().map_err(fault)? })
+    #[pyo3(name = "panda_mobile")]
+    fn built_in(py: Python<'_>) -> PyResult<Self> {
+        let maker = py.get_type::<Self>().getattr("panda_mobile")?;
+        Ok(Self { robot: panda_mobile().map_err(fault)?, made: Made::by(maker, ())? })
     }
 
     /// The name in the URDF.
@@ -180,7 +212,7 @@ impl PyRobot {
         &self,
         q: &Bound<'py, PyAny>,
         link: Option<&str>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (py, dof) = (q.py(), self.robot.dof());
         let q = Configurations::read(q, "q", &self.robot)?;
@@ -191,7 +223,7 @@ impl PyRobot {
             py,
             (q.count, 16),
             BLOCK,
-            thread_count(threads)?,
+            thread_count(threads),
             || robot.frames(),
             |frames, range, out: &mut [f64]| {
                 for (q, out) in values[range.start * dof..range.end * dof]
@@ -218,7 +250,7 @@ impl PyRobot {
         &self,
         q: &Bound<'py, PyAny>,
         link: Option<&str>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (py, dof) = (q.py(), self.robot.dof());
         let q = Configurations::read(q, "q", &self.robot)?;
@@ -230,7 +262,7 @@ impl PyRobot {
             py,
             (q.count, 6 * dof),
             BLOCK,
-            thread_count(threads)?,
+            thread_count(threads),
             room,
             |(frames, jacobian), range, out: &mut [f64]| {
                 for (q, out) in values[range.start * dof..range.end * dof]
@@ -264,12 +296,12 @@ impl PyRobot {
     fn ik<'py>(
         &self,
         pose: &Bound<'py, PyAny>,
-        count: usize,
-        attempts: usize,
-        seed: u64,
+        #[pyo3(from_py_with = whole::count)] count: usize,
+        #[pyo3(from_py_with = whole::attempts)] attempts: usize,
+        #[pyo3(from_py_with = whole::seed)] seed: u64,
         start: Option<&Bound<'py, PyAny>>,
         cell: Option<&PyCell>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = pose.py();
         let robot = &*self.robot;
@@ -291,7 +323,7 @@ impl PyRobot {
             py,
             (poses.len(), 1),
             1,
-            thread_count(threads)?,
+            thread_count(threads),
             room,
             |scratch, range, out: &mut [Vec<Vec<f64>>]| {
                 for (index, out) in range.zip(out) {
@@ -310,7 +342,12 @@ impl PyRobot {
     /// `count` configurations drawn uniformly from within the joint limits, (count, dof); the same ones for the
     /// same `seed` on every machine.
     #[pyo3(signature = (count, *, seed=0))]
-    fn sample<'py>(&self, py: Python<'py>, count: usize, seed: u64) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = whole::count)] count: usize,
+        #[pyo3(from_py_with = whole::seed)] seed: u64,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let dof = self.robot.dof();
         if count.saturating_mul(dof) > MOST_SAMPLES {
             return Err(bad_value(format!("count is {count}, which no machine holds")));
@@ -326,6 +363,11 @@ impl PyRobot {
             })
             .collect();
         shaped(py, values, &[count, dof])
+    }
+
+    /// As of a Scenario.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        slf.get().made.reduced(slf, "read it again")
     }
 
     fn __repr__(&self) -> String {

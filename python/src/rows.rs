@@ -7,21 +7,11 @@ use std::thread;
 
 use pyo3::prelude::*;
 
-use crate::fault::bad_value;
 use crate::interrupt::Interrupt;
 
-/// More would not fit in any machine, and would be asked for by mistake.
-const MOST_THREADS: usize = 1024;
-
 /// How many threads `threads` asks for; `None`: as many as the machine has cores.
-pub fn thread_count(threads: Option<usize>) -> PyResult<usize> {
-    match threads {
-        None => Ok(thread::available_parallelism().map_or(1, usize::from)),
-        Some(count @ 1..=MOST_THREADS) => Ok(count),
-        Some(count) => Err(bad_value(format!(
-            "threads is {count}, but 1 to {MOST_THREADS}, or None for all cores, is expected"
-        ))),
-    }
+pub fn thread_count(threads: Option<usize>) -> usize {
+    threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// A result of `count` rows of `width` values each, computed in blocks of `block` rows. Each thread makes room to

@@ -8,17 +8,20 @@ use cranny_plan::{Criterion, Problem, Validity};
 use cranny_scenario::{Demands, OpenOptions, Scenario, catalogue, write_moveit_scene};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
+use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::array::{configuration, pose_or_translation, rows, shaped};
+use crate::array::{configuration, copied, pose_or_translation, rows, shaped};
 use crate::body::PyBody;
 use crate::cell::PyCell;
 use crate::fault::{bad_value, fault};
 use crate::grasp_set::PyGrasps;
+use crate::pickled::{Made, Reduced, absolute};
 use crate::picture::picture;
 use crate::plan::PyPlan;
 use crate::robot::PyRobot;
+use crate::whole;
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 ///
@@ -31,6 +34,7 @@ pub struct PyScenario {
     pub scenario: Arc<Scenario>,
     /// The URDF that was given instead of the scenario's robot.
     pub robot_file: Option<PathBuf>,
+    made: Made,
 }
 
 #[pymethods]
@@ -40,9 +44,16 @@ impl PyScenario {
     fn new(py: Python<'_>, what: PathBuf, criterion: Option<&str>, robot: Option<PathBuf>) -> PyResult<Self> {
         let criterion = criterion.map(criterion_of).transpose()?;
         let options = OpenOptions { criterion, robot: robot.clone(), geometry: None };
-        let what = what.to_string_lossy().into_owned();
-        let scenario = py.detach(|| Scenario::open(&what, &options)).map_err(fault)?;
-        Ok(Self { scenario: Arc::new(scenario), robot_file: robot })
+        let text = what.to_string_lossy().into_owned();
+        let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
+        // As a built-in one is opened by its id in whatever folder.
+        let is_built_in = catalogue().iter().any(|entry| entry.id == text);
+        let what = if is_built_in { what } else { absolute(&what)? };
+        let keywords = PyDict::new(py);
+        keywords.set_item("criterion", criterion.map(Criterion::name))?;
+        keywords.set_item("robot", robot.as_deref().map(absolute).transpose()?)?;
+        let made = Made::opened(py.get_type::<Self>().as_any(), (what,), &keywords)?;
+        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, made })
     }
 
     /// Opens the scenario at `path`: a folder or a packed `.zip`, never a built-in one.
@@ -73,20 +84,21 @@ impl PyScenario {
 
     /// The robot.
     #[getter]
-    fn robot(&self) -> PyRobot {
-        PyRobot { robot: self.scenario.robot.clone() }
+    fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
+        let made = Made::by_attribute(slf, "robot")?;
+        Ok(PyRobot { robot: slf.get().scenario.robot.clone(), made })
     }
 
     /// All bodies: obstacles, then the target, then the floor, as far as there are.
     #[getter]
     fn world(&self) -> Vec<PyBody> {
-        self.scenario.world.bodies().iter().map(|body| PyBody { body: body.clone() }).collect()
+        self.scenario.world.bodies().iter().map(PyBody::of_scene).collect()
     }
 
     /// The object that is to be grasped, if there is one.
     #[getter]
     fn target(&self) -> Option<PyBody> {
-        self.scenario.target.map(|target| PyBody { body: self.scenario.world.bodies()[target].clone() })
+        self.scenario.target.map(|target| PyBody::of_scene(&self.scenario.world.bodies()[target]))
     }
 
     /// The configuration to start from, (dof,), m or rad.
@@ -111,59 +123,70 @@ impl PyScenario {
     /// between any two things, `grasp_margin_m` between hand and fingers and what they grasp or it rests on.
     /// Under the "paper" criterion too, it is the exact one.
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
-    fn cell(&self, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
-        let exact = Scenario { criterion: Criterion::Exact, ..(*self.scenario).clone() };
+    fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
+        let exact = Scenario { criterion: Criterion::Exact, ..(*slf.get().scenario).clone() };
         let problem = exact.problem(&Demands { margin_m, grasp_margin_m }).map_err(fault)?;
+        let keywords = PyDict::new(slf.py());
+        keywords.set_item("margin_m", margin_m)?;
+        keywords.set_item("grasp_margin_m", grasp_margin_m)?;
         match problem.validity {
-            Validity::Exact(cell) => Ok(PyCell { cell }),
+            Validity::Exact(cell) => {
+                Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
+            }
             Validity::Paper { .. } => Err(bad_value("the scenario has no exact cell")),
         }
     }
 
     /// The same scenario with one obstacle more.
-    fn with_body(&self, body: &PyBody) -> PyResult<Self> {
-        self.altered(self.scenario.with_body(body.body.clone()).map_err(fault)?)
+    fn with_body<'py>(slf: &Bound<'py, Self>, body: &Bound<'py, PyBody>) -> PyResult<Self> {
+        let scenario = slf.get().scenario.with_body(body.get().body.clone()).map_err(fault)?;
+        Self::altered(slf, scenario, ("with_body", body))
     }
 
     /// The same scenario with a box of full lengths `size` (3,) in metres more, its middle at `pose`, (4, 4) or
     /// (3,).
     #[pyo3(signature = (name, size, pose=None))]
-    fn with_box(
-        &self,
+    fn with_box<'py>(
+        slf: &Bound<'py, Self>,
         name: String,
-        size: &Bound<'_, PyAny>,
-        pose: Option<&Bound<'_, PyAny>>,
+        size: &Bound<'py, PyAny>,
+        pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        self.with_body(&PyBody::r#box(name, size, pose)?)
+        let body = Bound::new(slf.py(), PyBody::r#box(slf.py(), name, size, pose)?)?;
+        Self::with_body(slf, &body)
     }
 
     /// The same scenario without the body of that name.
-    fn without_body(&self, name: &str) -> PyResult<Self> {
-        self.altered(self.scenario.without_body(name).map_err(fault)?)
+    fn without_body<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Self> {
+        let scenario = slf.get().scenario.without_body(name).map_err(fault)?;
+        Self::altered(slf, scenario, ("without_body", name))
     }
 
     /// The same scenario with the object moved by `motion`, and its grasps with it: (3,) a shift in metres, or
     /// (4, 4) a rigid motion, both of the planning frame.
-    fn with_object_moved(&self, motion: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let motion = pose_or_translation(Some(motion), "motion")?;
-        self.altered(self.scenario.with_target_moved(&motion).map_err(fault)?)
+    fn with_object_moved<'py>(slf: &Bound<'py, Self>, motion: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let pose = pose_or_translation(Some(motion), "motion")?;
+        let scenario = slf.get().scenario.with_target_moved(&pose).map_err(fault)?;
+        Self::altered(slf, scenario, ("with_object_moved", copied(motion)?))
     }
 
     /// The same scenario with other grasps.
-    fn with_grasps(&self, grasps: &PyGrasps) -> PyResult<Self> {
-        self.altered(self.scenario.with_grasps(grasps.set.clone()))
+    fn with_grasps<'py>(slf: &Bound<'py, Self>, grasps: &Bound<'py, PyGrasps>) -> PyResult<Self> {
+        let scenario = slf.get().scenario.with_grasps(grasps.get().set.clone());
+        Self::altered(slf, scenario, ("with_grasps", grasps))
     }
 
     /// The same scenario from another start, (dof,).
-    fn with_start(&self, start: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let start = configuration(start, "start", &self.scenario.robot)?;
-        self.altered(self.scenario.with_start(start).map_err(fault)?)
+    fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let values = configuration(start, "start", &slf.get().scenario.robot)?;
+        let scenario = slf.get().scenario.with_start(values).map_err(fault)?;
+        Self::altered(slf, scenario, ("with_start", copied(start)?))
     }
 
     /// The same scenario under another criterion, "exact" or "paper".
-    fn with_criterion(&self, criterion: &str) -> PyResult<Self> {
-        let criterion = criterion_of(criterion)?;
-        self.altered(Scenario { criterion, ..(*self.scenario).clone() })
+    fn with_criterion<'py>(slf: &Bound<'py, Self>, criterion: &str) -> PyResult<Self> {
+        let scenario = Scenario { criterion: criterion_of(criterion)?, ..(*slf.get().scenario).clone() };
+        Self::altered(slf, scenario, ("with_criterion", criterion))
     }
 
     /// Writes the scenario as a folder of Cranny's own layout, which is made; `Scenario.load` reads it. For the
@@ -181,9 +204,10 @@ impl PyScenario {
 
     /// The same robot, target and grasps among the collision objects of a MoveIt planning scene (YAML), in place of
     /// the obstacles and the floor; an object of the target's name is the target.
-    fn with_moveit_scene(&self, path: PathBuf) -> PyResult<Self> {
-        let read = cranny_scenario::read_moveit_scene(&path, &self.scenario.robot).map_err(fault)?;
-        let target = self.scenario.target.map(|target| &self.scenario.world.bodies()[target]);
+    fn with_moveit_scene(slf: &Bound<'_, Self>, path: PathBuf) -> PyResult<Self> {
+        let own = &slf.get().scenario;
+        let read = cranny_scenario::read_moveit_scene(&path, &own.robot).map_err(fault)?;
+        let target = own.target.map(|target| &own.world.bodies()[target]);
         let mut bodies = read.bodies().to_vec();
         let place = target.map(|target| {
             bodies.iter().position(|body| body.name == target.name).unwrap_or_else(|| {
@@ -192,7 +216,16 @@ impl PyScenario {
             })
         });
         let world = World::new(bodies).map_err(fault)?;
-        self.altered(Scenario { world, target: place, export: None, ..(*self.scenario).clone() })
+        let scenario = Scenario { world, target: place, export: None, ..(**own).clone() };
+        let caller = slf.getattr("with_moveit_scene")?;
+        let made = Made::opened(&caller, (absolute(&path)?,), &PyDict::new(slf.py()))?;
+        Ok(Self { made, ..Self::with(slf, scenario) })
+    }
+
+    /// Of files, pickles hold where they are and what they said: who unpickles it opens them again, and gets an error
+    /// if they have changed.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        slf.get().made.reduced(slf, "open it again")
     }
 
     /// What a notebook shows of the scenario, with a plan where one is given: a View. `view`: "three-quarter",
@@ -202,8 +235,8 @@ impl PyScenario {
         slf: &Bound<'py, Self>,
         plan: Option<&Bound<'py, PyPlan>>,
         view: &str,
-        width: usize,
-        height: usize,
+        #[pyo3(from_py_with = whole::width)] width: usize,
+        #[pyo3(from_py_with = whole::height)] height: usize,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let keywords = PyDict::new(py);
@@ -229,9 +262,18 @@ const NOTEBOOK_WIDTH: usize = 640;
 const NOTEBOOK_HEIGHT: usize = 480;
 
 impl PyScenario {
-    #[allow(clippy::unnecessary_wraps)] // The tail of methods that can fail.
-    fn altered(&self, scenario: Scenario) -> PyResult<Self> {
-        Ok(Self { scenario: Arc::new(scenario), robot_file: self.robot_file.clone() })
+    /// What the method of this name with this argument makes of `own`.
+    fn altered<'py>(
+        own: &Bound<'py, Self>,
+        scenario: Scenario,
+        method: impl PyCallArgs<'py>,
+    ) -> PyResult<Self> {
+        Ok(Self { made: Made::by_method(own, method, None)?, ..Self::with(own, scenario) })
+    }
+
+    fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
+        let robot_file = own.get().robot_file.clone();
+        Self { scenario: Arc::new(scenario), robot_file, made: Made::UNKNOWN }
     }
 
     /// The problem to plan for.

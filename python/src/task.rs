@@ -19,6 +19,8 @@ pub struct Task {
     pub scenario: Option<Arc<Scenario>>,
     /// The URDF that was given instead of the scenario's robot.
     pub robot_file: Option<PathBuf>,
+    /// The scenario or problem as it was given.
+    pub given: Py<PyAny>,
 }
 
 impl Task {
@@ -30,12 +32,19 @@ impl Task {
                 problem: scenario.problem(demands)?,
                 scenario: Some(scenario.scenario.clone()),
                 robot_file: scenario.robot_file.clone(),
+                given: value.clone().unbind(),
             });
         }
         if let Ok(problem) = value.cast::<PyMoveItProblem>() {
             let problem = problem.get();
             let id = problem.problem.id.clone();
-            return Ok(Self { id, problem: problem.problem(demands)?, scenario: None, robot_file: None });
+            return Ok(Self {
+                id,
+                problem: problem.problem(demands)?,
+                scenario: None,
+                robot_file: None,
+                given: value.clone().unbind(),
+            });
         }
         Err(bad_type(format!(
             "scenario: a Scenario or a MoveItProblem is expected, not {}",

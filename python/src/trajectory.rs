@@ -4,7 +4,8 @@ use cranny_plan::{PlanError, Trajectory};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::array::shaped;
+use crate::array::{Numbers, shaped};
+use crate::pickled::Reduced;
 
 /// A trajectory at T instants: arrays (T, dof) in the order of `joint_names`.
 #[pyclass(name = "Samples", module = "cranny", frozen)]
@@ -39,6 +40,29 @@ impl PySamples {
     }
 }
 
+/// Samples as they were pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_samples")]
+pub fn restored_samples(
+    joint_names: Vec<String>,
+    times: &Bound<'_, PyAny>,
+    positions: &Bound<'_, PyAny>,
+    velocities: &Bound<'_, PyAny>,
+    accelerations: &Bound<'_, PyAny>,
+) -> PyResult<PySamples> {
+    let times = Numbers::read(times, "times")?.values()?.to_vec();
+    let read = |rows: &Bound<'_, PyAny>| {
+        let rows = Numbers::read(rows, "rows")?;
+        if *rows.shape() != [times.len(), joint_names.len()] {
+            return Err(rows.wrong_shape("(T, dof)"));
+        }
+        rows.values().map(<[f64]>::to_vec)
+    };
+    let (positions, velocities) = (read(positions)?, read(velocities)?);
+    let accelerations = read(accelerations)?;
+    Ok(PySamples { joint_names, times, positions, velocities, accelerations })
+}
+
 #[pymethods]
 impl PySamples {
     /// Names of the joints.
@@ -69,6 +93,13 @@ impl PySamples {
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.rows(py, &self.accelerations)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, own) = (slf.py(), slf.get());
+        let restore = py.import("cranny._cranny")?.getattr("_restored_samples")?;
+        let rows = (own.times(py)?, own.positions(py)?, own.velocities(py)?, own.accelerations(py)?);
+        Ok((restore, (own.joint_names(), rows.0, rows.1, rows.2, rows.3).into_pyobject(py)?))
     }
 
     fn __len__(&self) -> usize {

@@ -4,6 +4,7 @@ use cranny_plan::Verification;
 use pyo3::prelude::*;
 
 use crate::json::python_of;
+use crate::pickled::{Made, Reduced};
 
 /// What a judge found in a path. True if the path meets the criterion.
 #[pyclass(name = "Verification", module = "cranny", frozen)]
@@ -45,6 +46,10 @@ impl PyVerification {
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.verification.not_checked)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Made::UNKNOWN.reduced(slf, "pickle its violations, goal and clearance_m, which are plain values")
     }
 
     fn __bool__(&self) -> bool {

@@ -142,6 +142,55 @@ def test_values_that_are_none_are_refused(scenario: cranny.Scenario, call: Calla
     assert len(str(refusal.value)) > 15, "a message says what is wrong"
 
 
+HUGE = 10**5000
+"""Which Python itself does not write."""
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("seed", lambda s, n: cranny.plan(s, seed=n)),
+        ("iterations", lambda s, n: cranny.plan(s, iterations=n)),
+        ("seed", lambda s, n: s.robot.sample(1, seed=n)),
+        ("count", lambda s, n: s.robot.sample(n)),
+        ("seed", lambda s, n: s.robot.ik(np.eye(4), seed=n)),
+        ("count", lambda s, n: s.robot.ik(np.eye(4), count=n)),
+        ("attempts", lambda s, n: s.robot.ik(np.eye(4), attempts=n)),
+        ("threads", lambda s, n: s.robot.fk(s.start, threads=n)),
+        ("threads", lambda s, n: s.cell().is_free(s.start, threads=n)),
+        ("threads", lambda s, n: s.cell().clearance(s.start, threads=n)),
+        ("threads", lambda s, n: s.cell().motion(s.start, s.start, threads=n)),
+        ("count", lambda s, n: cranny.sample_grasps((np.eye(3), [[0, 1, 2]]), count=n)),
+        ("candidates", lambda s, n: cranny.sample_grasps((np.eye(3), [[0, 1, 2]]), candidates=n)),
+        ("approaches", lambda s, n: cranny.sample_grasps((np.eye(3), [[0, 1, 2]]), approaches=n)),
+        ("seed", lambda s, n: cranny.sample_grasps((np.eye(3), [[0, 1, 2]]), seed=n)),
+        ("width", lambda s, n: s.show(width=n)),
+        ("height", lambda s, n: _cranny.picture(s, height=n)),
+        ("rate", lambda s, n: _cranny.moving_picture(s, cranny.plan(s), rate=n)),
+        ("runs", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", runs=n)),
+        ("first_seed", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", first_seed=n)),
+        ("iterations", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", iterations=n)),
+        ("memory_limit_mb", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", memory_limit_mb=n)),
+        ("workers", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", workers=n)),
+    ],
+)
+def test_a_whole_number_out_of_range_is_shown_with_its_range(
+    scenario: cranny.Scenario, name: str, call: Callable[[cranny.Scenario, Any], Any]
+) -> None:
+    for number, shown in ((-1, "-1"), (2**64, str(2**64)), (-(2**200), str(-(2**200))), (HUGE, "huge")):
+        with pytest.raises(ValueError, match=f"{name} is {shown}, but a whole number from [01]?[0-9]* to [0-9]+ is expected"):
+            call(scenario, number)
+    for thing in (1.5, "1", [1]):
+        with pytest.raises(TypeError, match=f"{name}: a whole number is expected, not "):
+            call(scenario, thing)
+
+
+def test_a_robot_that_is_called_says_how_one_is_made() -> None:
+    for call in (lambda: cranny.Robot(), lambda: cranny.Robot("panda.urdf"), lambda: cranny.Robot(path="x")):  # type: ignore
+        with pytest.raises(TypeError, match=r"Robot\.from_urdf\(path\).*Robot\.panda_mobile\(\).*scenario\.robot"):
+            call()
+
+
 SLIDE = """<robot name="slide"><link name="rail"/><link name="cart"/>
   <joint name="drive" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
     <limit lower="-1" upper="1" velocity="0.5" effort="1"/></joint></robot>"""
@@ -268,6 +317,6 @@ def test_nothing_that_a_caller_passes_crashes_the_interpreter(
         calls[call](a, b)
     except CRASHING:
         raise
-    except (ValueError, TypeError, KeyError, OverflowError, OSError):
+    except (ValueError, TypeError, KeyError, OSError):
         # What a caller is told; a KeyError is a link that is not there, an OSError a path that is none.
         pass

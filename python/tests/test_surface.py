@@ -7,6 +7,7 @@ import importlib
 import inspect
 import os
 import pkgutil
+import re
 import subprocess
 import sys
 from importlib.metadata import files, version
@@ -72,6 +73,17 @@ def test_examples_and_the_package_have_strict_types() -> None:
     examples = [str(path) for path in sorted((REPOSITORY / "examples").glob("*.py"))]
     mypy("mypy", "--strict", "--config-file", configuration, *examples)
     mypy("mypy", "--strict", "--config-file", configuration, "-p", "cranny")
+
+
+def test_the_code_in_the_readme_has_strict_types(tmp_path: Path) -> None:
+    """What the README shows is what people begin with, and their editors check."""
+    package("pandas"), package("matplotlib")
+    blocks = re.findall(r"^```python\n(.*?)^```$", (REPOSITORY / "README.md").read_text(encoding="utf-8"), re.M | re.S)
+    assert blocks and "import cranny" in blocks[0]
+    for index, block in enumerate(blocks):
+        (tmp_path / f"readme_{index}.py").write_text(block, encoding="utf-8")
+    configuration = str(REPOSITORY / "python/pyproject.toml")
+    mypy("mypy", "--strict", "--config-file", configuration, *(str(path) for path in sorted(tmp_path.glob("*.py"))))
 
 
 def test_the_stubs_are_what_the_module_has() -> None:

@@ -57,7 +57,8 @@ pub struct RenderArguments {
           allow_hyphen_values = true)]
     pub camera: Option<(f64, f64)>,
     /// Translucent poses along the way, at most 100 [default: 3; 0 for moving pictures]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS),
+          allow_negative_numbers = true)]
     pub ghosts: Option<u8>,
     /// Grasps shown beside the one that was taken, spread over the scores
     #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]

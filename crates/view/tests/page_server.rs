@@ -165,7 +165,7 @@ fn nothing_outside_the_page_is_served() {
     // A whole address in place of the path changes nothing.
     let absolute =
         format!("GET file:///etc/passwd HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", server.host());
-    assert_eq!(server.raw(&absolute).0, 403);
+    assert!([400, 403].contains(&server.raw(&absolute).0));
 }
 
 #[test]

@@ -1,0 +1,197 @@
+//! What a pickle holds of a thing: what it was made by and of, and for what comes from files a fingerprint, so that
+//! who opens it elsewhere gets the same thing or an error.
+
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash as _, Hasher as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_collision::World;
+use cranny_robot::Robot;
+use cranny_shape::Solid;
+use cranny_spatial::Pose;
+use pyo3::call::PyCallArgs;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::fault::{bad_type, fault};
+use crate::moveit_problem::PyMoveItProblem;
+use crate::robot::PyRobot;
+use crate::scenario::PyScenario;
+
+/// How a thing was made: a function of Python that can be pickled, and its arguments.
+#[derive(Clone)]
+pub struct Made(Option<Arc<Call>>);
+
+struct Call {
+    function: Py<PyAny>,
+    arguments: Py<PyTuple>,
+    /// Whether files were read, which may be others by then.
+    is_of_files: bool,
+}
+
+/// A function and its arguments: what `__reduce__` returns.
+pub type Reduced<'py> = (Bound<'py, PyAny>, Bound<'py, PyTuple>);
+
+impl Made {
+    /// By nothing that could be called again.
+    pub const UNKNOWN: Self = Self(None);
+
+    /// By `function(*arguments)`.
+    pub fn by<'py>(
+        function: Bound<'py, PyAny>,
+        arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
+    ) -> PyResult<Self> {
+        let arguments = arguments.into_pyobject(function.py()).map_err(Into::<PyErr>::into)?.unbind();
+        Ok(Self(Some(Arc::new(Call { function: function.unbind(), arguments, is_of_files: false }))))
+    }
+
+    /// By `class(*arguments, **keywords)` or a static method of it, from files or from what the package has.
+    pub fn opened<'py>(
+        function: &Bound<'py, PyAny>,
+        arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
+        keywords: &Bound<'py, PyDict>,
+    ) -> PyResult<Self> {
+        let py = function.py();
+        let partial = py.import("functools")?.getattr("partial")?;
+        let arguments = arguments.into_pyobject(py).map_err(Into::<PyErr>::into)?.unbind();
+        let function = partial.call((function,), Some(keywords))?.unbind();
+        Ok(Self(Some(Arc::new(Call { function, arguments, is_of_files: true }))))
+    }
+
+    /// By `owner.method(*arguments, **keywords)`.
+    pub fn by_method<'py>(
+        owner: &Bound<'py, PyAny>,
+        arguments: impl PyCallArgs<'py>,
+        keywords: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Self> {
+        let caller = owner.py().import("operator")?.getattr("methodcaller")?.call(arguments, keywords)?;
+        Self::by(caller, (owner,))
+    }
+
+    /// By `owner.name`.
+    pub fn by_attribute(owner: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
+        Self::by(owner.py().import("operator")?.getattr("attrgetter")?.call1((name,))?, (owner,))
+    }
+
+    /// What `__reduce__` returns for `thing`; of one that nothing is known of a TypeError with `hint`.
+    pub fn reduced<'py>(&self, thing: &Bound<'py, PyAny>, hint: &str) -> PyResult<Reduced<'py>> {
+        let py = thing.py();
+        let Some(call) = &self.0 else {
+            return Err(bad_type(format!("this {} cannot be pickled: {hint}", thing.get_type().name()?)));
+        };
+        let (function, arguments) = (call.function.bind(py), call.arguments.bind(py));
+        if !call.is_of_files {
+            return Ok((function.clone(), arguments.clone()));
+        }
+        let restore = py.import("cranny._cranny")?.getattr("_restored")?;
+        let whole = (function, arguments, fingerprint(thing)?, env!("CARGO_PKG_VERSION"));
+        Ok((restore, whole.into_pyobject(py)?))
+    }
+}
+
+/// Opens what was pickled, as it was.
+#[pyfunction]
+#[pyo3(name = "_restored")]
+pub fn restored<'py>(
+    function: &Bound<'py, PyAny>,
+    arguments: &Bound<'py, PyTuple>,
+    known: u64,
+    version: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    const OWN: &str = env!("CARGO_PKG_VERSION");
+    if version != OWN {
+        return Err(fault(format!("it was pickled by cranny {version}, and this is {OWN}: open it anew")));
+    }
+    let thing = function.call1(arguments)?;
+    if fingerprint(&thing)? != known {
+        let shown = thing.repr()?;
+        return Err(fault(format!("the files of {shown} have changed since it was pickled: open it anew")));
+    }
+    Ok(thing)
+}
+
+/// A path that means the same in another folder.
+pub fn absolute(path: &Path) -> PyResult<PathBuf> {
+    std::path::absolute(path).map_err(fault)
+}
+
+/// What tells what files say from what they said: numbers, names and surfaces as one number.
+fn fingerprint(thing: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let mut print = Fingerprint(DefaultHasher::new());
+    if let Ok(robot) = thing.cast::<PyRobot>() {
+        print.robot(&robot.get().robot);
+    } else if let Ok(scenario) = thing.cast::<PyScenario>() {
+        let scenario = &scenario.get().scenario;
+        print.robot(&scenario.robot);
+        print.world(&scenario.world);
+        (&scenario.id, scenario.criterion.name(), scenario.target, &scenario.hand_links).hash(&mut print.0);
+        print.numbers(&scenario.start);
+        scenario.ik.iter().for_each(|q| print.numbers(q));
+        for grasp in scenario.grasps.grasps() {
+            print.pose(&grasp.world_from_gripper);
+            print.numbers(&[grasp.score.unwrap_or(f64::NAN), grasp.width_m.unwrap_or(f64::NAN)]);
+        }
+        if let Some(export) = &scenario.export {
+            print.numbers(export.aabb().low().coords.as_slice());
+            print.numbers(export.aabb().high().coords.as_slice());
+        }
+    } else if let Ok(problem) = thing.cast::<PyMoveItProblem>() {
+        let problem = &problem.get().problem;
+        print.robot(&problem.robot);
+        print.world(&problem.world);
+        problem.id.hash(&mut print.0);
+        print.numbers(&problem.start);
+        problem.goals.iter().for_each(|q| print.numbers(q));
+    }
+    Ok(print.0.finish())
+}
+
+struct Fingerprint(DefaultHasher);
+
+impl Fingerprint {
+    fn numbers(&mut self, values: &[f64]) {
+        values.len().hash(&mut self.0);
+        values.iter().for_each(|value| value.to_bits().hash(&mut self.0));
+    }
+
+    fn pose(&mut self, pose: &Pose) {
+        self.numbers(pose.translation.vector.as_slice());
+        self.numbers(pose.rotation.coords.as_slice());
+    }
+
+    fn solid(&mut self, solid: &Solid) {
+        let Some(soup) = solid.tessellation() else { return };
+        soup.vertices.iter().for_each(|vertex| self.numbers(vertex.coords.as_slice()));
+        soup.triangles.hash(&mut self.0);
+    }
+
+    fn world(&mut self, world: &World) {
+        for body in world.bodies() {
+            body.name.hash(&mut self.0);
+            for part in &body.parts {
+                self.pose(&part.world_from_solid);
+                self.solid(&part.solid);
+            }
+        }
+    }
+
+    fn robot(&mut self, robot: &Robot) {
+        (robot.name(), robot.joint_names(), robot.tip()).hash(&mut self.0);
+        for limits in robot.limits() {
+            let acceleration = limits.acceleration.unwrap_or(f64::NAN);
+            self.numbers(&[limits.lower, limits.upper, limits.velocity, acceleration]);
+        }
+        // Away from zero: what hangs where, by which axes.
+        let mut frames = robot.frames();
+        robot.forward_kinematics(&vec![0.3; robot.dof()], &mut frames);
+        for (index, link) in robot.links().iter().enumerate() {
+            link.name.hash(&mut self.0);
+            self.pose(frames.link(index));
+            for shape in &link.collisions {
+                self.pose(&shape.link_from_shape);
+                self.solid(&shape.solid);
+            }
+        }
+    }
+}
