@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
+use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -139,7 +140,6 @@ fn results_folders_and_devices_are_not_written_over_even_when_forced() {
         assert!(said.contains(word), "{words}: no '{word}' in {said}");
         assert!(everything(path) == before, "{words}: something was written");
     }
-    use std::os::unix::fs::FileTypeExt as _;
     assert!(std::fs::metadata("/dev/null").expect("a device").file_type().is_char_device());
 }
 
