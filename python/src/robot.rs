@@ -96,6 +96,7 @@ impl PyRobot {
         let folders = packages.iter().flatten().map(|folder| absolute(folder));
         keywords.set_item("packages", folders.collect::<PyResult<Vec<_>>>()?)?;
         keywords.set_item("meshes", meshes)?;
+        keywords.set_item("unchecked_pairs", &unchecked_pairs)?;
         let options = RobotOptions {
             srdf: srdf.map(TextSource::Path),
             limits: None,
