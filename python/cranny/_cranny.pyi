@@ -74,6 +74,7 @@ class Robot:
         fixed: Mapping[str, float] | None = None,
         packages: Sequence[_Path] | None = None,
         meshes: Literal["hull", "solid"] = "hull",
+        unchecked_pairs: Sequence[tuple[str, str]] | None = None,
     ) -> Robot: ...
     @staticmethod
     def from_urdf_text(text: str, *, tip: str | None = None) -> Robot: ...
@@ -283,6 +284,8 @@ class Verification:
     def goal(self) -> dict[str, Any] | None: ...
     @property
     def clearance_m(self) -> float | None: ...
+    @property
+    def not_checked(self) -> list[dict[str, Any]]: ...
     def __bool__(self) -> bool: ...
 
 @final
@@ -318,6 +321,8 @@ class Plan:
     @property
     def clearance_m(self) -> float | None: ...
     @property
+    def not_checked(self) -> list[dict[str, Any]]: ...
+    @property
     def joint_names(self) -> list[str]: ...
     @property
     def report(self) -> dict[str, Any]: ...
@@ -347,6 +352,7 @@ def plan(
     iterations: int | None = None,
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
+    strict_pairs: bool = False,
     settings: Mapping[str, Any] | None = None,
     shortcut: bool = True,
     optimise_s: float | None = None,
@@ -355,7 +361,12 @@ def plan(
     blend: bool = False,
 ) -> Plan: ...
 def verify_path(
-    scenario: Scenario | MoveItProblem, path: ArrayLike, *, margin_m: float = 0.0, grasp_margin_m: float = 0.0
+    scenario: Scenario | MoveItProblem,
+    path: ArrayLike,
+    *,
+    margin_m: float = 0.0,
+    grasp_margin_m: float = 0.0,
+    strict_pairs: bool = False,
 ) -> Verification: ...
 def planner_names() -> list[str]: ...
 def scenario_ids() -> list[str]: ...

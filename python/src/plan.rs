@@ -87,6 +87,13 @@ impl PyPlan {
         self.file.clearance_m
     }
 
+    /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
+    /// ("always-touching", "never-moves"). What is said holds but for these.
+    #[getter]
+    fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.file.not_checked)
+    }
+
     /// Names of the joints, in the order of every way point.
     #[getter]
     fn joint_names(&self) -> Vec<String> {

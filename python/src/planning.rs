@@ -6,7 +6,7 @@ use std::time::Duration;
 use cranny_plan::{
     Budget, Criterion, MotionLimits, OptimiseSettings, PlanError, PlanReport, Problem, ShortcutSettings,
     TimingMethod, Trajectory, Validity, default_planner, optimise as better, path_length, planner_with,
-    shortcut as shorten, verify,
+    search, shortcut as shorten, verify,
 };
 use cranny_scenario::{Demands, PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use pyo3::prelude::*;
@@ -36,7 +36,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 ///
 /// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: what differs from its
 /// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
-/// only cut the search short. `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show. A path under
+/// only cut the search short. `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show;
+/// `strict_pairs`: pairs of links that touch in every sample are checked too, see `plan.not_checked`. A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
 /// seconds, `score_weight` being what a grasp of score 1 is worth in units of path length. The path gets its time:
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free.
@@ -44,7 +45,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
-    grasp_margin_m=0.0, settings=None, shortcut=true, optimise_s=None, score_weight=1.0, jerk_limited=false,
+    grasp_margin_m=0.0, strict_pairs=false, settings=None, shortcut=true, optimise_s=None, score_weight=1.0, jerk_limited=false,
     blend=false))]
 #[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
 pub fn plan(
@@ -55,6 +56,7 @@ pub fn plan(
     #[pyo3(from_py_with = whole::iterations)] iterations: Option<u64>,
     margin_m: f64,
     grasp_margin_m: f64,
+    strict_pairs: bool,
     settings: Option<&Bound<'_, PyAny>>,
     shortcut: bool,
     optimise_s: Option<f64>,
@@ -64,7 +66,10 @@ pub fn plan(
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let margins = PlanMargins { margin_m, grasp_margin_m };
-    let task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
+    if strict_pairs {
+        task.problem = task.problem.checking_all_pairs();
+    }
     let settings = settings_of(settings)?;
     let planner = planner.unwrap_or_else(|| default_planner(task.problem.criterion()).name());
     let planner = planner_with(planner, &settings).map_err(fault)?;
@@ -78,7 +83,7 @@ pub fn plan(
 
     let mut observer = InterruptObserver::new();
     let found = py.detach(|| match optimise {
-        Some(settings) => better(planner.as_ref(), &task.problem, &budget, settings, seed, &mut observer)
+        Some(settings) => better(planner.as_ref(), &mut task.problem, &budget, settings, seed, &mut observer)
             .map(|optimised| {
                 let told = PlanOptimisation {
                     time_limit_s: settings.time.as_secs_f64(),
@@ -89,7 +94,8 @@ pub fn plan(
                 };
                 (optimised.report, Some(told))
             }),
-        None => planner.plan(&task.problem, &budget, seed, &mut observer).map(|report| (report, None)),
+        None => search(planner.as_ref(), &mut task.problem, &budget, seed, &mut observer)
+            .map(|report| (report, None)),
     });
     // Ctrl-C goes before whatever the search says of it.
     observer.result()?;
@@ -133,6 +139,9 @@ pub fn plan(
             .as_ref()
             .map(|v| v.clearances_per_edge_m.clone())
             .unwrap_or_default(),
+        not_checked: verification
+            .as_ref()
+            .map_or_else(|| task.problem.not_checked(), |v| v.not_checked.clone()),
         path_length: path_length(&report.path),
         waypoints: std::mem::take(&mut report.path),
         timing: trajectory.as_ref().map(PlanTiming::of),
@@ -166,16 +175,20 @@ fn optimise_settings(
 }
 
 /// Judges a path (N, dof), whoever made it, by the criterion of `scenario` (a Scenario or a MoveItProblem), as
-/// `cranny verify` does.
+/// `cranny verify` does; `strict_pairs` as in `plan`.
 #[pyfunction]
-#[pyo3(signature = (scenario, path, *, margin_m=0.0, grasp_margin_m=0.0))]
+#[pyo3(signature = (scenario, path, *, margin_m=0.0, grasp_margin_m=0.0, strict_pairs=false))]
 pub fn verify_path(
     scenario: &Bound<'_, PyAny>,
     path: &Bound<'_, PyAny>,
     margin_m: f64,
     grasp_margin_m: f64,
+    strict_pairs: bool,
 ) -> PyResult<PyVerification> {
-    let task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, &Demands { margin_m, grasp_margin_m })?;
+    if strict_pairs {
+        task.problem = task.problem.checking_all_pairs();
+    }
     let robot = &task.problem.robot;
     let path = Configurations::read(path, "path", robot)?.rows(robot.dof())?;
     let verification = scenario.py().detach(|| verify(&task.problem, &path)).map_err(fault)?;

@@ -59,11 +59,12 @@ impl PyRobot {
     /// reaches for grasps. `joints`: names of the joints that `q` stands for, in order; or `group`: a group of the
     /// SRDF; by default all from the root to the tip. `fixed`: values (m, rad) of joints outside the group.
     /// `packages`: folders in which `package://` names are looked for. `meshes`: "hull" (a mesh stands for its
-    /// convex hull) or "solid" (for what it encloses).
+    /// convex hull) or "solid" (for what it encloses). `unchecked_pairs`: pairs of links that may touch.
     ///
     /// Raises CrannyError with file, line and a hint.
     #[staticmethod]
-    #[pyo3(signature = (path, *, srdf=None, tip=None, joints=None, group=None, fixed=None, packages=None, meshes="hull"))]
+    #[pyo3(signature = (path, *, srdf=None, tip=None, joints=None, group=None, fixed=None, packages=None, meshes="hull",
+        unchecked_pairs=None))]
     #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
     fn from_urdf(
         py: Python<'_>,
@@ -75,6 +76,7 @@ impl PyRobot {
         fixed: Option<BTreeMap<String, f64>>,
         packages: Option<Vec<PathBuf>>,
         meshes: &str,
+        unchecked_pairs: Option<Vec<[String; 2]>>,
     ) -> PyResult<Self> {
         let group = match (joints, group) {
             (Some(_), Some(_)) => return Err(bad_value("give joints or group, not both")),
@@ -94,6 +96,7 @@ impl PyRobot {
         let folders = packages.iter().flatten().map(|folder| absolute(folder));
         keywords.set_item("packages", folders.collect::<PyResult<Vec<_>>>()?)?;
         keywords.set_item("meshes", meshes)?;
+        keywords.set_item("unchecked_pairs", &unchecked_pairs)?;
         let options = RobotOptions {
             srdf: srdf.map(TextSource::Path),
             limits: None,
@@ -101,6 +104,7 @@ impl PyRobot {
             tip,
             fixed: fixed.unwrap_or_default(),
             packages: packages.unwrap_or_default(),
+            unchecked_pairs: unchecked_pairs.unwrap_or_default(),
             meshes: match meshes {
                 "hull" => MeshUse::Hull,
                 "solid" => MeshUse::Solid,

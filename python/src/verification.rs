@@ -45,13 +45,23 @@ impl PyVerification {
         Made::UNKNOWN.reduced(slf, "pickle its violations, goal and clearance_m, which are plain values")
     }
 
+    /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
+    /// ("always-touching", "never-moves"). What is said holds but for these.
+    #[getter]
+    fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.verification.not_checked)
+    }
+
     fn __bool__(&self) -> bool {
         self.verification.valid
     }
 
     fn __repr__(&self) -> String {
         let Verification { valid, violations, .. } = &self.verification;
-        if *valid {
+        let unchecked = self.verification.not_checked.len();
+        if *valid && unchecked > 0 {
+            format!("<cranny.Verification: valid, but for {unchecked} pairs that are not checked>")
+        } else if *valid {
             "<cranny.Verification: valid>".to_owned()
         } else {
             format!("<cranny.Verification: not valid, {} violations>", violations.len())

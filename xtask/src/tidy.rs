@@ -5,6 +5,7 @@
 
 mod crate_table;
 mod file_length;
+mod file_opening;
 mod floors;
 mod foreign_data;
 mod machine_paths;
@@ -60,6 +61,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         crate_table::check(members, files),
         module_names::check(files),
         file_length::check(files),
+        file_opening::check(files),
         unsafe_code::check(members, files),
         machine_paths::check(files),
     ]

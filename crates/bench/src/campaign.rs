@@ -1,11 +1,21 @@
 use std::collections::HashSet;
+use std::time::Duration;
 
-use cranny_plan::Criterion;
-use cranny_scenario::{OpenOptions, Scenario};
+use cranny_plan::{Budget, Criterion, Problem, Unobserved};
+use cranny_scenario::Recipe;
 
-use crate::opened_scenario::goals_of;
+use crate::opened_scenario::OpenedScenario;
 use crate::scenario_choice::{choose_scenarios, matches};
-use crate::{BenchError, PlannerCall, Question, ScenarioSource, Trial};
+use crate::{BenchError, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
+
+/// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
+pub const MOST_TRIALS: u64 = 1_000_000;
+
+/// No trial takes longer, in seconds (116 days); no clock overflows before.
+pub const MOST_TIME_LIMIT_S: f64 = 1e7;
+
+/// No search takes more memory, in MB (16 TiB): more than any machine has, and its bytes can still be counted.
+pub const MOST_MEMORY_MB: u64 = 1 << 24;
 
 /// A campaign: every scenario by every planner under every criterion with every seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +97,8 @@ pub struct Schedule {
     pub questions: Vec<Question>,
     /// Where the scenarios are.
     pub scenarios: Vec<ScenarioSource>,
+    /// What a person should know before the first trial: whose end is certain already.
+    pub notes: Vec<String>,
 }
 
 impl CampaignPlanner {
@@ -127,31 +139,36 @@ impl Campaign {
         })
     }
 
-    /// Every trial of the campaign, each once. The scenarios are opened for it, so that what is wrong with one of
-    /// them is said before the first trial.
+    /// Every trial of the campaign, each once. The scenarios are opened for it and the planners asked whether they
+    /// take them, so that what would end the campaign at a later trial is said before the first.
     ///
     /// # Errors
-    /// [`BenchError`] for scenarios that do not open, planners of one name, nothing to do, and numbers that are
-    /// none.
+    /// [`BenchError`] for scenarios that do not open, planners of one name, a planner that does not take a scenario,
+    /// nothing to do, and numbers that are none.
     pub fn schedule(&self) -> Result<Schedule, BenchError> {
         self.check()?;
-        let mut scenarios = Vec::new();
-        for chosen in choose_scenarios(&self.scenarios)? {
-            let mut goals = None;
-            for criterion in &self.criteria {
-                let options = OpenOptions { criterion: Some(*criterion), ..OpenOptions::default() };
-                let scenario = Scenario::open(&chosen.source, &options)?;
-                if goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
-                    goals = Some(goals_of(&chosen.source, &scenario)?.len());
-                }
-            }
-            scenarios.push(ScenarioSource {
+        let criteria = self.distinct_criteria();
+        let chosen = choose_scenarios(&self.scenarios)?;
+        // Before many are opened in vain; where each goal is aimed at, their number comes later.
+        self.check_size(&chosen.iter().map(|_| 1))?;
+        let (mut scenarios, mut notes) = (Vec::new(), Vec::new());
+        for chosen in chosen {
+            let mut source = ScenarioSource {
                 scenario: chosen.identity.id,
                 scenario_hash: chosen.identity.sha256,
                 source: chosen.source,
-                goals,
-            });
+                goals: None,
+            };
+            for criterion in &criteria {
+                let opened = OpenedScenario::open(&source.source, *criterion)?;
+                if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
+                    source.goals = Some(opened.goals()?.len());
+                }
+                notes.extend(self.try_out(&opened)?);
+            }
+            scenarios.push(source);
         }
+        self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
         let settings: Vec<String> = self.planners.iter().map(|planner| planner.call.settings()).collect();
         let most_runs =
             self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
@@ -168,7 +185,7 @@ impl Campaign {
                         vec![None]
                     };
                     for (criterion, goal) in
-                        self.criteria.iter().flat_map(|c| goals.iter().map(move |goal| (*c, *goal)))
+                        criteria.iter().flat_map(|c| goals.iter().map(move |goal| (*c, *goal)))
                     {
                         let trial = Trial {
                             scenario: scenario.scenario.clone(),
@@ -195,7 +212,7 @@ impl Campaign {
         if questions.is_empty() {
             return Err(BenchError::Empty { what: "trials (no scenario has a goal configuration)" });
         }
-        Ok(Schedule { questions, scenarios })
+        Ok(Schedule { questions, scenarios, notes })
     }
 
     fn time_limit(&self, scenario: &ScenarioSource, planner: &CampaignPlanner) -> f64 {
@@ -204,6 +221,73 @@ impl Campaign {
         };
         let exception = self.exceptions.iter().find(holds).map(|exception| exception.time_limit_s);
         exception.or(planner.time_limit_s).unwrap_or(self.time_limit_s)
+    }
+
+    /// Asks every planner whether it takes a scenario; a note where the start is not free, so that all trials end
+    /// there.
+    fn try_out(&self, opened: &OpenedScenario) -> Result<Option<String>, BenchError> {
+        let (scenario, problem) = (&opened.scenario, &opened.problem);
+        for planner in &self.planners {
+            self.ask(planner, opened).map_err(|reason| BenchError::Refused {
+                scenario: scenario.id.clone(),
+                planner: planner.name.clone(),
+                reason: reason.to_string(),
+            })?;
+        }
+        let is_free = problem.validity.is_free(&problem.start, &mut problem.validity.scratch());
+        let (criterion, outcome) = (problem.criterion().name(), TrialOutcome::StartInvalid.name());
+        Ok((!is_free).then(|| {
+            let id = &scenario.id;
+            format!(
+                "the start of {id} is not free under {criterion}: every trial there will end as {outcome}"
+            )
+        }))
+    }
+
+    /// Asks a planner for a search of no iterations: what it has against a scenario it says at once.
+    fn ask(&self, planner: &CampaignPlanner, opened: &OpenedScenario) -> Result<(), BenchError> {
+        let PlannerCall::BuiltIn { planner: name, settings } = &planner.call else {
+            // It is given the scenario as files.
+            return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
+        };
+        let aimed: Problem;
+        let problem = if planner.each_goal {
+            // Where there is no goal there is no trial.
+            let Some(goal) = opened.goals()?.first() else { return Ok(()) };
+            aimed = opened.problem.with_goal(goal.clone())?;
+            &aimed
+        } else {
+            &opened.problem
+        };
+        let nothing = Budget { iterations: 0, time: Duration::ZERO };
+        let planner = cranny_plan::planner_with(name, settings)?;
+        Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)
+    }
+
+    /// Each of them once, however often it is named.
+    fn distinct_criteria(&self) -> Vec<Criterion> {
+        let mut distinct = Vec::new();
+        for criterion in &self.criteria {
+            if !distinct.contains(criterion) {
+                distinct.push(*criterion);
+            }
+        }
+        distinct
+    }
+
+    /// Refuses a campaign with too many trials, `goals` being the number of goals of each scenario.
+    fn check_size(&self, goals: &(impl Iterator<Item = u64> + Clone)) -> Result<(), BenchError> {
+        let of_planner = |planner: &CampaignPlanner| {
+            let per_run: u64 = goals.clone().map(|goals| if planner.each_goal { goals } else { 1 }).sum();
+            planner.runs.unwrap_or(self.runs).saturating_mul(per_run)
+        };
+        let trials = self.planners.iter().map(of_planner).fold(0, u64::saturating_add);
+        let trials = trials.saturating_mul(self.distinct_criteria().len() as u64);
+        if trials > MOST_TRIALS {
+            Err(BenchError::TooManyTrials { trials, most: MOST_TRIALS })
+        } else {
+            Ok(())
+        }
     }
 
     fn check(&self) -> Result<(), BenchError> {
@@ -221,8 +305,9 @@ impl Campaign {
         let own = self.planners.iter().filter_map(|planner| planner.time_limit_s);
         let exceptions = self.exceptions.iter().map(|exception| exception.time_limit_s);
         for value in std::iter::once(self.time_limit_s).chain(own).chain(exceptions) {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(BenchError::Range { what: "a time limit", value, range: "above 0 s" });
+            if !(value > 0.0 && value <= MOST_TIME_LIMIT_S) {
+                let range = "above 0 and at most 10000000 s";
+                return Err(BenchError::Range { what: "a time limit", value, range });
             }
         }
         let most_runs = self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max();
@@ -232,11 +317,17 @@ impl Campaign {
         // What a file of results can hold.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
-            let value = self.first_seed as f64;
+            let value = self.first_seed as f64 + most_runs.unwrap_or(0) as f64;
             return Err(BenchError::Range { what: "the last seed", value, range: "below 2^63" });
         }
-        if self.memory_limit_bytes == 0 {
-            return Err(BenchError::Range { what: "the memory limit", value: 0.0, range: "above 0 MB" });
+        if let Some(limit) = self.iteration_limit.filter(|limit| i64::try_from(*limit).is_err()) {
+            let range = "below 2^63";
+            return Err(BenchError::Range { what: "the iteration limit", value: limit as f64, range });
+        }
+        let memory_mb = self.memory_limit_bytes >> 20;
+        if !(1..=MOST_MEMORY_MB).contains(&memory_mb) {
+            let range = "at least 1 and at most 16777216 MB";
+            return Err(BenchError::Range { what: "the memory limit", value: memory_mb as f64, range });
         }
         Ok(())
     }

@@ -1,4 +1,3 @@
-use std::fs;
 use std::path::Path;
 
 use cranny_plan::Criterion;
@@ -34,7 +33,7 @@ struct CampaignEntry {
     #[serde(default)]
     measure_clearance: Option<bool>,
     #[serde(default)]
-    exceptions: Vec<ExceptionEntry>,
+    exceptions: Vec<Spanned<ExceptionEntry>>,
 }
 
 #[derive(Deserialize)]
@@ -75,16 +74,19 @@ impl Campaign {
     /// # Errors
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path)
+        let text = cranny_file::TEXT
+            .argument()
+            .text(path)
             .map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })?;
         let fault = |location: Location, problem: String| BenchError::CampaignFile {
             path: path.to_owned(),
             line: location.line().max(1),
             problem,
         };
-        let entry: CampaignEntry = serde_saphyr::from_str(&text).map_err(|reason| {
-            let location = reason.location().unwrap_or(Location::UNKNOWN);
-            fault(location, reason.without_snippet().to_string())
+        let entry: CampaignEntry = cranny_file::yaml(&text).map_err(|reason| BenchError::CampaignFile {
+            path: path.to_owned(),
+            line: reason.line as u64,
+            problem: reason.problem,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut planners = Vec::new();
@@ -93,11 +95,20 @@ impl Campaign {
         }
         let default = Self::default();
         let criteria = entry.criteria.map(|criteria| criteria.into_iter().map(|entry| entry.0).collect());
-        let exception = |entry: ExceptionEntry| Exception {
-            scenario: entry.scenario,
-            planner: entry.planner,
-            time_limit_s: entry.time_limit_s,
-        };
+        let mut exceptions = Vec::new();
+        for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
+            entry.exceptions
+        {
+            if !planners.iter().any(|known: &CampaignPlanner| known.name == planner) {
+                let names: Vec<&str> = planners.iter().map(|known| known.name.as_str()).collect();
+                let problem = format!(
+                    "no planner of the campaign is called '{planner}' (there are: {})",
+                    names.join(", ")
+                );
+                return Err(fault(referenced, problem));
+            }
+            exceptions.push(Exception { scenario, planner, time_limit_s });
+        }
         Ok(Self {
             scenarios: entry.scenarios.iter().map(|word| scenario_beside(folder, word)).collect(),
             planners,
@@ -106,10 +117,12 @@ impl Campaign {
             first_seed: entry.first_seed.unwrap_or(default.first_seed),
             time_limit_s: entry.time_limit_s.unwrap_or(default.time_limit_s),
             iteration_limit: entry.iteration_limit,
-            memory_limit_bytes: entry.memory_limit_mb.map_or(default.memory_limit_bytes, |mb| mb << 20),
+            memory_limit_bytes: entry
+                .memory_limit_mb
+                .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
-            exceptions: entry.exceptions.into_iter().map(exception).collect(),
+            exceptions,
         })
     }
 }

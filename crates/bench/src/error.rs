@@ -17,6 +17,25 @@ pub enum BenchError {
         /// The file.
         path: PathBuf,
     },
+    /// A file says that it is results, but its tables are not those of results.
+    #[error(
+        "{}: '{name}' is not as `cranny bench run` makes it; the file is damaged, or no results of Cranny's",
+        path.display()
+    )]
+    OtherTable {
+        /// The file.
+        path: PathBuf,
+        /// Which table, or index.
+        name: String,
+    },
+    /// The pages of a file do not fit together.
+    #[error("{}: the file is damaged: {problem}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What `SQLite` says.
+        problem: String,
+    },
     /// Results were written by another version of Cranny.
     #[error("{}: the results are of version {actual}, and this program knows version {expected}", path.display())]
     ResultsVersion {
@@ -117,6 +136,22 @@ pub enum BenchError {
         value: f64,
         /// What would fit.
         range: &'static str,
+    },
+    /// A file of results cannot be made.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A campaign is larger than anybody could wait for.
+    #[error("the campaign has {trials} trials, but at most {most}; ask fewer seeds, or several campaigns")]
+    TooManyTrials {
+        /// How many it has.
+        trials: u64,
+        /// How many it may have.
+        most: u64,
     },
     /// A campaign's file cannot be read.
     #[error("{}: cannot be read: {reason}", path.display())]

@@ -51,7 +51,10 @@ struct ForeignStatistics {
 }
 
 /// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
-/// path. The error says what is wrong, with the line.
+/// path.
+///
+/// # Errors
+/// What is wrong, with the line.
 pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String> {
     let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
     if !text.trim_start().starts_with('{') {
@@ -63,7 +66,7 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
         });
     }
     let document: Document =
-        serde_json::from_str(text).map_err(|reason| format!("line {}: {reason}", reason.line()))?;
+        cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
     if let Some((index, q)) = document.waypoints.iter().enumerate().find(|(_, q)| q.len() != joints) {
         return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
     }
@@ -106,11 +109,14 @@ struct ReleasedSummary {
 }
 
 /// What the released program wrote to `prefix.txt` (a summary as JSON) and `prefix.try` (way points).
+///
+/// # Errors
+/// What is wrong, with the line.
 pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, String> {
-    let text = |ending: &str| std::fs::read_to_string(prefix.with_extension(ending));
+    let text = |ending: &str| cranny_file::TABLE.text(&prefix.with_extension(ending));
     let summary = text("txt").map_err(|reason| format!("the program left no .txt file: {reason}"))?;
-    let summary: ReleasedSummary =
-        serde_json::from_str(&summary).map_err(|reason| format!(".txt, line {}: {reason}", reason.line()))?;
+    let summary: ReleasedSummary = cranny_file::json(summary.as_bytes())
+        .map_err(|reason| format!(".txt, line {}: {reason}", reason.line))?;
     let is_solved = summary.sr.is_some_and(|rate| rate > 0.0);
     // On a failure the way points are those of no answer.
     let path = match text("try") {
@@ -140,12 +146,15 @@ fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
             finite.ok_or_else(|| format!("line {}: '{}' is not a finite number", index + 1, shown(field)))
         };
         // The released files end every line with a comma.
-        let fields = line.trim().trim_end_matches(',').split(',');
-        let q = fields.map(number).collect::<Result<Vec<f64>, String>>()?;
-        if q.len() != joints {
-            return Err(format!("line {}: {} numbers instead of {joints}", index + 1, q.len()));
+        let fields = || line.trim().trim_end_matches(',').split(',');
+        // A line of words is called by its words.
+        number(fields().next().unwrap_or_default())?;
+        // Counted before they are kept: a line may have any number of them.
+        let actual = fields().count();
+        if actual != joints {
+            return Err(format!("line {}: {actual} numbers instead of {joints}", index + 1));
         }
-        path.push(q);
+        path.push(fields().map(number).collect::<Result<_, String>>()?);
     }
     Ok(path)
 }

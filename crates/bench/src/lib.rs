@@ -24,6 +24,7 @@ mod process_group;
 mod question;
 mod replay;
 mod results;
+mod results_file;
 mod results_row;
 mod run_information;
 mod scenario_choice;
@@ -33,9 +34,12 @@ mod worker;
 mod worker_message;
 mod worker_process;
 
-pub use campaign::{Campaign, CampaignPlanner, Exception, Schedule};
+pub use campaign::{
+    Campaign, CampaignPlanner, Exception, MOST_MEMORY_MB, MOST_TIME_LIMIT_S, MOST_TRIALS, Schedule,
+};
 pub use campaign_run::{CampaignObserver, CampaignSettings, RunSummary, Unheard, run_campaign};
 pub use error::BenchError;
+pub use foreign_answer::{ForeignAnswer, read_output, read_released};
 pub use ompl_log::OmplLog;
 pub use planner_call::PlannerCall;
 pub use question::Question;

@@ -16,7 +16,7 @@ pub struct OpenedScenario {
 }
 
 impl OpenedScenario {
-    fn open(source: &str, criterion: Criterion) -> Result<Self, ScenarioError> {
+    pub fn open(source: &str, criterion: Criterion) -> Result<Self, ScenarioError> {
         let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
         let problem = scenario.problem(&Demands::default())?;

@@ -1,5 +1,4 @@
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -65,7 +64,7 @@ impl PlannerCall {
                 return Err(missing());
             }
             if !word.contains(std::path::MAIN_SEPARATOR) {
-                return Ok(word.to_owned());
+                return if is_in_path(word) { Ok(word.to_owned()) } else { Err(missing()) };
             }
             if Path::new(word).is_file() { absolute(word).ok_or_else(missing) } else { Err(missing()) }
         };
@@ -142,6 +141,13 @@ fn sorted(value: &Value) -> Value {
     }
 }
 
+/// Whether a shell would find the program.
+fn is_in_path(program: &str) -> bool {
+    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()))
+}
+
 fn is_file(word: &str) -> bool {
     word.contains(std::path::MAIN_SEPARATOR) && Path::new(word).is_file()
 }
@@ -156,7 +162,7 @@ fn absolute(word: &str) -> Option<String> {
 }
 
 fn checksum(word: &str) -> String {
-    let content = fs::read(word).unwrap_or_default();
+    let content = cranny_file::PROGRAM.bytes(Path::new(word)).unwrap_or_default();
     let mut text = String::new();
     for byte in Sha256::digest(content) {
         let _ = write!(text, "{byte:02x}");
@@ -166,6 +172,8 @@ fn checksum(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]
@@ -174,7 +182,7 @@ mod tests {
         let call = |folder: &tempfile::TempDir, content: &str| {
             let script = folder.path().join("planner.py");
             fs::write(&script, content).unwrap();
-            PlannerCall::parse(&format!("exec:python3 {} --fast {{seed}}", script.display())).unwrap()
+            PlannerCall::parse(&format!("exec:sh {} --fast {{seed}}", script.display())).unwrap()
         };
         let (a, b) = (call(&here, "one"), call(&there, "one"));
         assert_eq!(a.settings(), b.settings());
@@ -204,5 +212,7 @@ mod tests {
         assert!(matches!(PlannerCall::parse("ik-rtt"), Err(BenchError::Plan(_))));
         assert!(matches!(PlannerCall::parse("exec:./no/such/program"), Err(BenchError::Program { .. })));
         assert!(matches!(PlannerCall::parse("exec:"), Err(BenchError::Program { .. })));
+        // Said before a campaign begins, not by its first trial.
+        assert!(matches!(PlannerCall::parse("exec:no-such-program x"), Err(BenchError::Program { .. })));
     }
 }

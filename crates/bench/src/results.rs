@@ -1,10 +1,9 @@
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use rusqlite::{Connection, OpenFlags, OptionalExtension as _, params};
+use rusqlite::{Connection, OptionalExtension as _, params};
 
 use crate::results_row::{self, COLUMNS};
-use crate::{BenchError, RunInformation, Trial, TrialRecord};
+use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
 ///
@@ -64,132 +63,28 @@ pub struct Merged {
     pub known: u64,
 }
 
-/// "CRNY": what tells the results from other databases.
-const APPLICATION: i64 = 0x4352_4e59;
-
-/// The version of the tables.
-const VERSION: i64 = 1;
-
-const TABLES: &str = "
-CREATE TABLE runs (
-    id INTEGER PRIMARY KEY,
-    identity TEXT NOT NULL UNIQUE DEFAULT (lower(hex(randomblob(16)))),
-    machine TEXT NOT NULL,
-    processor TEXT NOT NULL,
-    cpu_features TEXT NOT NULL,
-    cores INTEGER NOT NULL,
-    version TEXT NOT NULL,
-    commit_hash TEXT,
-    command TEXT NOT NULL,
-    workers INTEGER NOT NULL,
-    began TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%SZ', 'now')),
-    ended TEXT
-);
-CREATE TABLE scenarios (
-    scenario TEXT NOT NULL,
-    scenario_hash TEXT NOT NULL,
-    source TEXT NOT NULL,
-    goals INTEGER,
-    PRIMARY KEY (scenario, scenario_hash)
-);
-CREATE TABLE planners (
-    planner TEXT NOT NULL,
-    settings TEXT NOT NULL,
-    source TEXT NOT NULL,
-    PRIMARY KEY (planner, settings)
-);
-CREATE TABLE trials (
-    id INTEGER PRIMARY KEY,
-    run INTEGER NOT NULL REFERENCES runs (id),
-    scenario TEXT NOT NULL,
-    scenario_hash TEXT NOT NULL,
-    planner TEXT NOT NULL,
-    settings TEXT NOT NULL,
-    criterion TEXT NOT NULL,
-    seed INTEGER NOT NULL,
-    time_limit_s REAL NOT NULL,
-    iteration_limit INTEGER,
-    goal INTEGER,
-    outcome TEXT NOT NULL,
-    detail TEXT,
-    iterations INTEGER NOT NULL,
-    nodes INTEGER NOT NULL,
-    collision_checks INTEGER NOT NULL,
-    ik_attempts INTEGER NOT NULL,
-    goals_tried INTEGER NOT NULL,
-    planning_time_s REAL NOT NULL,
-    ik_time_s REAL NOT NULL,
-    collision_time_s REAL NOT NULL,
-    proof_time_s REAL NOT NULL,
-    nearest_time_s REAL NOT NULL,
-    path_length REAL,
-    clearance_m REAL,
-    grasp INTEGER,
-    grasp_score REAL,
-    also_solved INTEGER,
-    path BLOB
-);
-CREATE UNIQUE INDEX trial_identity ON trials (
-    scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s,
-    COALESCE(iteration_limit, -1), COALESCE(goal, -1)
-);";
-
 impl Results {
-    /// Opens the results at `path` to add to them; begins new ones where there are none.
+    /// Opens the results at `path` to add to them; begins new ones where there are none, or an empty file.
     ///
     /// # Errors
-    /// [`BenchError::NotResults`], [`BenchError::ResultsVersion`], [`BenchError::Database`]; what stood there
-    /// before is untouched.
+    /// [`BenchError::NotResults`], [`BenchError::ResultsVersion`], [`BenchError::OtherTable`],
+    /// [`BenchError::Damaged`], [`BenchError::Database`]; what stood there before is untouched.
     pub fn create(path: &Path) -> Result<Self, BenchError> {
-        Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE)
+        results_file::begin(path)?;
+        Ok(Self { connection: results_file::open(path)?, path: path.to_owned() })
     }
 
-    /// Opens the results at `path`.
+    /// Opens the results at `path` to read them.
     ///
     /// # Errors
     /// As [`Self::create`], and [`BenchError::NoResults`] where there are none.
     pub fn open(path: &Path) -> Result<Self, BenchError> {
-        if !path.is_file() {
+        if !path.exists() {
             return Err(BenchError::NoResults { path: path.to_owned() });
         }
-        // Read and write, because a log that a killed run left behind is written back first.
-        Self::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)
-    }
-
-    fn connect(path: &Path, flags: OpenFlags) -> Result<Self, BenchError> {
-        let fault = |reason: rusqlite::Error| match reason.sqlite_error_code() {
-            Some(rusqlite::ErrorCode::NotADatabase) => BenchError::NotResults { path: path.to_owned() },
-            _ => BenchError::Database { path: path.to_owned(), reason },
-        };
-        let mut connection = Connection::open_with_flags(path, flags).map_err(fault)?;
-        connection.busy_timeout(PATIENCE).map_err(fault)?;
-        let pragma = |connection: &Connection, name: &str| {
-            connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0)).map_err(fault)
-        };
-        let tables: i64 = connection
-            .query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))
-            .map_err(fault)?;
-        if tables > 0 {
-            if pragma(&connection, "application_id")? != APPLICATION {
-                return Err(BenchError::NotResults { path: path.to_owned() });
-            }
-            let actual = pragma(&connection, "user_version")?;
-            if actual != VERSION {
-                return Err(BenchError::ResultsVersion { path: path.to_owned(), expected: VERSION, actual });
-            }
-        }
-        // A commit survives the end of the program; only the end of the machine may take the last ones with it.
-        connection.pragma_update(None, "journal_mode", "WAL").map_err(fault)?;
-        connection.pragma_update(None, "synchronous", "NORMAL").map_err(fault)?;
-        if tables == 0 {
-            // In one transaction: results that are half begun are none.
-            let transaction = connection.transaction().map_err(fault)?;
-            transaction.execute_batch(TABLES).map_err(fault)?;
-            transaction.pragma_update(None, "application_id", APPLICATION).map_err(fault)?;
-            transaction.pragma_update(None, "user_version", VERSION).map_err(fault)?;
-            transaction.commit().map_err(fault)?;
-        }
-        Ok(Self { connection, path: path.to_owned() })
+        let results = Self { connection: results_file::open(path)?, path: path.to_owned() };
+        results.done(results.connection.pragma_update(None, "query_only", true))?;
+        Ok(results)
     }
 
     /// The file.
@@ -385,6 +280,31 @@ impl Results {
         detached.map(|()| merged)
     }
 
+    /// Joins results in the file `into`, which may hold some already, and returns it with what each of `others` gave.
+    /// A new file appears with all of them or not at all.
+    ///
+    /// # Errors
+    /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].
+    pub fn merged(into: &Path, others: &[PathBuf]) -> Result<(Self, Vec<Merged>), BenchError> {
+        let take_up = |results: &mut Self| -> Result<Vec<Merged>, BenchError> {
+            others.iter().map(|other| results.merge(other)).collect()
+        };
+        if into.exists() {
+            let mut results = Self::create(into)?;
+            let merged = take_up(&mut results)?;
+            return Ok((results, merged));
+        }
+        let beside = results_file::folder_beside(into)?;
+        let partial = beside.path().join("results.db");
+        results_file::begin(&partial)?;
+        let mut results = Self { connection: results_file::open(&partial)?, path: into.to_owned() };
+        let merged = take_up(&mut results)?;
+        // With its log written back, which the last to close it does.
+        drop(results);
+        results_file::settle(&partial, into)?;
+        Ok((Self::create(into)?, merged))
+    }
+
     fn take_up_others(&mut self) -> Result<Merged, BenchError> {
         let path = self.path.clone();
         let take_up = |connection: &mut Connection| {
@@ -409,9 +329,6 @@ impl Results {
         result.map_err(|reason| BenchError::Database { path: self.path.clone(), reason })
     }
 }
-
-/// How long one program waits until another has written.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 const TAKE_UP_RUNS: &str = "
 INSERT OR IGNORE INTO runs (identity, machine, processor, cpu_features, cores, version, commit_hash, command,

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use cranny_plan::{Budget, ClearanceReport, Criterion, Outcome, PlanReport, Problem, Unobserved};
+use cranny_plan::{Budget, ClearanceReport, Criterion, Outcome, PlanReport, Unobserved, search};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
@@ -49,15 +49,11 @@ pub fn run(
                 iterations: trial.iteration_limit.unwrap_or(u64::MAX),
                 time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),
             };
-            let aimed: Problem;
-            let problem = match goal {
-                Some(goal) => {
-                    aimed = opened.problem.with_goal(goal)?;
-                    &aimed
-                }
-                None => &opened.problem,
+            let mut problem = match goal {
+                Some(goal) => opened.problem.with_goal(goal)?,
+                None => opened.problem.clone(),
             };
-            of_report(planner.plan(problem, &budget, trial.seed, &mut Unobserved)?)
+            of_report(search(planner.as_ref(), &mut problem, &budget, trial.seed, &mut Unobserved)?)
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),
     };

@@ -71,7 +71,7 @@ fn words_are_paths_from_the_folder_of_the_file_unless_they_are_ids() {
 fn a_schedule_has_every_trial_once_seed_by_seed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = "scenarios: ['021', '045']\nplanners: [{planner: reach}, {planner: ik-rrt, each_goal: true, runs: 2}]\n\
-                runs: 3\ntime_limit_s: 7\nexceptions: [{scenario: 04x, planner: reach, time_limit_s: 900}]\n";
+                criteria: [exact, exact]\nruns: 3\ntime_limit_s: 7\nexceptions: [{scenario: 04x, planner: reach, time_limit_s: 900}]\n";
     let schedule = read(folder.path(), text).expect("a campaign").schedule().expect("a schedule");
     let goals: Vec<usize> = schedule.scenarios.iter().map(|s| s.goals.expect("counted")).collect();
     assert!(goals.iter().all(|goals| *goals > 0), "{goals:?}");
@@ -149,6 +149,21 @@ fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     assert!(
         fault(&format!("scenarios: ['021']\n{planners}first_seed: 9223372036854775807\n")).contains("seed")
     );
+    // These wrapped round to a limit of nothing, or filled the memory before the first trial.
+    let limits = [
+        ("memory_limit_mb: 0", "at least 1 and at most 16777216 MB"),
+        ("memory_limit_mb: 17592186044416", "at least 1 and at most 16777216 MB"),
+        ("memory_limit_mb: 18446744073709551615", "at least 1 and at most 16777216 MB"),
+        ("time_limit_s: 1.0e+300", "at most 10000000 s"),
+        ("time_limit_s: .inf", "at most 10000000 s"),
+        ("iteration_limit: 9223372036854775808", "below 2^63"),
+        ("runs: 100000000", "100000000 trials, but at most 1000000"),
+        ("runs: 9223372036854775808", "2^63"),
+    ];
+    for (limit, range) in limits {
+        let message = fault(&format!("scenarios: ['021']\n{planners}{limit}\n"));
+        assert!(message.contains(range), "{limit}: {message}");
+    }
     let twice = "scenarios: ['021']\nplanners: [{planner: reach}, {planner: reach, settings: {looks: 8}}]\n";
     assert!(fault(twice).contains("two planners of the campaign are called 'reach'"));
 }

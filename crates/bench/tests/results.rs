@@ -131,7 +131,7 @@ fn what_is_no_results_is_refused_and_left_as_it_is() {
     assert!(matches!(Results::open(&missing), Err(BenchError::NoResults { .. })));
     assert!(!missing.exists());
     let nowhere = folder.path().join("no/such/folder/results.db");
-    assert!(matches!(Results::create(&nowhere), Err(BenchError::Database { .. })));
+    assert!(matches!(Results::create(&nowhere), Err(BenchError::Unwritable { .. })));
 
     let foreign = folder.path().join("foreign.db");
     let connection = rusqlite::Connection::open(&foreign).expect("a database");

@@ -1,4 +1,3 @@
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -9,6 +8,7 @@ use cranny_scenario::Geometry;
 
 use crate::bench::BenchArguments;
 use crate::grasps::GraspsArguments;
+use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
 use crate::scenario::ScenarioArguments;
@@ -32,6 +32,10 @@ use crate::view::ViewArguments;
 pub struct Cli {
     #[command(flatten)]
     pub output: Output,
+    /// Read files of any size: without it a mesh or a table may have 1 GiB, a packed scenario 256 MiB, any other
+    /// file 64 MiB
+    #[arg(long, global = true)]
+    pub large_files: bool,
     #[command(subcommand)]
     pub command: Command,
 }
@@ -45,6 +49,9 @@ pub struct Output {
     /// Print no progress and no summary
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Write over a file of another kind too (never over results of campaigns, and never into a device)
+    #[arg(long, global = true)]
+    pub force: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -83,11 +90,14 @@ pub struct TaskArguments {
     #[arg(long, value_enum)]
     pub criterion: Option<CriterionArgument>,
     /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     pub margin: Option<f64>,
     /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     pub grasp_margin: Option<f64>,
+    /// Check pairs of links that touch in every sample too, which are left out otherwise and named
+    #[arg(long)]
+    pub strict_pairs: bool,
     /// Another robot's URDF (with SRDF and limits.yaml beside it) instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -127,13 +137,13 @@ pub struct PlanArguments {
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
     /// Seed of all randomness: the same seed gives the same path
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Seconds after which the search ends
     #[arg(long, value_name = "S", default_value = "120", value_parser = seconds)]
     pub time_limit: Duration,
     /// Iterations after which the search ends [default: no limit]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     pub iterations: Option<u64>,
     /// Leave the path as the planner found it
     #[arg(long)]
@@ -141,29 +151,17 @@ pub struct PlanArguments {
     /// Look for better paths for so many seconds after the first; with --iterations too, over all searches,
     /// the same seed gives the same path. Cost: length, each joint weighted by how far it moves the arm,
     /// minus the weighted score of the grasp
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        value_parser = seconds,
-        conflicts_with = "no_shortcut",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "no_shortcut")]
     pub optimise: Option<Duration>,
     /// What a grasp of score 1 is worth against one of score 0, in metres of the base's way
-    #[arg(
-        long,
-        value_name = "W",
-        default_value_t = 1.0,
-        requires = "optimise",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "W", default_value_t = 1.0, requires = "optimise")]
     pub score_weight: f64,
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
     #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
     pub goal_threshold: f64,
     /// Write the trajectory beside the plan, as ID.trajectory.csv: position, velocity and acceleration of
     /// every joint, at so many samples a second
-    #[arg(long, value_name = "HZ", value_parser = sample_rate, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = sample_rate)]
     pub rate: Option<f64>,
     /// Time the path under limits of jerk too, not of velocity and acceleration alone
     #[arg(long)]
@@ -181,7 +179,6 @@ pub struct PlanArguments {
     after_help = "Examples:
   cranny verify 021 021.plan.json
   cranny verify path/to/scenarios/011 way_points.csv --margin 2
-  cranny verify 021 021.plan.json --criterion paper
   cranny verify --moveit scene0001.yaml request0001.yaml scene0001.plan.json
 
 Way points: a plan file, or one configuration a line, comma-separated (.csv, .try). Criterion and margins
@@ -217,7 +214,7 @@ impl VerifyArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny ik 025
-  cranny ik 021 --solutions 5 --grasp 17
+  cranny ik 021 --solutions 5 --grasp 139
   cranny ik 021 --single-shot
   cranny ik path/to/scenarios/011 --json > ik.json")]
 pub struct IkArguments {
@@ -227,16 +224,16 @@ pub struct IkArguments {
     #[arg(long, value_name = "N")]
     pub grasp: Option<usize>,
     /// Distinct solutions to look for at each grasp
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub solutions: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1000))]
+    pub solutions: usize,
     /// Attempts at each grasp
-    #[arg(long, value_name = "N", default_value = "5000")]
-    pub attempts: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "5000", value_parser = whole::<usize>(1..=1_000_000_000))]
+    pub attempts: usize,
     /// Only one attempt at each grasp and one at its twin, from the start, as the paper does it
     #[arg(long, conflicts_with = "attempts")]
     pub single_shot: bool,
     /// Seed of all randomness
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 
@@ -282,12 +279,6 @@ impl From<GeometryArgument> for Geometry {
             GeometryArgument::Export => Self::Export,
         }
     }
-}
-
-/// A number of seconds on the command line.
-pub fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("'{text}' is no number of seconds"))?;
-    Duration::try_from_secs_f64(seconds).map_err(|_| "a time limit is a positive number of seconds".into())
 }
 
 fn sample_rate(text: &str) -> Result<f64, String> {

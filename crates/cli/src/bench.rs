@@ -58,5 +58,7 @@ pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
 /// This program, as a worker.
 pub fn worker() -> Result<WorkerProgram, Failure> {
     let program: PathBuf = std::env::current_exe()?;
-    Ok(WorkerProgram { program, arguments: vec!["bench".to_owned(), "worker".to_owned()] })
+    let limits = cranny_file::are_limits_lifted().then_some("--large-files");
+    let arguments = ["bench", "worker"].into_iter().chain(limits).map(str::to_owned).collect();
+    Ok(WorkerProgram { program, arguments })
 }

@@ -8,7 +8,9 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
-use crate::{text, whole_file};
+use crate::file_kind::FileKind;
+use crate::output_file::{self, NamedFile};
+use crate::text;
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -48,18 +50,20 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
     let name = arguments.results.display().to_string();
     let source = SummarySource { results: &name, trials: &trials, runs: &runs, scenarios: &scenarios };
     let ExportFormat::Ompl = arguments.format;
-    let mut files = Vec::new();
-    if is_folder(&arguments.output) {
-        whole_file::make_folder(&arguments.output)?;
-        for log in OmplLog::of_each(&source)? {
-            let file = arguments.output.join(format!("{}.log", log.name));
-            whole_file::write(&file, log.text.as_bytes())?;
-            files.push(file);
-        }
+    let kind = FileKind::OmplLog;
+    let files = if is_folder(&arguments.output) {
+        let file = |log: OmplLog| NamedFile {
+            name: format!("{}.log", log.name),
+            kind,
+            content: log.text.into_bytes(),
+        };
+        let logs: Vec<NamedFile> = OmplLog::of_each(&source)?.into_iter().map(file).collect();
+        output_file::write_all(&arguments.output, &logs, output)?
     } else {
-        whole_file::write(&arguments.output, OmplLog::of_all(&source)?.text.as_bytes())?;
-        files.push(arguments.output.clone());
-    }
+        let log = OmplLog::of_all(&source)?;
+        output_file::write(&arguments.output, kind, log.text.as_bytes(), output)?;
+        vec![arguments.output.clone()]
+    };
     let exported = Exported { files, trials: trials.len() };
     if output.json {
         text::print_json(&exported)?;

@@ -2,12 +2,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_bench::Results;
+use cranny_bench::{Merged, Results};
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::output_file;
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -49,15 +50,15 @@ pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure
     for file in &arguments.results {
         Results::open(file)?;
     }
-    let (mut into, others) = match &arguments.output {
-        Some(file) => (Results::create(file)?, &arguments.results[..]),
-        None => (Results::open(first)?, rest),
+    let (into, others) = match &arguments.output {
+        Some(file) => (file, &arguments.results[..]),
+        None => (first, rest),
     };
-    let mut merged = Vec::new();
-    for file in others {
-        let taken = into.merge(file)?;
-        merged.push(Taken { file: file.clone(), added: taken.added, known: taken.known });
-    }
+    output_file::check_folder(into)?;
+    let (into, taken) = Results::merged(into, others)?;
+    let taken = others.iter().zip(taken);
+    let merged =
+        taken.map(|(file, Merged { added, known })| Taken { file: file.clone(), added, known }).collect();
     let answered = Answered { file: into.path().to_owned(), trials: into.trials()?.len(), merged };
     if output.json {
         text::print_json(&answered)?;

@@ -1,4 +1,5 @@
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -10,6 +11,9 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::bench;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::number_argument::whole;
+use crate::output_file;
 use crate::progress::{spinner, stop_on_interrupt};
 use crate::text;
 
@@ -26,7 +30,7 @@ pub struct ReplayArguments {
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
     /// Number of the trial, from 1
-    #[arg(value_name = "TRIAL")]
+    #[arg(value_name = "TRIAL", value_parser = whole::<u64>(1..=i64::MAX.cast_unsigned()))]
     trial: u64,
     /// Where the scenario is, if it is not where it was
     #[arg(long, value_name = "ID")]
@@ -61,6 +65,9 @@ struct Answered<'a> {
 const MEMORY_LIMIT_BYTES: u64 = 16 << 30;
 
 pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failure> {
+    if let Some(file) = &arguments.output {
+        output_file::check(file, FileKind::Waypoints, output)?;
+    }
     let results = Results::open(&arguments.results)?;
     let settings = CampaignSettings {
         worker: bench::worker()?,
@@ -73,10 +80,14 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
     let source = arguments.scenario.as_deref();
     let replayed = replay(&results, arguments.trial, source, &settings, &stop);
     spinner.finish_and_clear();
-    let Some(replayed) = replayed? else { return Ok(Answer::No) };
+    let Some(replayed) = replayed? else {
+        writeln!(std::io::stderr(), "stopped before the trial had ended")?;
+        return Ok(Answer::No);
+    };
     let run = results.runs()?.into_iter().find(|run| run.id == replayed.stored.run);
     let version = run.map(|run| run.information.version).unwrap_or_default();
     if let (Some(file), false) = (&arguments.output, replayed.path.is_empty()) {
+        output_file::check(file, FileKind::Waypoints, output)?;
         write_waypoints_csv(file, &replayed.path)?;
     }
     if output.json {

@@ -7,7 +7,9 @@ use cranny_bench::report::{Summary, plots};
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
-use crate::{progress, text, whole_file};
+use crate::file_kind::FileKind;
+use crate::output_file::{self, NamedFile};
+use crate::{progress, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -63,6 +65,16 @@ impl ReportFormat {
             _ => None,
         }
     }
+
+    fn kind(self) -> FileKind {
+        match self {
+            Self::Html => FileKind::ReportPage,
+            Self::Json => FileKind::ReportJson,
+            Self::Latex => FileKind::LatexTable,
+            Self::Markdown => FileKind::MarkdownTable,
+            Self::Csv => FileKind::CsvTable,
+        }
+    }
 }
 
 pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failure> {
@@ -88,7 +100,7 @@ pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failur
         _ if output.json && arguments.output.is_none() => {}
         None => text::print(&content(&summary, format)?)?,
         Some(file) => {
-            whole_file::write(&file, content(&summary, format)?.as_bytes())?;
+            output_file::write(&file, format.kind(), content(&summary, format)?.as_bytes(), output)?;
             if !output.quiet && !output.json {
                 let (trials, rows) = (summary.trials, summary.rows.len());
                 text::print(&format!("{}: {trials} trials in {rows} rows\n", file.display()))?;
@@ -120,14 +132,18 @@ fn default_page(results: &Path) -> PathBuf {
 
 /// How many plots.
 fn write_plots(summary: &Summary, folder: &Path, output: Output) -> Result<usize, Failure> {
-    whole_file::make_folder(folder)?;
     let plots = plots(summary);
     let bar = progress::bar(plots.len() as u64, output.quiet);
+    let mut files = Vec::new();
     for plot in &plots {
-        whole_file::write(&folder.join(format!("{}.svg", plot.name)), plot.svg().as_bytes())?;
-        whole_file::write(&folder.join(format!("{}.png", plot.name)), &plot.png()?)?;
+        let mut add = |ending: &str, kind, content| {
+            files.push(NamedFile { name: format!("{}.{ending}", plot.name), kind, content });
+        };
+        add("svg", FileKind::Svg, plot.svg().into_bytes());
+        add("png", FileKind::Png, plot.png()?);
         bar.inc(1);
     }
+    output_file::write_all(folder, &files, output)?;
     bar.finish_and_clear();
     Ok(plots.len())
 }

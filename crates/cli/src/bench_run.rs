@@ -1,21 +1,23 @@
 use std::fmt::Write as _;
-use std::num::{NonZeroU64, NonZeroUsize};
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use cranny_bench::{
-    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results, RunInformation,
-    RunSummary, TrialRecord, run_campaign,
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, MOST_MEMORY_MB, MOST_TRIALS, PlannerCall,
+    Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, run_campaign,
 };
 use cranny_plan::Criterion;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::Answer;
-use crate::arguments::{CriterionArgument, Output, seconds};
+use crate::arguments::{CriterionArgument, Output};
 use crate::bench;
 use crate::failure::Failure;
+use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
+use crate::output_file;
 use crate::progress::{bar, spinner, stop_on_interrupt};
 use crate::text;
 
@@ -28,6 +30,7 @@ use crate::text;
   cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
 
 The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
+Exit 0: every trial is in the results, however it ended; exit 1: stopped before.
 Flags go before what the campaign file or the preset says. How a planner of your own is called:
 docs/exec_protocol.md.")]
 pub struct RunArguments {
@@ -51,20 +54,20 @@ pub struct RunArguments {
     #[arg(long, value_enum, value_delimiter = ',')]
     criterion: Vec<CriterionArgument>,
     /// Seeds for each planner in each scenario [default: 100]
-    #[arg(long, value_name = "N")]
-    runs: Option<NonZeroU64>,
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_TRIALS))]
+    runs: Option<u64>,
     /// The first of the seeds [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     first_seed: Option<u64>,
     /// Seconds after which a search ends [default: 120]
     #[arg(long, value_name = "S", value_parser = seconds)]
     time_limit: Option<Duration>,
     /// Iterations after which a search ends [default: no limit]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     iterations: Option<u64>,
     /// Memory that a search may take, in MB [default: 4096]
-    #[arg(long, value_name = "MB")]
-    memory_limit: Option<NonZeroU64>,
+    #[arg(long, value_name = "MB", value_parser = whole(1..=MOST_MEMORY_MB))]
+    memory_limit: Option<u64>,
     /// Aim at each known goal configuration of a scenario by itself, as the paper's table of IK-RRT does
     #[arg(long)]
     each_goal: bool,
@@ -75,8 +78,8 @@ pub struct RunArguments {
     #[arg(long)]
     clearance: bool,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
-    #[arg(long, value_name = "N", default_value = "1")]
-    workers: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
+    workers: usize,
     /// Where the results are, or shall be
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]
     output: PathBuf,
@@ -97,18 +100,40 @@ struct Answered {
     run: usize,
     solved: usize,
     stopped: bool,
+    /// What came to no honest end now, by planner and outcome.
+    lost: Vec<Lost>,
+}
+
+/// Trials of one planner that ended in one of the ways that no planner should end.
+#[derive(Serialize)]
+struct Lost {
+    planner: String,
+    outcome: &'static str,
+    trials: usize,
+    /// What the first of them had to say.
+    first: String,
 }
 
 pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> {
     let campaign = campaign(arguments)?;
+    // Better now than after the opening of many scenarios.
+    output_file::check_folder(&arguments.output)?;
+    if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
+        Results::open(&arguments.output)?;
+    }
     let stop = stop_on_interrupt()?;
     let spinner = spinner("opening the scenarios", output.quiet);
     let schedule = campaign.schedule();
     spinner.finish_and_clear();
     let schedule = schedule?;
+    if !output.quiet {
+        for note in &schedule.notes {
+            writeln!(std::io::stderr(), "note: {note}")?;
+        }
+    }
     let mut results = Results::create(&arguments.output)?;
     let command = std::env::args().collect::<Vec<_>>().join(" ");
-    let workers = arguments.workers.get();
+    let workers = arguments.workers;
     let settings = CampaignSettings {
         worker: bench::worker()?,
         workers,
@@ -122,13 +147,17 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
     let RunSummary { trials, known, run, solved, is_stopped } = summary;
     let file = arguments.output.clone();
     if output.json {
-        text::print_json(&Answered { file, trials, known, run, solved, stopped: is_stopped })?;
+        let lost = progress.lost;
+        text::print_json(&Answered { file, trials, known, run, solved, stopped: is_stopped, lost })?;
     } else if !output.quiet {
         let mut page = format!("{}: {} of {trials} trials", file.display(), known + run);
         if run > 0 {
             let _ = write!(page, ", {run} of them run now, {solved} of those solved");
         }
         page.push('\n');
+        for Lost { planner, outcome, trials, first } in &progress.lost {
+            let _ = writeln!(page, "  {planner}: {trials} {outcome}; the first: {first}");
+        }
         if is_stopped {
             page.push_str("stopped; the same command goes on from here\n");
         }
@@ -150,7 +179,6 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
     choose_planners(&mut campaign, arguments)?;
     if !arguments.criterion.is_empty() {
         campaign.criteria = arguments.criterion.iter().map(|criterion| Criterion::from(*criterion)).collect();
-        campaign.criteria.dedup();
     }
     for planner in &mut campaign.planners {
         planner.each_goal |= arguments.each_goal;
@@ -158,7 +186,7 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
         planner.time_limit_s = planner.time_limit_s.filter(|_| arguments.time_limit.is_none());
     }
     if let Some(runs) = arguments.runs {
-        campaign.runs = runs.get();
+        campaign.runs = runs;
     }
     if let Some(limit) = arguments.time_limit {
         campaign.time_limit_s = limit.as_secs_f64();
@@ -167,7 +195,7 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
     campaign.first_seed = arguments.first_seed.unwrap_or(campaign.first_seed);
     campaign.iteration_limit = arguments.iterations.or(campaign.iteration_limit);
     if let Some(limit) = arguments.memory_limit {
-        campaign.memory_limit_bytes = limit.get() << 20;
+        campaign.memory_limit_bytes = limit << 20;
     }
     campaign.judge_both |= arguments.judge_both;
     campaign.measure_clearance |= arguments.clearance;
@@ -215,15 +243,34 @@ struct CampaignProgress {
     quiet: bool,
     ended: usize,
     solved: usize,
+    lost: Vec<Lost>,
 }
 
 impl CampaignProgress {
     fn new(quiet: bool) -> Self {
-        Self { bar: ProgressBar::hidden(), quiet, ended: 0, solved: 0 }
+        Self { bar: ProgressBar::hidden(), quiet, ended: 0, solved: 0, lost: Vec::new() }
     }
 
     fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+
+    /// Counts what says more of a planner, or of how it was called, than of its search.
+    fn note_loss(&mut self, record: &TrialRecord) {
+        use TrialOutcome::{Crashed, Garbled, Hung, OutOfMemory, Rejected};
+        if !matches!(record.outcome, Crashed | Garbled | Hung | OutOfMemory | Rejected) {
+            return;
+        }
+        let (planner, outcome) = (&record.trial.planner, record.outcome.name());
+        match self.lost.iter_mut().find(|lost| lost.planner == *planner && lost.outcome == outcome) {
+            Some(lost) => lost.trials += 1,
+            None => self.lost.push(Lost {
+                planner: planner.clone(),
+                outcome,
+                trials: 1,
+                first: record.detail.clone().unwrap_or_default(),
+            }),
+        }
     }
 }
 
@@ -236,6 +283,7 @@ impl CampaignObserver for CampaignProgress {
         self.ended += 1;
         self.solved += usize::from(record.is_solved());
         let percent = 100.0 * self.solved as f64 / self.ended as f64;
+        self.note_loss(record);
         self.bar.set_message(format!("{percent:.0} % solved"));
         self.bar.inc(1);
     }

@@ -23,6 +23,14 @@ pub enum Failure {
         /// What is wrong with it, and what would fit.
         problem: String,
     },
+    /// A file that a command cannot work with.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it, and what would fit.
+        problem: String,
+    },
     /// The plan is of a robot with other joints.
     #[error("{}: the plan moves joint '{found}' where this scenario's robot has '{expected}'", path.display())]
     OtherRobot {
@@ -33,8 +41,8 @@ pub enum Failure {
         /// The joint that the robot has in its place.
         expected: String,
     },
-    /// The plan would be written where it cannot be.
-    #[error("{}: the folder does not exist, so no plan can be written there", path.display())]
+    /// A file would be written where it cannot be.
+    #[error("{}: the folder does not exist, so nothing can be written there", path.display())]
     NoFolder {
         /// The file that was asked for.
         path: PathBuf,
@@ -45,13 +53,16 @@ pub enum Failure {
         /// The scenario.
         id: String,
     },
-    /// A file or folder cannot be written.
-    #[error("{}: cannot be written: {reason}", path.display())]
-    Unwritable {
-        /// Which.
+    /// What somebody else wrote, or another command, would be lost.
+    #[error(
+        "{}: exists already and is no {kind}; give another name, or --force to write over it",
+        path.display()
+    )]
+    OtherKind {
+        /// The file that is there.
         path: PathBuf,
-        /// Why.
-        reason: std::io::Error,
+        /// What would be written.
+        kind: &'static str,
     },
     /// Standard output is gone.
     #[error("cannot write the answer: {0}")]

@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, nearest_distances,
-    pairwise_distances, read_csv, sample_grasps, write_csv,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, csv_text, nearest_distances,
+    read_csv, sample_grasps, spread,
 };
 use cranny_plan::{APPROACH_M, Hand, HandFilter};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
@@ -15,8 +15,11 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
 use crate::grasp_choice::GraspChoice;
 use crate::grasp_subject::Subject;
+use crate::number_argument::{positive, whole};
+use crate::output_file;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::text;
 
@@ -41,7 +44,7 @@ pub enum GraspsCommand {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny grasps sample banana
-  cranny grasps sample sugar_box --pose 0 --count 500 --choose farthest -o box.csv
+  cranny grasps sample sugar_box --pose 2 --count 500 --choose farthest -o box.csv
   cranny grasps sample scan.obj --friction 0.4 --bare --json
   cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
   cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario
@@ -60,22 +63,23 @@ pub struct SampleArguments {
     #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
     pub output: PathBuf,
     /// How many grasps to write
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    #[arg(long, value_name = "N", default_value = "200", value_parser = whole::<usize>(1..=100_000))]
     pub count: usize,
     /// How many to sample, from which those are chosen [default: ten times as many]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=1_000_000))]
     pub candidates: Option<usize>,
     /// How to choose
     #[arg(long, value_enum, default_value = "covering")]
     pub choose: GraspChoice,
     /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
-    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MU")]
     pub friction: Option<f64>,
     /// Gripper, as YAML [default: the built-in robot's hand]
     #[arg(long, value_name = "FILE")]
     pub gripper: Option<PathBuf>,
     /// Approach directions about each closing axis
-    #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches)]
+    #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches,
+          value_parser = whole::<usize>(1..=3600))]
     pub approaches: usize,
     /// Turn the approach directions of each closing axis at random, instead of from level on
     #[arg(long)]
@@ -86,20 +90,19 @@ pub struct SampleArguments {
     pub pose: Option<usize>,
     /// Between which depths the gripper stands, in millimetres along the approach from the middle between
     /// the contacts
-    #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0],
-          allow_negative_numbers = true)]
+    #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0])]
     pub depth: Vec<f64>,
     /// Length of the straight approach that must be free, in millimetres
-    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
     pub approach: f64,
     /// Do not ask whether the hand collides with the object or the ground
     #[arg(long)]
     pub bare: bool,
     /// What to multiply the coordinates of a mesh file by
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     pub scale: f64,
     /// Seed of all randomness: the same seed gives the same grasps
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 
@@ -121,7 +124,7 @@ pub struct FilterArguments {
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Length of the straight approach that must be free, in millimetres
-    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
     pub approach: f64,
 }
 
@@ -171,10 +174,13 @@ struct Sampled {
     merged: usize,
     best_score: f64,
     mean_score: f64,
+    stopped: bool,
     file: Option<PathBuf>,
 }
 
 fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure> {
+    // Better now than after the search.
+    output_file::check(&arguments.output, FileKind::Grasps, output)?;
     let subject = Subject::open(arguments)?;
     let surface = Surface::new(&subject.mesh).map_err(ScenarioError::from)?;
     let settings = subject.settings(arguments);
@@ -189,6 +195,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     });
     progress.finish_and_clear();
     let found = found.map_err(ScenarioError::from)?;
+    let is_stopped = stop.load(Ordering::Relaxed);
     let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
     let chosen = arguments.choose.choose(&candidates, arguments.count, arguments.seed);
     let chosen: Vec<Grasp> = chosen.into_iter().map(|index| candidates[index]).collect();
@@ -202,13 +209,15 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         rejected: found.rejected,
         merged: found.merged,
         best_score: scores().fold(0.0, f64::max),
-        mean_score: scores().sum::<f64>() / chosen.len().max(1) as f64,
-        // Where there is nothing to write, what stood there before stays.
-        file: Some(arguments.output.clone()).filter(|_| !chosen.is_empty()),
+        // The sum of nothing is −0.
+        mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
+        stopped: is_stopped,
+        // Where there is nothing to write, or only a part of it, what stood there before stays.
+        file: Some(arguments.output.clone()).filter(|_| !chosen.is_empty() && !is_stopped),
     };
     let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
-    if !set.is_empty() {
-        write_csv(&arguments.output, &set).map_err(ScenarioError::from)?;
+    if let Some(file) = &sampled.file {
+        output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
     }
     if output.json {
         text::print_json(&sampled)?;
@@ -216,7 +225,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         text::print(&sampled.page())?;
     }
     // Fewer than wished is an honest no, though they are written.
-    Ok(if set.len() == arguments.count { Answer::Done } else { Answer::No })
+    Ok(if set.len() == arguments.count && !is_stopped { Answer::Done } else { Answer::No })
 }
 
 impl Sampled {
@@ -231,7 +240,8 @@ impl Sampled {
         line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
         let file = self.file.as_ref().map(|file| file.display().to_string());
-        line("written to", file.unwrap_or_else(|| "nowhere: no grasp was found".to_owned()));
+        let why_not = if self.stopped { "stopped before the end" } else { "no grasp was found" };
+        line("written to", file.unwrap_or_else(|| format!("nowhere: {why_not}")));
         page
     }
 }
@@ -252,6 +262,9 @@ struct Blocking {
 }
 
 fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure> {
+    if let Some(path) = &arguments.output {
+        output_file::check(path, FileKind::Grasps, output)?;
+    }
     let scenario = Scenario::open(&arguments.id, &OpenOptions::default())?;
     let set = match &arguments.grasps {
         Some(path) => read_csv(path).map_err(ScenarioError::from)?,
@@ -282,7 +295,7 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
     };
     if let Some(path) = arguments.output.as_ref().filter(|_| !free.is_empty()) {
         let set = GraspSet::new(free).map_err(ScenarioError::from)?;
-        write_csv(path, &set).map_err(ScenarioError::from)?;
+        output_file::write(path, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
     }
     if output.json {
         text::print_json(&filtered)?;
@@ -340,22 +353,33 @@ fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Fai
 
 /// What `grasps distances --json` prints; distances in millimetres plus degrees.
 #[derive(Serialize)]
-struct Spread {
+struct DistancesAnswer {
     grasps: usize,
     least: Option<f64>,
     median: Option<f64>,
     greatest: Option<f64>,
 }
 
+/// Of so many grasps there are 5·10⁹ pairs: some minutes on a few cores.
+const MOST_TO_COMPARE: usize = 100_000;
+
 fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, Failure> {
     let set = read_csv(&arguments.grasps).map_err(ScenarioError::from)?;
-    let mut all = pairwise_distances(set.grasps());
-    all.sort_by(f64::total_cmp);
-    let spread = Spread {
+    if set.len() > MOST_TO_COMPARE {
+        let problem = format!(
+            "{} grasps make {:.0e} pairs, and at most {MOST_TO_COMPARE} grasps are compared each with each (give a \
+             part of the file)",
+            set.len(),
+            0.5 * set.len() as f64 * set.len() as f64
+        );
+        return Err(Failure::File { path: arguments.grasps.clone(), problem });
+    }
+    let spread = spread(set.grasps());
+    let spread = DistancesAnswer {
         grasps: set.len(),
-        least: all.first().copied(),
-        median: all.get(all.len() / 2).copied(),
-        greatest: all.last().copied(),
+        least: spread.map(|spread| spread.least),
+        median: spread.map(|spread| spread.median),
+        greatest: spread.map(|spread| spread.greatest),
     };
     if output.json {
         text::print_json(&spread)?;

@@ -1,9 +1,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::atomic::Ordering;
 
 use cranny_grasp::GraspSet;
-use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik};
-use cranny_scenario::PlanMargins;
+use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik};
+use cranny_scenario::{FilledHand, PlanMargins};
 use serde::Serialize;
 
 use crate::Answer;
@@ -18,6 +19,8 @@ use crate::text::{self, degrees, millimetres};
 struct Answered {
     scenario: String,
     solved: usize,
+    /// Whether Ctrl-C left grasps over.
+    stopped: bool,
     grasps: Vec<Annotated>,
 }
 
@@ -39,7 +42,8 @@ struct Solution {
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, None, PlanMargins::default())?;
+    let Task { scenario, mut problem, .. } =
+        Task::open(&arguments.task, None, PlanMargins::default(), output)?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());
@@ -50,8 +54,8 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     }
     let settings = IkAnnotationSettings {
         method: if arguments.single_shot { IkMethod::SingleShot } else { IkMethod::Restarts },
-        solutions: arguments.solutions.get(),
-        attempts: arguments.attempts.get(),
+        solutions: arguments.solutions,
+        attempts: arguments.attempts,
         seed: arguments.seed,
     };
     let stop = stop_on_interrupt()?;
@@ -59,19 +63,30 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     let progress = bar(count as u64, output.quiet);
     let mut annotations = annotate_ik(&problem, &settings, &|| progress.inc(1), &stop)?;
     progress.finish_and_clear();
+    let is_stopped = stop.load(Ordering::Relaxed);
     if let Some(grasp) = arguments.grasp {
         for annotation in &mut annotations {
             annotation.grasp = grasp;
         }
     }
     let solved = annotations.iter().filter(|a| a.status == IkStatus::Solved).count();
+    if solved == 0 && !output.quiet {
+        filled_hand(&problem)?;
+    }
     if output.json {
+        let (scenario, stopped) = (scenario.id.clone(), is_stopped);
         let grasps = annotations.iter().map(annotated).collect();
-        text::print_json(&Answered { scenario: scenario.id.clone(), solved, grasps })?;
+        text::print_json(&Answered { scenario, solved, stopped, grasps })?;
     } else if !output.quiet {
         text::print(&page(&scenario.id, &annotations, solved))?;
     }
-    Ok(if solved > 0 { Answer::Done } else { Answer::No })
+    // What was not looked at is no answer, whatever the others said.
+    Ok(if solved > 0 && !is_stopped { Answer::Done } else { Answer::No })
+}
+
+/// Says why no grasp can be free, where the hand itself is the reason.
+pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
+    FilledHand::of(&problem.robot).map_or(Ok(()), |filled| text::note(&filled.to_string()))
 }
 
 fn blocked_by(status: &IkStatus) -> Option<String> {

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use cranny_plan::Validity;
+use cranny_plan::{NotChecked, Validity};
 use cranny_scenario::PlanMargins;
 use serde::Serialize;
 
@@ -27,6 +27,7 @@ struct Info {
     scored_grasps: usize,
     known_ik_solutions: usize,
     self_collision_pairs: usize,
+    not_checked: Vec<NotChecked>,
 }
 
 #[derive(Serialize)]
@@ -36,7 +37,7 @@ struct Body {
 }
 
 pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default())?;
+    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default(), output)?;
     let (robot, world) = (&scenario.robot, &scenario.world);
     let mut scratch = problem.validity.scratch();
     let mut info = Info {
@@ -58,6 +59,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
         scored_grasps: scenario.grasps.grasps().iter().filter(|g| g.score.is_some()).count(),
         known_ik_solutions: scenario.ik.len(),
         self_collision_pairs: 0,
+        not_checked: problem.not_checked(),
     };
     if let Validity::Exact(cell) = &problem.validity {
         let mut scratch = cell.scratch();
@@ -87,6 +89,12 @@ fn page(info: &Info) -> String {
     }
     line("grasps", format!("{} ({} scored)", info.grasps, info.scored_grasps));
     line("known IK", format!("{} configurations", info.known_ik_solutions));
+    if info.self_collision_pairs > 0 {
+        line("self pairs", format!("{} pairs of links are checked", info.self_collision_pairs));
+    }
+    for pair in &info.not_checked {
+        line("not checked", text::not_checked(pair));
+    }
     let clearance =
         info.start_clearance_m.map_or_else(String::new, |c| format!(", {}", text::millimetres(c)));
     let state = if info.start_is_free { "free" } else { "NOT free" };

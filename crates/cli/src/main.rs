@@ -10,13 +10,16 @@ mod bench_replay;
 mod bench_report;
 mod bench_run;
 mod failure;
+mod file_kind;
 mod grasp_choice;
 mod grasp_subject;
 mod grasps;
 mod ik;
 mod info;
 mod list;
+mod number_argument;
 mod object;
+mod output_file;
 mod page_task;
 mod plan;
 mod plan_task;
@@ -30,14 +33,13 @@ mod text;
 mod timing;
 mod verify;
 mod view;
-mod whole_file;
 
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{ArgAction, Command, CommandFactory, FromArgMatches};
 
-use crate::arguments::{Cli, Command};
+use crate::arguments::{Cli, Command as Chosen};
 
 /// How a command ended that could do its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,27 +51,43 @@ enum Answer {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = with_negative_numbers(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|fault| fault.exit());
+    if cli.large_files {
+        cranny_file::lift_limits();
+    }
     let answer = match &cli.command {
-        Command::List => list::run(cli.output),
-        Command::Info(arguments) => info::run(arguments, cli.output),
-        Command::Plan(arguments) => plan::run(arguments, cli.output),
-        Command::Verify(arguments) => verify::run(arguments, cli.output),
-        Command::Ik(arguments) => ik::run(arguments, cli.output),
-        Command::Scenario(arguments) => scenario::run(arguments, cli.output),
-        Command::Grasps(arguments) => grasps::run(arguments, cli.output),
-        Command::Object(arguments) => object::run(arguments, cli.output),
-        Command::Bench(arguments) => bench::run(arguments, cli.output),
-        Command::Render(arguments) => render::run(arguments, cli.output),
-        Command::View(arguments) => view::run(arguments, cli.output),
+        Chosen::List => list::run(cli.output),
+        Chosen::Info(arguments) => info::run(arguments, cli.output),
+        Chosen::Plan(arguments) => plan::run(arguments, cli.output),
+        Chosen::Verify(arguments) => verify::run(arguments, cli.output),
+        Chosen::Ik(arguments) => ik::run(arguments, cli.output),
+        Chosen::Scenario(arguments) => scenario::run(arguments, cli.output),
+        Chosen::Grasps(arguments) => grasps::run(arguments, cli.output),
+        Chosen::Object(arguments) => object::run(arguments, cli.output),
+        Chosen::Bench(arguments) => bench::run(arguments, cli.output),
+        Chosen::Render(arguments) => render::run(arguments, cli.output),
+        Chosen::View(arguments) => view::run(arguments, cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,
         Ok(Answer::No) => ExitCode::from(1),
         Err(failure) => {
             // Where not even this can be written, the exit code says it.
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            let _ = writeln!(std::io::stderr(), "error: {}", cranny_file::visible(&failure.to_string()));
             ExitCode::from(2)
         }
     }
+}
+
+/// With every flag taking a negative number for what it is, so that `--count -1` hears of its range and not that
+/// there is no flag `-1`.
+fn with_negative_numbers(command: Command) -> Command {
+    command
+        .mut_args(|argument| {
+            let takes_value = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
+            let is_flag = !argument.is_positional();
+            if takes_value && is_flag { argument.allow_negative_numbers(true) } else { argument }
+        })
+        .mut_subcommands(with_negative_numbers)
 }

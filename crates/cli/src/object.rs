@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use cranny_scenario::{
     DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, ScenarioError, builtin_object,
-    builtin_object_names,
+    builtin_object_names, check_free_folder, write_whole_file, write_whole_folder,
 };
 use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup};
 use cranny_spatial::Vector;
@@ -14,6 +14,9 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::number_argument::{positive, whole};
+use crate::output_file;
 use crate::progress;
 use crate::text;
 
@@ -61,21 +64,21 @@ pub struct AddArguments {
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// Mass in kilograms
-    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG")]
     pub mass: f64,
     /// Coefficient of friction between the object and the pads of a gripper
-    #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION)]
     pub friction: f64,
     /// What to multiply the mesh's coordinates by: 0.001 for millimetres
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     pub scale: f64,
     /// At most so many convex parts
     #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().most_parts,
-          value_parser = clap::value_parser!(u32).range(1..))]
+          value_parser = whole::<u32>(1..=10_000))]
     pub parts: u32,
     /// Cubes along the longest side into which the mesh is cut to find the parts
     #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().resolution,
-          value_parser = clap::value_parser!(u32).range(8..=400))]
+          value_parser = whole::<u32>(8..=400))]
     pub resolution: u32,
     /// What the object is called [default: the name of the mesh file]
     #[arg(long)]
@@ -150,7 +153,8 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
         ObjectCommand::Show(arguments) => {
             let object = open(&arguments.object)?;
             if let Some(file) = &arguments.picture {
-                draw(&object, file, PICTURE_POINTS)?;
+                let picture = drawn(&object, file, PICTURE_POINTS)?;
+                output_file::write(file, FileKind::Png, &picture, output)?;
             }
             show(&Shown { picture: arguments.picture.clone(), ..Shown::of(&object) }, output)
         }
@@ -158,7 +162,6 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
         ObjectCommand::Export(arguments) => {
             let object = builtin_object(&arguments.object)?;
             let folder = arguments.output.clone().unwrap_or_else(|| arguments.object.clone().into());
-            check_free(&folder)?;
             written(Shown::of(&object), &object, folder, output)
         }
     }
@@ -175,9 +178,6 @@ fn list(output: Output) -> Result<Answer, Failure> {
 }
 
 fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
-    if !(arguments.scale > 0.0 && arguments.scale.is_finite()) {
-        return Err(Failure::Flag { flag: "scale", problem: "a factor is a positive number".into() });
-    }
     let stem = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let settings = ObjectSettings {
         friction: arguments.friction,
@@ -189,7 +189,8 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         ..ObjectSettings::new(arguments.name.clone().unwrap_or(stem), arguments.mass)
     };
     let folder = arguments.output.clone().unwrap_or_else(|| settings.name.clone().into());
-    check_free(&folder)?;
+    // Better now than after the cutting.
+    check_free_folder(&folder)?;
     let spinner = progress::spinner("repairing, cutting into convex parts", output.quiet);
     let soup = TriangleSoup::load(&arguments.mesh, Vector::repeat(arguments.scale));
     let made = soup.map_err(ScenarioError::from).and_then(|soup| ObjectType::from_mesh(&soup, &settings));
@@ -198,23 +199,18 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
     written(Shown::of(&object).with(&repaired), &object, folder, output)
 }
 
-/// An object that is there already is not written over.
-fn check_free(folder: &Path) -> Result<(), Failure> {
-    if folder.join(OBJECT_FILE).is_file() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() }.into());
-    }
-    Ok(())
-}
-
 fn written(
     mut shown: Shown,
     object: &ObjectType,
     folder: PathBuf,
     output: Output,
 ) -> Result<Answer, Failure> {
-    object.write_folder(&folder)?;
     let thumbnail = folder.join(THUMBNAIL);
-    draw(object, &thumbnail, THUMBNAIL_POINTS)?;
+    let picture = drawn(object, &thumbnail, THUMBNAIL_POINTS)?;
+    write_whole_folder(&folder, |folder| {
+        object.write_folder(folder)?;
+        write_whole_file(&folder.join(THUMBNAIL), &picture)
+    })?;
     shown.picture = Some(thumbnail);
     shown.folder = Some(folder);
     show(&shown, output)
@@ -225,10 +221,11 @@ const THUMBNAIL: &str = "thumbnail.png";
 const THUMBNAIL_POINTS: usize = 256;
 const PICTURE_POINTS: usize = 640;
 
-fn draw(object: &ObjectType, file: &Path, side: usize) -> Result<(), Failure> {
+/// The bytes of a PNG file.
+fn drawn(object: &ObjectType, file: &Path, side: usize) -> Result<Vec<u8>, Failure> {
     let settings = PictureSettings { width: side, height: side, samples: 8, ..PictureSettings::default() };
     let picture = Picture::of(&Scene::of_object(object), StandardView::ThreeQuarter, &settings)?;
-    Ok(picture.write_png(file)?)
+    Ok(picture.png(file)?)
 }
 
 fn show(shown: &Shown, output: Output) -> Result<Answer, Failure> {

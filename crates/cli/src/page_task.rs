@@ -1,4 +1,3 @@
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::progress::{self, stop_on_interrupt};
 use crate::search_replay;
+use crate::text;
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
@@ -137,7 +137,7 @@ fn check(file: &Path, plan: &PlanFile, scenario: &Scenario) -> Result<(), Failur
     if plan.scenario != scenario.id {
         let (planned, shown) = (&plan.scenario, &scenario.id);
         let note = format!("the plan was made for scenario '{planned}', and is shown in '{shown}'");
-        writeln!(std::io::stderr(), "note: {}: {note}", file.display())?;
+        text::note(&format!("{}: {note}", file.display()))?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
     Budget, Criterion, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanError, PlanReport, Planner,
-    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, shortcut, verify,
+    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, search, shortcut, verify,
 };
 use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
 use serde::Serialize;
@@ -13,11 +13,14 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::ik;
+use crate::output_file;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
 use crate::text::{self, degrees, millimetres};
-use crate::timing::Timing;
+use crate::timing::{Timing, trajectory_file};
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -45,7 +48,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let PlanTask { id, grasps, mut problem, margins } =
         PlanTask::open(&arguments.task, &arguments.moveit, None, PlanMargins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let file = destination(arguments, &id)?;
+    let file = destination(arguments, &id, output)?;
     set_threshold(arguments, &mut problem)?;
     let planner = named.unwrap_or_else(|| cranny_plan::default_planner(problem.criterion()));
     let timing = Timing::new(arguments, &problem)?;
@@ -57,11 +60,11 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let mut report;
     if let Some(settings) = settings {
         let optimised =
-            optimise(planner.as_ref(), &problem, &budget, settings, arguments.seed, &mut progress)?;
+            optimise(planner.as_ref(), &mut problem, &budget, settings, arguments.seed, &mut progress)?;
         optimisation = Some(of_optimised(&optimised, settings));
         report = optimised.report;
     } else {
-        report = planner.plan(&problem, &budget, arguments.seed, &mut progress)?;
+        report = search(planner.as_ref(), &mut problem, &budget, arguments.seed, &mut progress)?;
     }
     progress.finish();
     let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report)? };
@@ -73,11 +76,13 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     judged.plan.timing = timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory));
     let mut trajectory_file = None;
     if solved {
-        trajectory_file = timed.as_ref().map(|timed| timed.write(arguments, &file)).transpose()?.flatten();
+        trajectory_file =
+            timed.as_ref().map(|timed| timed.write(arguments, &file, output)).transpose()?.flatten();
     }
     // A failed search is worth a look too, but never in the place of a plan that nobody named.
     let is_written = solved || arguments.output.is_some();
     if is_written {
+        output_file::check(&file, FileKind::Plan, output)?;
         judged.plan.write(&file)?;
     }
     let answered = Answered {
@@ -94,6 +99,9 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
         untimed: timing.hindrance(),
         plan: &judged.plan,
     };
+    if !solved && !output.quiet {
+        ik::filled_hand(&problem)?;
+    }
     if output.json {
         text::print_json(&answered)?;
     } else if !output.quiet {
@@ -191,6 +199,7 @@ fn judge(
             .as_ref()
             .map(|v| v.clearances_per_edge_m.clone())
             .unwrap_or_default(),
+        not_checked: verification.as_ref().map_or_else(|| problem.not_checked(), |v| v.not_checked.clone()),
         path_length: path_length(&report.path),
         waypoints: report.path.clone(),
         timing: None,
@@ -201,13 +210,13 @@ fn judge(
     Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
 }
 
-fn destination(arguments: &PlanArguments, id: &str) -> Result<PathBuf, Failure> {
+fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {
     let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
-    if file.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-        return Err(Failure::NoFolder { path: file });
-    }
     // Better now than after the search.
-    PlanFile::check_writable(&file)?;
+    output_file::check(&file, FileKind::Plan, output)?;
+    if arguments.rate.is_some() {
+        output_file::check(&trajectory_file(&file), FileKind::Trajectory, output)?;
+    }
     Ok(file)
 }
 
@@ -252,7 +261,14 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
     }
     if let Some(clearance) = plan.clearance_m {
-        line("clearance", format!("{} or more along the whole path, proven", millimetres(clearance)));
+        let but_for = text::but_for(&plan.not_checked);
+        line(
+            "clearance",
+            format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
+        );
+    }
+    for pair in &plan.not_checked {
+        line("not checked", text::not_checked(pair));
     }
     if !plan.waypoints.is_empty() {
         line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));

@@ -1,13 +1,12 @@
-use std::io::Write;
 use std::path::PathBuf;
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Demands, MoveItOptions, MoveItProblem, PlanMargins};
+use cranny_scenario::{Demands, MoveItOptions, MoveItProblem, PlanMargins, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
-use crate::task::{Task, metres};
+use crate::task::{Task, metres, note_all};
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
 pub struct PlanTask {
@@ -32,7 +31,7 @@ impl PlanTask {
         if let [scene, request] = moveit {
             return Self::open_moveit([scene, request], arguments, margins, output);
         }
-        let Task { scenario, problem, margins } = Task::open(arguments, criterion, margins)?;
+        let Task { scenario, problem, margins } = Task::open(arguments, criterion, margins, output)?;
         Ok(Self { id: scenario.id, grasps: scenario.grasps, problem, margins })
     }
 
@@ -44,15 +43,16 @@ impl PlanTask {
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
         let opened = MoveItProblem::open(scene, request, &options)?;
-        if !output.quiet {
-            for deviation in &opened.deviations {
-                writeln!(std::io::stderr(), "note: {deviation}")?;
-            }
-        }
+        note_all(&opened.deviations, output)?;
+        note_all(&mesh_repairs(&opened.robot, &opened.world), output)?;
         let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
         let demands = Demands { margin_m, ..Demands::default() };
+        let mut problem = opened.problem(&demands)?;
+        if arguments.strict_pairs {
+            problem = problem.checking_all_pairs();
+        }
         Ok(Self {
-            problem: opened.problem(&demands)?,
+            problem,
             id: opened.id,
             grasps: GraspSet::default(),
             margins: PlanMargins { margin_m, ..PlanMargins::default() },

@@ -12,6 +12,8 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
 use crate::{progress, text};
 
@@ -121,6 +123,19 @@ enum Format {
     Folder,
 }
 
+impl Format {
+    /// Nothing for a folder, which is no file.
+    fn kind(self) -> Option<FileKind> {
+        match self {
+            Self::Png | Self::Apng => Some(FileKind::Png),
+            Self::Gif => Some(FileKind::Gif),
+            Self::Glb => Some(FileKind::Glb),
+            Self::Html => Some(FileKind::ViewerPage),
+            Self::Folder => None,
+        }
+    }
+}
+
 /// What is printed with `--json`.
 #[derive(Default, Serialize)]
 struct Rendered {
@@ -151,7 +166,11 @@ const MOST_MOVING_POINTS: usize = 500_000_000;
 
 pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
     let format = format_of(&arguments.output)?;
-    check_folder(&arguments.output)?;
+    // So that nobody waits for a picture that cannot be written; places in a folder are looked at when their
+    // names are known.
+    if let Some(kind) = format.kind() {
+        output_file::check(&arguments.output, kind, output)?;
+    }
     let rendered = match (&arguments.id, format) {
         (_, Format::Png) if arguments.all => sheet(arguments, output)?,
         _ if arguments.all => {
@@ -261,12 +280,13 @@ fn moving(
     bar.set_message("pictures");
     let file = &arguments.output;
     if format == Format::Folder {
-        std::fs::create_dir_all(file)?;
-        Animation::draw(scene, view, settings, &frames, |place, picture| {
-            picture.write_png(&file.join(format!("{place:04}.png")))?;
+        let pictures = Animation::draw(scene, view, settings, &frames, |place, picture| {
             bar.inc(1);
-            Ok(())
+            let name = format!("{place:04}.png");
+            let content = picture.png(&file.join(&name))?;
+            Ok(NamedFile { name, kind: FileKind::Png, content })
         })?;
+        output_file::write_all(file, &pictures, output)?;
     } else {
         let pictures = Animation::draw(scene, view, settings, &frames, |_, picture| {
             bar.inc(1);
@@ -416,18 +436,6 @@ fn format_of(file: &Path) -> Result<Format, Failure> {
             let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb, .html and / (a folder)");
             Err(Failure::Flag { flag: "output", problem })
         }
-    }
-}
-
-/// So that nobody waits for a picture that cannot be written.
-fn check_folder(file: &Path) -> Result<(), Failure> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder {
-        Some(folder) if !folder.is_dir() => {
-            let problem = format!("'{}': there is no such folder", folder.display());
-            Err(Failure::Flag { flag: "output", problem })
-        }
-        _ => Ok(()),
     }
 }
 

@@ -2,18 +2,23 @@
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
 use cranny_plan::Validity;
 use cranny_scenario::{
     Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, TemplateRobot, check, pack, scenario_schema, unpack, write_set, write_sweep, write_template,
+    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack,
+    write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::number_argument::whole;
+use crate::output_file;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::text;
 
@@ -166,16 +171,16 @@ pub struct SweepArguments {
     #[arg(value_name = "FAMILY")]
     pub family: String,
     /// The first value, in metres
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub from: f64,
     /// The last value, in metres
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub to: f64,
     /// How many scenarios, ends included
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=100_000))]
     pub steps: u32,
     /// Seed of the grasps
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Folder to make [default: FAMILY-sweep, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
@@ -195,19 +200,19 @@ pub struct GenerateArguments {
     #[arg(long)]
     pub family: String,
     /// How many scenarios
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub count: u32,
     /// Seed of all randomness
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// The least value of the family's dial, in metres [default: a little beyond the paper's]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub from: Option<f64>,
     /// The greatest value, in metres
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub to: Option<f64>,
     /// At most so many things stand about
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=50))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u8>(0..=50))]
     pub clutter: u8,
     /// Folder to make [default: FAMILY-SEED, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
@@ -235,23 +240,18 @@ pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Fail
             written("folder", &folder, output)
         }
         ScenarioCommand::Import(arguments) => {
-            absent(&arguments.output)?;
-            Recipe::import_released(&arguments.folder)?.write_folder(&arguments.output)?;
+            let recipe = Recipe::import_released(&arguments.folder)?;
+            write_whole_folder(&arguments.output, |folder| recipe.write_folder(folder))?;
             written("folder", &arguments.output, output)
         }
         ScenarioCommand::Export(arguments) => {
-            absent(&arguments.output)?;
-            let scenario = Scenario::open(&arguments.id, &OpenOptions::default())?;
-            Recipe::of_scenario(&scenario)?.write_released(&arguments.output)?;
+            let recipe = Recipe::of_scenario(&Scenario::open(&arguments.id, &OpenOptions::default())?)?;
+            write_whole_folder(&arguments.output, |folder| recipe.write_released(folder))?;
             written("folder", &arguments.output, output)
         }
         ScenarioCommand::Sweep(arguments) => sweep(arguments, output),
         ScenarioCommand::Generate(arguments) => generate(arguments, output),
     }
-}
-
-fn absent(path: &Path) -> Result<(), ScenarioError> {
-    if path.exists() { Err(ScenarioError::Exists { path: path.to_owned() }) } else { Ok(()) }
 }
 
 fn written(what: &str, path: &Path, output: Output) -> Result<Answer, Failure> {
@@ -269,12 +269,16 @@ struct Checked {
     scenario: String,
     sound: bool,
     problems: Vec<String>,
+    /// What was repaired in its meshes.
+    notes: Vec<String>,
 }
 
 fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
-    let mut problems: Vec<String> = check(id).iter().map(ToString::to_string).collect();
+    let mut problems: Vec<String> = check(id)?.iter().map(ToString::to_string).collect();
+    let mut notes = Vec::new();
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
+        notes = mesh_repairs(&scenario.robot, &scenario.world);
         let problem = scenario.problem(&Demands::default())?;
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
@@ -291,13 +295,16 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
             }
         }
     }
-    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems };
+    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems, notes };
     if output.json {
         text::print_json(&checked)?;
     } else if !output.quiet || !checked.sound {
         let mut page = String::new();
         for problem in &checked.problems {
             let _ = writeln!(page, "{problem}");
+        }
+        for note in &checked.notes {
+            let _ = writeln!(page, "note: {note}");
         }
         let _ = match checked.problems.len() {
             0 => writeln!(page, "{id}: sound"),
@@ -315,6 +322,7 @@ fn packed(arguments: &PackArguments, output: Output) -> Result<Answer, Failure> 
         format!("{}.zip", whole.file_name().unwrap_or_default().to_string_lossy()).into()
     };
     let archive: PathBuf = arguments.output.clone().unwrap_or_else(default_name);
+    output_file::check(&archive, FileKind::Archive, output)?;
     let credits = Credits {
         author: arguments.author.clone(),
         licence: arguments.licence.clone(),
@@ -328,7 +336,7 @@ fn sweep(arguments: &SweepArguments, output: Output) -> Result<Answer, Failure> 
     let family = Family::of_name(&arguments.family)?;
     let default_name = || format!("{}-sweep", family.name()).into();
     let folder = arguments.output.clone().unwrap_or_else(default_name);
-    absent(&folder)?;
+    check_free_folder(&folder)?;
     let maker = SetMaker::new(family, SetSettings::new(family, arguments.seed))?;
     let values = [arguments.from, arguments.to];
     let steps = arguments.steps;
@@ -339,7 +347,7 @@ fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Fai
     let family = Family::of_name(&arguments.family)?;
     let default_name = || format!("{}-{}", family.name(), arguments.seed).into();
     let folder = arguments.output.clone().unwrap_or_else(default_name);
-    absent(&folder)?;
+    check_free_folder(&folder)?;
     let mut settings = SetSettings::new(family, arguments.seed);
     settings.parameter_m[0] = arguments.from.unwrap_or(settings.parameter_m[0]);
     settings.parameter_m[1] = arguments.to.unwrap_or(settings.parameter_m[1]);
@@ -356,6 +364,8 @@ struct Set<'a> {
     written: usize,
     rejected: Rejected,
     missing: usize,
+    /// Whether Ctrl-C ended it before all were drawn.
+    stopped: bool,
 }
 
 #[derive(Serialize)]
@@ -381,6 +391,7 @@ fn watched(
         folder,
         written: report.written.len(),
         missing: report.missing,
+        stopped: stop.load(Ordering::Relaxed),
         rejected: Rejected {
             things_overlap: rejected.things_overlap,
             start_collides: rejected.start_collides,
@@ -398,7 +409,11 @@ fn watched(
             rejected.things_overlap,
             rejected.start_collides,
             rejected.no_free_grasp,
-            if set.missing > 0 { format!("{} were not made\n", set.missing) } else { String::new() },
+            match (set.missing, set.stopped) {
+                (0, _) => String::new(),
+                (missing, true) => format!("stopped: {missing} were not made\n"),
+                (missing, false) => format!("{missing} were not made\n"),
+            },
         ))?;
     }
     Ok(if set.missing == 0 { Answer::Done } else { Answer::No })

@@ -1,16 +1,18 @@
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use cranny_plan::{Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, shortcut};
+use cranny_plan::{
+    Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, search, shortcut,
+};
 use cranny_scenario::PlanFile;
 use cranny_view::TreeRecording;
 
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::progress::SearchProgress;
+use crate::text;
 
 /// The trees of the search that made a plan, which is run again as the plan file says that it was: same planner,
 /// settings and seed, and as many iterations. What the trees do not show is said in one line each.
@@ -29,10 +31,10 @@ pub fn replay(
         recording: TreeRecording::new(problem.robot.clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
-    let report = planner.plan(problem, &budget, plan.seed, &mut watched)?;
+    let report = search(planner.as_ref(), &mut problem.clone(), &budget, plan.seed, &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;
-    let note = |text: String| writeln!(std::io::stderr(), "note: {}: {text}", file.display());
+    let note = |text: String| text::note(&format!("{}: {text}", file.display()));
     if report.outcome == Outcome::Cancelled {
         note("its search was stopped; the trees end there".to_owned())?;
     } else if plan.optimisation.is_some() {

@@ -1,8 +1,11 @@
-use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Demands, OpenOptions, PlanMargins, Scenario};
+use std::fmt::Display;
 
-use crate::arguments::TaskArguments;
+use cranny_plan::{Criterion, Problem};
+use cranny_scenario::{Demands, OpenOptions, PlanMargins, Scenario, mesh_repairs};
+
+use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
+use crate::text;
 
 /// A scenario and the problem that the flags make of it.
 pub struct Task {
@@ -17,6 +20,7 @@ impl Task {
         arguments: &TaskArguments,
         criterion: Option<Criterion>,
         margins: PlanMargins,
+        output: Output,
     ) -> Result<Self, Failure> {
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
@@ -24,14 +28,26 @@ impl Task {
             geometry: arguments.geometry.map(Into::into),
         };
         let scenario = Scenario::open(&arguments.id, &options)?;
+        note_all(&mesh_repairs(&scenario.robot, &scenario.world), output)?;
         let margins = PlanMargins {
             margin_m: metres("margin", arguments.margin)?.unwrap_or(margins.margin_m),
             grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
         };
         let PlanMargins { margin_m, grasp_margin_m } = margins;
-        let problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        let mut problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        if arguments.strict_pairs {
+            problem = problem.checking_all_pairs();
+        }
         Ok(Self { scenario, problem, margins })
     }
+}
+
+/// Tells the user, who may have asked for quiet, on standard error.
+pub fn note_all(notes: &[impl Display], output: Output) -> Result<(), Failure> {
+    for note in notes.iter().filter(|_| !output.quiet) {
+        text::note(&note.to_string())?;
+    }
+    Ok(())
 }
 
 /// The length that a flag gives in millimetres, if it is given.

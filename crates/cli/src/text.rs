@@ -1,5 +1,7 @@
 use std::io::Write;
 
+use cranny_file::visible;
+use cranny_plan::{NotChecked, NotCheckedReason};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -8,11 +10,21 @@ use crate::failure::Failure;
 pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(document).map_err(std::io::Error::other)?;
     text.push('\n');
-    print(&text)
+    write(&text)
 }
 
-/// Prints text on standard output; a reader that has gone away is no failure.
+/// Prints text on standard output, what a terminal would obey made visible: names come from files.
 pub fn print(text: &str) -> Result<(), Failure> {
+    write(&visible(text))
+}
+
+/// Says something beside the answer, on standard error.
+pub fn note(text: &str) -> Result<(), Failure> {
+    Ok(writeln!(std::io::stderr(), "note: {}", visible(text))?)
+}
+
+/// A reader that has gone away is no failure.
+fn write(text: &str) -> Result<(), Failure> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(fault) if fault.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => Ok(other?),
@@ -32,4 +44,28 @@ pub fn degrees(radians: f64) -> String {
 /// A score for a person; "—" where there is none.
 pub fn score(score: Option<f64>) -> String {
     score.map_or_else(|| "—".to_owned(), |s| format!("{s:.2}"))
+}
+
+/// What is said right after "proven" or "valid" where something was not compared.
+pub fn but_for(not_checked: &[NotChecked]) -> String {
+    match not_checked.len() {
+        0 => String::new(),
+        1 => ", but for 1 pair that is not checked".to_owned(),
+        count => format!(", but for {count} pairs that are not checked"),
+    }
+}
+
+/// Two things that touch and are not compared, why, and what to do about it.
+pub fn not_checked(pair: &NotChecked) -> String {
+    let NotChecked { first, second, depth_m, reason } = pair;
+    let depth = millimetres(*depth_m);
+    match reason {
+        NotCheckedReason::NeverMoves => {
+            format!("{first} stands still, {depth} deep in {second}")
+        }
+        _ => format!(
+            "{first} and {second} touched in every sample, at least {depth} deep \
+             (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
+        ),
+    }
 }

@@ -6,8 +6,10 @@ use cranny_collision::Cell;
 use cranny_plan::{MotionLimits, PlanError, Problem, TimingMethod, Trajectory, Validity};
 use cranny_scenario::write_trajectory_csv;
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::output_file;
 
 /// Whether and how a path is given its time.
 pub struct Timing {
@@ -61,13 +63,24 @@ impl Timing {
 
 impl Timed {
     /// Writes the samples beside the plan, if a rate was asked for, and returns where.
-    pub fn write(&self, arguments: &PlanArguments, plan_file: &Path) -> Result<Option<PathBuf>, Failure> {
+    pub fn write(
+        &self,
+        arguments: &PlanArguments,
+        plan_file: &Path,
+        output: Output,
+    ) -> Result<Option<PathBuf>, Failure> {
         let Some(rate_hz) = arguments.rate else { return Ok(None) };
-        let name = plan_file.file_name().unwrap_or_default().to_string_lossy();
-        let stem = name.strip_suffix(".json").unwrap_or(&name);
-        let stem = stem.strip_suffix(".plan").unwrap_or(stem);
-        let file = plan_file.with_file_name(format!("{stem}.trajectory.csv"));
+        let file = trajectory_file(plan_file);
+        output_file::check(&file, FileKind::Trajectory, output)?;
         write_trajectory_csv(&file, &self.trajectory, rate_hz)?;
         Ok(Some(file))
     }
+}
+
+/// Where the samples of a plan go: `021.plan.json` → `021.trajectory.csv`.
+pub fn trajectory_file(plan_file: &Path) -> PathBuf {
+    let name = plan_file.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".json").unwrap_or(&name);
+    let stem = stem.strip_suffix(".plan").unwrap_or(stem);
+    plan_file.with_file_name(format!("{stem}.trajectory.csv"))
 }

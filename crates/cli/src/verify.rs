@@ -1,5 +1,4 @@
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use cranny_plan::{Verification, ViolationKind};
 use cranny_scenario::{PlanFile, read_waypoints};
@@ -30,14 +29,17 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
             });
         }
         if plan.scenario != id {
-            let _ = writeln!(
-                std::io::stderr(),
-                "note: the plan was made for scenario '{}', and is judged against '{id}'",
+            text::note(&format!(
+                "the plan was made for scenario '{}', and is judged against '{id}'",
                 plan.scenario
-            );
+            ))?;
         }
     }
-    let path = read_waypoints(file, problem.robot.dof())?;
+    // A pipe can be read once only.
+    let path = match plan {
+        Some(plan) => plan.into_waypoints(file, problem.robot.dof())?,
+        None => read_waypoints(file, problem.robot.dof())?,
+    };
     let verification = cranny_plan::verify(&problem, &path)?;
     if output.json {
         text::print_json(&verification)?;
@@ -47,10 +49,14 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     Ok(if verification.valid { Answer::Done } else { Answer::No })
 }
 
+/// More lines nobody reads.
+const MOST_SHOWN: usize = 1000;
+
 fn page(verification: &Verification, way_points: usize) -> String {
     let word = if verification.valid { "valid" } else { "NOT valid" };
-    let mut page = format!("{word}: {way_points} way points\n");
-    for violation in &verification.violations {
+    let but_for = text::but_for(&verification.not_checked);
+    let mut page = format!("{word}{but_for}: {way_points} way points\n");
+    for violation in verification.violations.iter().take(MOST_SHOWN) {
         let place = format!("edge {} at {:.3}", violation.edge, violation.at);
         let _ = match violation.kind {
             ViolationKind::Contact if violation.second.is_empty() => {
@@ -93,6 +99,9 @@ fn page(verification: &Verification, way_points: usize) -> String {
             _ => writeln!(page, "  goal        the path does not end at a goal"),
         };
     }
+    if let Some(more) = verification.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
+        let _ = writeln!(page, "  …           {more} more; --json lists them all");
+    }
     if let Some(goal) = &verification.goal {
         let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);
         let _ = writeln!(
@@ -102,6 +111,9 @@ fn page(verification: &Verification, way_points: usize) -> String {
             millimetres(translation),
             degrees(rotation)
         );
+    }
+    for pair in &verification.not_checked {
+        let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
     if let Some(clearance) = verification.clearance_m {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));

@@ -22,7 +22,12 @@ fn yaml(extra: &str) -> String {
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("cranny").expect("the program");
-    command.current_dir(folder).args(arguments).args(["--time-limit", "2"]).output().expect("it runs")
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .args(["--time-limit", "2"].iter().filter(|_| arguments[0] == "plan"))
+        .output()
+        .expect("it runs")
 }
 
 /// Plans in `folder` and returns what the error says, which must hold every one of `words`.
@@ -155,6 +160,10 @@ fn way_points_and_flags_are_refused() {
     refuse(&["verify", "021", "cut.plan.json"], &["cut.plan.json"]);
     refuse(&["verify", "021", "nowhere.csv"], &["nowhere.csv"]);
     refuse(&["plan", "0x1"], &["0x1", "021"]);
+    refuse(&["plan", "21"], &["did you mean 021?"]);
+    // Nothing was checked, so this is no "no".
+    refuse(&["scenario", "check", "999"], &["no built-in scenario '999'"]);
+    refuse(&["ik", "021", "--solutions", "0"], &["a count is a whole number, at least 1"]);
     refuse(&["plan", "021", "--planner", "magic"], &["magic", "ik-rrt"]);
     refuse(&["plan", "021", "--margin", "-1"], &["margin"]);
     refuse(&["plan", "021", "--margin=-1"], &["margin", "at least 0"]);
@@ -164,4 +173,101 @@ fn way_points_and_flags_are_refused() {
     refuse(&["plan", "021", "--goal-threshold", "0"], &["paper"]);
     refuse(&["ik", "021", "--grasp", "500"], &["200 grasps"]);
     refuse(&["ik", "021", "--criterion", "paper"], &["exact"]);
+}
+
+/// A name from a file could clear the screen, or write what the program never said.
+#[test]
+fn control_characters_of_names_are_made_visible() {
+    let folder = folder();
+    let two = "obstacles:\n  - {name: \"a\\e[2J\", shapes: [sphere: {radius: 1}]}\n  - {name: \"a\\e[2J\", shapes: [sphere: \
+               {radius: 1}]}\n";
+    scenario(folder.path(), &yaml(two), GRASP);
+    refused(folder.path(), &["plan", "."], &["the name 'a\\u{1b}[2J' is taken"]);
+    let one = "obstacles:\n  - {name: \"a\\e[2J\", shapes: [box: {size: [0.1, 0.1, 0.1]}]}\n";
+    scenario(folder.path(), &yaml(one), GRASP);
+    let mut command = Command::cargo_bin("cranny").expect("the program");
+    let output = command.current_dir(folder.path()).args(["info", "."]).output().expect("it runs");
+    let page = String::from_utf8_lossy(&output.stdout);
+    assert!(page.contains("a\\u{1b}[2J") && !page.contains('\u{1b}'), "{page}");
+}
+
+/// A file beyond the limit of its kind is refused before it is read, and read with the flag that the message names.
+#[test]
+fn large_files_are_refused_unless_they_are_wanted() {
+    let folder = folder();
+    scenario(folder.path(), &yaml(""), GRASP);
+    let large = format!("{}{}", yaml(""), format!("# {}\n", "a comment ".repeat(7_000_000)));
+    std::fs::write(folder.path().join("scenario.yaml"), large).expect("written");
+    refused(folder.path(), &["info", "."], &["scenario.yaml", "64.0 MiB", "--large-files"]);
+    let mut command = Command::cargo_bin("cranny").expect("the program");
+    let output =
+        command.current_dir(folder.path()).args(["info", ".", "--large-files"]).output().expect("it runs");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// What a person names may come through a pipe, which can be read but once.
+#[cfg(unix)]
+#[test]
+fn a_plan_and_way_points_come_through_a_pipe() {
+    let folder = folder();
+    let cranny = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder.path()).args(arguments).output().expect("it runs")
+    };
+    assert_eq!(cranny(&["plan", "021", "-o", "a.plan.json"]).status.code(), Some(0));
+    let plan = std::fs::read_to_string(folder.path().join("a.plan.json")).expect("a plan");
+    let pipe = folder.path().join("pipe.plan.json");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+    assert!(made.success());
+    let writer = std::thread::spawn(move || std::fs::write(pipe, plan));
+    let output = cranny(&["verify", "021", "pipe.plan.json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    writer.join().expect("it ends").expect("written");
+}
+
+/// Some of these took all memory, some wrapped round to nothing, and some said that there was no flag `-1`.
+#[test]
+fn a_number_out_of_its_range_is_refused_with_the_range() {
+    let folder = folder();
+    let run = "bench run --scenarios 021 --planners reach";
+    let sample = "grasps sample banana";
+    let generate = "scenario generate --family gap";
+    let cases = [
+        (run, "--runs", "1 to 1000000", &["0", "100000000", "-1", "1e3", "99999999999999999999999"][..]),
+        (run, "--memory-limit", "1 to 16777216", &["0", "17592186044416", "-5"]),
+        (run, "--time-limit", "0 to 10000000", &["-1", "nan", "inf", "1e300"]),
+        (run, "--iterations", "0 to 9223372036854775807", &["-1", "9223372036854775808"]),
+        (run, "--first-seed", "0 to 9223372036854775807", &["-1", "18446744073709551615"]),
+        (run, "--workers", "1 to 1024", &["0", "1000000000", "-1"]),
+        (sample, "--count", "1 to 100000", &["0", "1000000000000", "-1", "1844674407370955162"]),
+        (sample, "--candidates", "1 to 1000000", &["0", "1000000000000"]),
+        (sample, "--approaches", "1 to 3600", &["0", "1000000000000"]),
+        (sample, "--scale", "positive number", &["0", "-1", "nan", "inf"]),
+        (sample, "--seed", "0 to 18446744073709551615", &["-1", "1.5"]),
+        (generate, "--count", "1 to 1000000", &["0", "1000000000000", "-1"]),
+        (generate, "--clutter", "0 to 50", &["51", "-1"]),
+        ("scenario sweep gap --from 0.6 --to 0.5", "--steps", "1 to 100000", &["0", "4294967296"]),
+        ("plan 021", "--time-limit", "0 to 10000000", &["-1", "nan", "inf", "1e20"]),
+        ("plan 021", "--iterations", "0 to 9223372036854775807", &["-1"]),
+        ("plan 021", "--rate", "samples a second", &["0", "-1", "nan", "inf"]),
+        ("plan 021", "--seed", "0 to 18446744073709551615", &["-1", "18446744073709551616"]),
+        ("ik 021", "--solutions", "1 to 1000", &["0", "1000000000000000000"]),
+        ("ik 021", "--attempts", "1 to 1000000000", &["0", "-1"]),
+        ("object add box.obj --mass 1", "--parts", "1 to 10000", &["0", "-1"]),
+        ("object add box.obj --mass 1", "--resolution", "8 to 400", &["7", "401", "-8"]),
+        ("bench replay results.db", "", "1 to 9223372036854775807", &["0", "18446744073709551615"]),
+    ];
+    for (command, flag, range, values) in cases {
+        for value in values {
+            let words = command.split(' ').chain((!flag.is_empty()).then_some(flag)).chain([*value]);
+            let mut program = Command::cargo_bin("cranny").expect("the program");
+            let output = program.current_dir(folder.path()).args(words).output().expect("it runs");
+            let error = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command} {flag} {value}: {error}");
+            assert!(error.contains(range) && error.contains(value), "{command} {flag} {value}: {error}");
+            let first = error.lines().next().unwrap_or_default();
+            assert!(first.contains(range), "the range stands in another line: {error}");
+            assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{command} {flag}");
+        }
+    }
 }

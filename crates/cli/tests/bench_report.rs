@@ -154,7 +154,10 @@ fn bad_input_is_said_once_and_leaves_what_was_there() {
         (&["report", "missing.db", "-o", "page.html"][..], "missing.db: there are no results"),
         (&["report", "no.db", "-o", "page.html"], "no.db: the file holds no results"),
         (&["report", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
-        (&["report", "results.db", "-o", "nowhere/page.html"], "nowhere/page.html: cannot be written"),
+        (
+            &["report", "results.db", "-o", "nowhere/page.html"],
+            "nowhere/page.html: the folder does not exist",
+        ),
         (&["report", "results.db", "--format", "pdf"], "invalid value 'pdf'"),
         (&["export", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
         (&["export", "results.db"], "--output <FILE>"),

@@ -267,7 +267,7 @@ fn one_html_file_holds_everything_and_loads_nothing() {
         &["render", "011", "p.plan.json", "--search-tree", "-o", "p.png"],
         &["--search-tree", ".html"],
     );
-    refused(folder, &["render", "011", "-o", "no/such/p.html"], &["no such folder"]);
+    refused(folder, &["render", "011", "-o", "no/such/p.html"], &["folder does not exist"]);
 }
 
 /// The released robot comes with meshes, which weigh most of its page.

@@ -54,7 +54,8 @@ fn an_object_is_made_of_a_mesh_and_grasped() {
     write_box(folder, "box.obj", 0);
     let added = json(folder, &["object", "add", "box.obj", "--mass", "0.4", "--scale", "0.001"]);
     assert!((added["volume_m3"].as_f64().expect("a volume") - 0.00024).abs() < 1e-9);
-    assert_eq!(added["stable_poses"].as_array().expect("poses").len(), 6);
+    // Six sides, of which opposite ones look the same.
+    assert_eq!(added["stable_poses"].as_array().expect("poses").len(), 3);
     assert_eq!(added["convex_parts"], 1);
     let shown = json(folder, &["object", "show", "box"]);
     assert_eq!(shown["stable_poses"], added["stable_poses"]);

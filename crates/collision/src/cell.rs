@@ -12,8 +12,9 @@ use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_separation};
 use crate::motion::WorkList;
 use crate::part_tree::PartTree;
-use crate::self_pairs::self_pairs;
+use crate::self_pairs::SelfPairs;
 use crate::travel::{Travel, shared_joints};
+use crate::unchecked::Unchecked;
 use crate::world::{Part, World};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
@@ -28,6 +29,9 @@ pub struct Cell {
     /// First those of links with parts, then those of links with links.
     pub(crate) pairs: Vec<Pair>,
     part_pairs: Vec<PartPairs>,
+    pub(crate) unchecked: Vec<Unchecked>,
+    /// Pairs of links that are checked though they touch in every sample.
+    pub(crate) asked_for: Vec<(usize, usize)>,
     pub(crate) lanes: Lanes,
 }
 
@@ -92,6 +96,16 @@ impl Cell {
     /// [`CollisionError::Margin`] for a negative or infinite margin.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
         margins.check()?;
+        Ok(Self::checking(robot, world, margins, Vec::new()))
+    }
+
+    /// [`Self::new`] with these pairs of links checked even if they touch in every sample.
+    pub(crate) fn checking(
+        robot: Arc<Robot>,
+        world: World,
+        margins: Margins,
+        asked_for: Vec<(usize, usize)>,
+    ) -> Self {
         let bodies = LinkBody::all(&robot);
         let parts: Vec<(usize, Part)> = world
             .bodies()
@@ -115,13 +129,16 @@ impl Cell {
             let required_m = pairs[begin..].iter().map(|pair| pair.required_m).fold(0.0, f64::max);
             part_pairs.push(PartPairs { body: first, begin, required_m });
         }
-        for (first, second) in self_pairs(&robot, &bodies) {
+        let SelfPairs { checked, always_touching } = SelfPairs::of(&robot, &bodies, &asked_for);
+        for (first, second) in checked {
             let shared_joints = shared_joints(&robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
             pairs.push(Pair { first, second, required_m: margins.between_links() });
         }
         let lanes = Lanes::new(&robot, &bodies, &parts, &tree, &pairs);
-        Ok(Self { robot, world, margins, bodies, parts, tree, pairs, part_pairs, lanes })
+        let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
+        unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, &parts));
+        Self { robot, world, margins, bodies, parts, tree, pairs, part_pairs, unchecked, asked_for, lanes }
     }
 
     /// The robot.
@@ -404,9 +421,7 @@ impl Cell {
         body: usize,
         frames: &LinkFrames,
     ) -> impl Iterator<Item = (Pose, &'a cranny_shape::Solid)> + Clone + use<'a> {
-        let LinkBody { link, shapes, .. } = &self.bodies[body];
-        let world_from_link = *frames.link(*link);
-        shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
+        self.bodies[body].placed(frames)
     }
 
     fn placed_other<'a>(&'a self, pair: &Pair, frames: &LinkFrames) -> Vec<(Pose, &'a cranny_shape::Solid)> {

@@ -1,4 +1,4 @@
-use cranny_robot::{LinkFrames, Robot};
+use cranny_robot::{JointLimits, LinkFrames, Robot};
 use cranny_shape::overlap;
 use cranny_spatial::ROUNDING_M;
 
@@ -33,9 +33,20 @@ const MOST_PAIRS: usize = 7;
 /// size of a hand.
 const SIDE: usize = 128;
 
-/// How far a cell's certificate reaches beyond the cell, relative to its size: more than the rounding of a
-/// joint value to `f32` can leave it by.
-const OVERHANG: f64 = 1e-3;
+/// By how many cells rounding can take a joint's value, at most, for a table to be of use.
+const MOST_OVERHANG: f64 = 0.25;
+
+/// By how many cells rounding can take a value from where it is along a joint: its cell's certificate reaches so far
+/// beyond the cell.
+///
+/// With the unit roundoff u of `f32`: the value and the joint's least value are off by u of the greatest value, their
+/// difference and the travel beside it by u of the range each, and the product with the cells per unit, itself off by
+/// u, by 2 u of all cells.
+fn overhang(limits: &JointLimits) -> f64 {
+    const UNIT: f64 = 0.5 * f32::EPSILON as f64;
+    let greatest = limits.lower.abs().max(limits.upper.abs());
+    SIDE as f64 * UNIT * (2.0 * greatest / (limits.upper - limits.lower) + 4.0)
+}
 
 impl JointTable {
     /// The tables of all such pairs.
@@ -123,7 +134,8 @@ fn joints_between(robot: &Robot, bodies: &[LinkBody], pair: &Pair) -> Option<[us
     joints.dedup();
     let has_range = |joint: &usize| {
         let limits = &robot.limits()[*joint];
-        limits.upper - limits.lower > 0.0 && (limits.upper - limits.lower).is_finite()
+        let range = limits.upper - limits.lower;
+        range > 0.0 && range.is_finite() && overhang(limits) <= MOST_OVERHANG
     };
     let (first, last) = (*joints.first()?, *joints.last()?);
     (joints.len() <= 2 && joints.iter().all(has_range)).then_some([first, last])
@@ -166,7 +178,7 @@ impl Builder<'_> {
             let limits = &self.robot.limits()[joint];
             let cell = (limits.upper - limits.lower) / SIDE as f64;
             self.q[joint] = limits.lower + cell * (corner as f64 + 0.5 * side as f64);
-            self.slope[joint] = cell * (0.5 * side as f64 + OVERHANG);
+            self.slope[joint] = cell * (0.5 * side as f64 + overhang(limits));
         }
         self.robot.forward_kinematics(&self.q, &mut self.frames);
         let mut left = 0;
@@ -189,11 +201,7 @@ impl Builder<'_> {
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
         let (frames, bodies) = (&self.frames, self.bodies);
-        let placed = |body: usize| {
-            let LinkBody { link, shapes, .. } = &bodies[body];
-            let world_from_link = *frames.link(*link);
-            shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
-        };
+        let placed = |body: usize| bodies[body].placed(frames);
         let enough_m = pair.required_m + travel_m;
         let gap = group_separation(placed(pair.first), &placed(body), enough_m);
         if gap.lower_m >= enough_m {

@@ -4,7 +4,7 @@ use cranny_spatial::Pose;
 
 use crate::ball_pack::BallPack;
 use crate::lane_hull::LaneHull;
-use crate::lane_part::lanes;
+use crate::lane_part::{RELATIVE_ROUNDING, lanes};
 use crate::link_body::LinkBody;
 
 /// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
@@ -34,7 +34,7 @@ pub(crate) struct LaneBody {
     pub is_balls: bool,
     /// How far its hulls, or else the balls around it, may stand out of it, in metres; 0 if it consists of balls.
     pub blur_m: f64,
-    /// A bound on the rounding of any distance of any ball, in metres.
+    /// What its own place and size add to the rounding of any distance to it, in metres.
     pub slack_m: f64,
 }
 
@@ -95,7 +95,8 @@ impl LaneBody {
         let aabb = body.bounds.aabb.transformed(&placement.frame_from_link);
         let root = &tree.nodes()[0].ball;
         let from_frame_m = root.center.coords.norm() + root.radius_m;
-        let slack_m = kinematics.position_error_m(from_frame_m);
+        let slack_m = kinematics.position_error_m(placement.frame, from_frame_m)
+            + RELATIVE_ROUNDING * (kinematics.farthest_m(placement.frame) + from_frame_m);
         let [middle, half_extents] = [aabb.center.coords, aabb.half_extents].map(|v| lanes(&v));
         Self {
             frame: placement.frame,

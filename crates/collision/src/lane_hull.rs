@@ -27,9 +27,14 @@ const MOST_CORNERS: usize = 4 * LANES;
 /// Steps of a distance search; few take more than five.
 const MOST_STEPS: usize = 10;
 
-/// More than the rounding of a face's distance from the origin, in metres: 6·10⁻⁸ in a normal that is a
-/// fiftieth of the sides that it comes from, at corners within some metres.
-const PLANE_ROUNDING_M: f32 = 5e-5;
+/// The rounding of a face's distance from the origin, relative to how far its corners are: a normal is the product of
+/// two sides that are off by u = 6·10⁻⁸ of their corners each, some six u with the product itself, in a triangle whose
+/// sides span an angle of at least [`NARROWEST`].
+const PLANE_ROUNDING: f32 = 6.0 * f32::EPSILON / NARROWEST;
+
+/// In a narrower triangle, as the sine of an angle, rounding would turn the normal by more than [`PLANE_ROUNDING`]
+/// allows for.
+const NARROWEST: f32 = 0.02;
 
 type Vec3 = [f32; 3];
 
@@ -155,7 +160,7 @@ impl LaneHull {
             simplex.points[simplex.len] = difference;
             simplex.len += 1;
             let Some(point) = simplex.reduce() else {
-                let needed = (-bars.contact_m).max(0.0) + PLANE_ROUNDING_M;
+                let needed = (-bars.contact_m).max(0.0) + PLANE_ROUNDING * simplex.farthest();
                 return if simplex.depth() > needed { Verdict::Contact } else { Verdict::Doubt };
             };
             closest = point;
@@ -268,18 +273,20 @@ impl Simplex {
         Some(point)
     }
 
+    /// How far its farthest corner is from the origin, in metres.
+    fn farthest(&self) -> f32 {
+        self.points.iter().map(|point| dot(*point, *point)).fold(0.0, f32::max).sqrt()
+    }
+
     /// How far below all its faces the origin lies in a tetrahedron, in metres; not more than 0 if it does not.
     fn depth(&self) -> f32 {
-        /// In a narrower triangle, as the sine of an angle, rounding would turn the normal by more than
-        /// [`PLANE_ROUNDING_M`] allows for.
-        const NARROW: f32 = 0.02;
         let mut least = f32::INFINITY;
         for face in FACES {
             let [a, b, c, d] = face.map(|corner| self.points[corner]);
             let (ab, ac) = (minus(b, a), minus(c, a));
             let normal = cross(ab, ac);
             let area = dot(normal, normal).sqrt();
-            let is_wide = area > NARROW * (dot(ab, ab) * dot(ac, ac)).sqrt();
+            let is_wide = area > NARROWEST * (dot(ab, ab) * dot(ac, ac)).sqrt();
             if !is_wide {
                 return 0.0;
             }

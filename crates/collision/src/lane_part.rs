@@ -365,13 +365,20 @@ fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
     is_straight.then(|| turned.map(f64::round) * half_extents)
 }
 
-/// A bound on the rounding of distances to a part, in metres: of its own place and size, and of the sums of
-/// the kernels, relative to how far away it is.
+/// The rounding of a distance in lanes, relative to how far from the root and how large both things are: 32 times
+/// the unit roundoff of `f32`, 2⁻²⁴.
+///
+/// Between two places and their distance stand, each off by one unit of something no larger than that: the
+/// constants of place and turn (2) and of sizes (2); the difference of the places (1); three products with a row of
+/// the turn and their two sums, in each of three coordinates (√3 · 5); half extents taken off (1); three squares,
+/// their sums and the square root that a comparison of squares stands for (3); the bound it is compared with, its sum
+/// and its square (4): 22. Corners of hulls are turned there and back (√3 · 5).
+pub(crate) const RELATIVE_ROUNDING: f64 = 32.0 * 0.5 * f32::EPSILON as f64;
+
+/// What the place and the size of a part add to the rounding of distances to it, in metres.
 fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
-    /// Some twenty roundings of 6·10⁻⁸.
-    const RELATIVE: f64 = 2e-6;
     let size = if solid.is_half_space() { 0.0 } else { solid.ball().radius_m };
-    RELATIVE * (world_from_solid.translation.vector.norm() + size + 1.0)
+    RELATIVE_ROUNDING * (world_from_solid.translation.vector.norm() + size)
 }
 
 /// A vector as the lanes hold it.

@@ -7,7 +7,7 @@ use crate::batch::lanes_of;
 use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::LaneBody;
-use crate::lane_part::{LaneAround, LanePart};
+use crate::lane_part::{LaneAround, LanePart, RELATIVE_ROUNDING};
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::link_body::LinkBody;
@@ -354,9 +354,11 @@ impl Lanes {
 }
 
 impl LanePair {
+    /// An infinite slack leaves every configuration in doubt.
     // Lanes are `f32` by design; the slack covers it.
     #[allow(clippy::cast_possible_truncation)]
     fn new(pair: usize, other: usize, required_m: f64, slack_m: f64) -> Self {
+        let slack_m = slack_m + RELATIVE_ROUNDING * required_m;
         Self {
             pair: as_index(pair),
             other: as_index(other),

@@ -11,7 +11,8 @@
 //!
 //! ## Limits
 //! Links that no joint of the group moves are checked against other links but not against the world: where
-//! a fixed base stands on its table is not for a planner to decide. Joint paths are straight lines in
+//! a fixed base stands on its table is not for a planner to decide. What touches and is not checked is said:
+//! [`Cell::unchecked`]. Joint paths are straight lines in
 //! configuration space; other curves are proven piece by piece. Nothing here deforms.
 
 mod ball_pack;
@@ -39,6 +40,7 @@ mod released;
 mod self_pairs;
 mod single_lane;
 mod travel;
+mod unchecked;
 mod world;
 
 #[cfg(test)]
@@ -52,6 +54,7 @@ pub use clearance::Margins;
 pub use closest::Closest;
 pub use contact::{Collider, Contact};
 pub use error::CollisionError;
-pub use motion::Motion;
+pub use motion::{MeasuredMotion, Motion};
 pub use released::{ReleasedCheck, ReleasedScratch};
+pub use unchecked::{Unchecked, UncheckedReason};
 pub use world::{Body, Part, World};

@@ -1,4 +1,4 @@
-use cranny_robot::Robot;
+use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Bounds, Solid, quick_lower_bound};
 use cranny_spatial::{Point, Pose};
 
@@ -31,6 +31,15 @@ impl LinkBody {
             points.extend(corners.iter().map(|corner| (link_from_shape * corner, radius_m)));
         }
         (!points.is_empty()).then(|| Self { link, shapes, bounds: Bounds::around(&points) })
+    }
+
+    /// Its solids, where they are.
+    pub fn placed<'a>(
+        &'a self,
+        frames: &LinkFrames,
+    ) -> impl Iterator<Item = (Pose, &'a Solid)> + Clone + use<'a> {
+        let world_from_link = *frames.link(self.link);
+        self.shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
     }
 
     /// A lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative.

@@ -1,4 +1,4 @@
-use cranny_spatial::{LANES, ROUNDING_M, simd_level};
+use cranny_spatial::{CONTACT_M, LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
 use crate::batch::{first_lanes, lanes_of};
@@ -41,12 +41,30 @@ impl Motion {
     }
 }
 
+/// What [`Cell::measure_motion`] found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredMotion {
+    /// See [`Cell::least_clearance`].
+    pub least_m: f64,
+    /// Where on the motion, in [0, 1], a pair was seen closer than it may be.
+    pub contradiction: Option<(f64, Contact)>,
+}
+
 /// Bisection ends where no link can move farther than this within an interval, in metres: a tenth of what
 /// counts as contact.
 const RESOLUTION_M: f64 = 1e-6;
 
 /// How far [`Cell::least_clearance`] may lie below the truth, in metres.
 const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
+
+/// The same where two things come closer than [`CLOSE_M`], in metres.
+const FINE_TOLERANCE_M: f64 = 1e-6;
+
+/// Where contact would lie within the coarse tolerance, in metres.
+const CLOSE_M: f64 = CONTACT_M + 2.0 * CLEARANCE_TOLERANCE_M;
+
+/// A distance that was measured is off by less than this, in metres.
+const MEASURING_M: f64 = 1e-7;
 
 /// Where a pair moves by less than this within an interval, in metres, exact distances are cheaper than
 /// more lanes.
@@ -286,12 +304,23 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn least_clearance(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
+        self.measure_motion(a, b, scratch).least_m
+    }
+
+    /// [`Self::least_clearance`], and whether any pair was seen closer than it may be: all in `f64`, without what a
+    /// proof relies on besides, so that a proof that it contradicts is none.
+    ///
+    /// # Panics
+    /// If `a` or `b` has not one value per joint.
+    pub fn measure_motion(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> MeasuredMotion {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
         let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch));
+        let mut contradiction = None;
         let all: Vec<u32> = self.all_pairs().collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
+        let tolerance_m = |least: f64| if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
@@ -300,14 +329,17 @@ impl Cell {
             for index in pairs {
                 let pair = &self.pairs[index as usize];
                 let travel = travel_of(pair, scratch) + ROUNDING_M;
-                let bar = |least: f64| least - CLEARANCE_TOLERANCE_M + travel;
+                let bar = |least: f64| least - tolerance_m(least) + travel;
                 if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
                     continue;
                 }
-                let gap = self.distance(pair, &scratch.frames, least.max(bar(least)));
+                let gap = self.distance(pair, &scratch.frames, least.max(bar(least)).max(pair.required_m));
                 least = least.min(gap.lower_m);
+                if gap.lower_m < pair.required_m - MEASURING_M && contradiction.is_none() {
+                    contradiction = Some((middle, self.describe(pair, &scratch.frames)));
+                }
                 if least <= 0.0 {
-                    return 0.0;
+                    return MeasuredMotion { least_m: 0.0, contradiction };
                 }
                 if gap.lower_m < bar(least) {
                     doubtful.push(index);
@@ -319,7 +351,7 @@ impl Cell {
                 open.push_back((middle + quarter, quarter, doubtful));
             }
         }
-        (least - CLEARANCE_TOLERANCE_M).max(0.0)
+        MeasuredMotion { least_m: (least - tolerance_m(least)).max(0.0), contradiction }
     }
 
     /// Frames at `middle`, and how far everything can move within `half_width` of it.

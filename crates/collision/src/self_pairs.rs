@@ -1,57 +1,90 @@
-use cranny_robot::Robot;
+use cranny_robot::{LinkFrames, Robot};
+use cranny_shape::overlap;
 use cranny_spatial::{CONTACT_M, Stream};
 
 use crate::link_body::{LinkBody, group_separation};
 
-/// The pairs of links that are checked against each other, as indices into `bodies`: all but adjacent ones
-/// (no link with geometry between them), those the robot's SRDF disables, those that never move against
-/// each other, and those in contact in every one of [`SAMPLES`] random configurations.
-pub(crate) fn self_pairs(robot: &Robot, bodies: &[LinkBody]) -> Vec<(usize, usize)> {
-    let is_left_out = |a: usize, b: usize| {
-        let pair = (a.min(b), a.max(b));
-        robot.adjacent_pairs().contains(&pair) || robot.disabled_pairs().contains(&pair)
-    };
-    let moves_relatively = |a: usize, b: usize| {
-        let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
-        joints(a) != joints(b)
-    };
-    let mut pairs = Vec::new();
-    for second in 0..bodies.len() {
-        for first in 0..second {
+/// Which links are compared with which, as indices into the link bodies.
+pub(crate) struct SelfPairs {
+    pub checked: Vec<(usize, usize)>,
+    /// Pairs in contact in every one of [`SAMPLES`] random configurations, and the least depth that was seen (m).
+    pub always_touching: Vec<((usize, usize), f64)>,
+}
+
+impl SelfPairs {
+    /// All pairs but adjacent ones (no link with geometry between them), those that the robot's SRDF or its options
+    /// disable, and those that never move against each other. Those that touch in every random configuration are
+    /// told apart, unless they stand in `asked_for` (by link index, the lower first).
+    pub fn of(robot: &Robot, bodies: &[LinkBody], asked_for: &[(usize, usize)]) -> Self {
+        let links = |(first, second): (usize, usize)| {
             let (a, b) = (bodies[first].link, bodies[second].link);
-            if !is_left_out(a, b) && moves_relatively(a, b) {
-                pairs.push((first, second));
+            (a.min(b), a.max(b))
+        };
+        let is_left_out =
+            |pair| robot.adjacent_pairs().contains(&pair) || robot.disabled_pairs().contains(&pair);
+        let moves_relatively = |(a, b): (usize, usize)| {
+            let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
+            joints(a) != joints(b)
+        };
+        let mut pairs: Vec<(usize, usize)> = Vec::new();
+        for second in 0..bodies.len() {
+            pairs.extend((0..second).map(|first| (first, second)).filter(|pair| {
+                let links = links(*pair);
+                !is_left_out(links) && moves_relatively(links)
+            }));
+        }
+        let depths = depths_if_always_touching(robot, bodies, &pairs);
+        let (mut checked, mut always_touching) = (Vec::new(), Vec::new());
+        for (pair, depth_m) in pairs.into_iter().zip(depths) {
+            match depth_m.filter(|_| !asked_for.contains(&links(pair))) {
+                Some(depth_m) => always_touching.push((pair, depth_m)),
+                None => checked.push(pair),
             }
         }
+        Self { checked, always_touching }
     }
-    let always = always_in_contact(robot, bodies, &pairs);
-    pairs.into_iter().zip(always).filter(|(_, always)| !always).map(|(pair, _)| pair).collect()
 }
 
 /// How many random configurations must all show contact. One free one is enough to keep a pair.
 const SAMPLES: usize = 500;
 
-fn always_in_contact(robot: &Robot, bodies: &[LinkBody], pairs: &[(usize, usize)]) -> Vec<bool> {
+/// The depth of how many of them is looked at.
+const DEPTH_SAMPLES: usize = 20;
+
+/// Per pair the least depth that was seen, in metres; `None` if the pair is free somewhere.
+fn depths_if_always_touching(
+    robot: &Robot,
+    bodies: &[LinkBody],
+    pairs: &[(usize, usize)],
+) -> Vec<Option<f64>> {
     let mut random = Stream::new(0, 0);
     let mut frames = robot.frames();
-    let mut always = vec![true; pairs.len()];
-    for _ in 0..SAMPLES {
-        if always.iter().all(|a| !a) {
+    let mut depths = vec![Some(f64::INFINITY); pairs.len()];
+    for sample in 0..SAMPLES {
+        if depths.iter().all(Option::is_none) {
             break;
         }
         let q: Vec<f64> = robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect();
         robot.forward_kinematics(&q, &mut frames);
-        for (&(first, second), always) in pairs.iter().zip(&mut always) {
-            if *always {
-                let placed = |body: usize| {
-                    let LinkBody { link, shapes, .. } = &bodies[body];
-                    let world_from_link = *frames.link(*link);
-                    shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
-                };
-                let gap = group_separation(placed(first), &placed(second), CONTACT_M);
-                *always = gap.upper_m <= CONTACT_M;
+        for (&(first, second), depth_m) in pairs.iter().zip(&mut depths) {
+            let Some(least_m) = depth_m else { continue };
+            let (first, second) = (&bodies[first], &bodies[second]);
+            let gap = group_separation(first.placed(&frames), &second.placed(&frames), CONTACT_M);
+            if gap.upper_m > CONTACT_M {
+                *depth_m = None;
+            } else if sample < DEPTH_SAMPLES {
+                *least_m = least_m.min(depth_of(first, second, &frames));
             }
         }
     }
-    always
+    depths
+}
+
+/// How deep two links are in each other, in metres.
+fn depth_of(first: &LinkBody, second: &LinkBody, frames: &LinkFrames) -> f64 {
+    let others: Vec<_> = second.placed(frames).collect();
+    let overlaps = first
+        .placed(frames)
+        .flat_map(|(pose_a, a)| others.iter().filter_map(move |(pose_b, b)| overlap(a, &pose_a, b, pose_b)));
+    overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
 }

@@ -2,7 +2,9 @@
 
 mod fixture;
 
-use cranny_collision::{Cell, Collider};
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Collider, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
 use fixture::{FOLDED, arm, cell, robot};
 
@@ -63,9 +65,67 @@ fn a_pair_that_the_srdf_disables_is_left_out() {
 }
 
 #[test]
-fn pairs_that_are_always_in_contact_are_left_out() {
+fn pairs_that_are_always_in_contact_are_left_out_and_named() {
     // The forearm hangs at most 0.5 m from the hub, so that it always reaches base and right arm.
-    assert!(names(&two_arms(1.0, EMPTY_SRDF)).is_empty());
+    let cell = two_arms(1.0, EMPTY_SRDF);
+    assert!(names(&cell).is_empty());
+    let named: Vec<_> = cell.unchecked().iter().map(|u| [u.first, u.second].map(|c| cell.name(c))).collect();
+    assert_eq!(named, [["base", "forearm"], ["forearm", "right"]].map(|pair| pair));
+    assert!(cell.unchecked().iter().all(|u| u.depth_m > 0.3 && u.reason == UncheckedReason::AlwaysTouching));
+    assert!(two_arms(0.05, EMPTY_SRDF).unchecked().is_empty());
+}
+
+#[test]
+fn a_pair_that_was_left_out_is_checked_where_that_is_asked_for() {
+    let cell = two_arms(1.0, EMPTY_SRDF);
+    let mut scratch = cell.scratch();
+    let q = [0.0, 0.0, 0.0];
+    assert!(cell.is_free(&q, &mut scratch));
+    let strict = cell.with_all_pairs();
+    assert_eq!(names(&strict), [["base", "forearm"], ["forearm", "right"]]);
+    assert!(strict.unchecked().is_empty() && !strict.is_free(&q, &mut strict.scratch()));
+}
+
+/// A slot that is all but never met by chance: one configuration of some ten thousand is free.
+#[test]
+fn a_pair_is_checked_once_it_was_seen_free() {
+    let urdf = r#"<robot name="slot"><link name="root"/>
+  <link name="base">
+    <collision><origin xyz="1 0 0"/><geometry><box size="1.8 3 0.2"/></geometry></collision>
+    <collision><origin xyz="-1 1.0003 0"/><geometry><box size="3 2 0.2"/></geometry></collision>
+    <collision><origin xyz="-1 -1.0003 0"/><geometry><box size="3 2 0.2"/></geometry></collision></link>
+  <link name="between"><collision><origin xyz="0 0 0.5"/><geometry><sphere radius="0.01"/></geometry></collision></link>
+  <link name="blade"><collision><origin xyz="-0.4 0 0"/><geometry><box size="0.7 0.0002 0.05"/></geometry></collision></link>
+  <joint name="slide" type="prismatic"><parent link="root"/><child link="base"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="post" type="fixed"><parent link="base"/><child link="between"/></joint>
+  <joint name="turn" type="revolute"><parent link="between"/><child link="blade"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>"#;
+    let cell = Arc::new(cell(&robot(urdf, &RobotOptions::default()), Vec::new(), 0.0));
+    assert_eq!(cell.unchecked().len(), 1);
+    let (free, touching) = ([0.0, 0.0], [0.0, 1.0]);
+    let mut scratch = cell.scratch();
+    assert!(cell.is_free(&touching, &mut scratch));
+    assert_eq!(cell.unchecked_but_free_at(&touching, &mut scratch), []);
+    assert_eq!(cell.with_pairs_free_at([&touching[..]]).unchecked().len(), 1);
+    let extended = cell.with_pairs_free_at([&touching[..], &free[..]]);
+    assert!(extended.unchecked().is_empty());
+    let mut scratch = extended.scratch();
+    assert!(extended.is_free(&free, &mut scratch) && !extended.is_free(&touching, &mut scratch));
+    assert!(!extended.motion_is_free(&free, &touching, &mut scratch).is_proven());
+}
+
+/// Where a fixed base stands in something nothing can be done by planning; but it is said.
+#[test]
+fn a_link_that_stands_still_in_a_body_is_named() {
+    let robot = arm();
+    let bodies =
+        vec![fixture::block("table", [0.0, 0.0, 0.0], [0.5; 3]), fixture::block("far", [9.0; 3], [0.1; 3])];
+    let cell = cell(&robot, bodies, 0.0);
+    let still = robot.ancestors(0).is_empty() && !robot.links()[0].collisions.is_empty();
+    let named: Vec<_> = cell.unchecked().iter().map(|u| [u.first, u.second].map(|c| cell.name(c))).collect();
+    assert_eq!(named.len(), usize::from(still), "{named:?}");
+    assert!(cell.unchecked().iter().all(|u| u.reason == UncheckedReason::NeverMoves && u.depth_m > 0.0));
 }
 
 #[test]

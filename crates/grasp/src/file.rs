@@ -13,7 +13,9 @@ use crate::{Grasp, GraspError, GraspSet};
 /// [`GraspError::Line`] with file and line for what is no grasp, [`GraspError::Empty`] for a file without
 /// any, [`GraspError::Unreadable`].
 pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
-    let text = fs::read_to_string(path)
+    let text = cranny_file::TABLE
+        .argument()
+        .text(path)
         .map_err(|reason| GraspError::Unreadable { path: path.to_owned(), reason })?;
     parse_csv(path, &text)
 }
@@ -35,13 +37,12 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     let mut sound = Vec::new();
     let mut faults = Vec::new();
     for (index, line) in text.lines().enumerate() {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        if line.trim().is_empty() || (index == 0 && is_header(&fields)) {
+        if line.trim().is_empty() || (index == 0 && is_header(line)) {
             continue;
         }
         // Faults of a single grasp call it by its place in the file.
         let place = sound.len() + faults.len();
-        let checked = parse(&fields).and_then(|grasp| grasp.checked(place));
+        let checked = parse(line).and_then(|grasp| grasp.checked(place));
         match checked {
             Ok(grasp) => sound.push(grasp),
             Err(fault) => {
@@ -84,17 +85,22 @@ pub fn csv_text(grasps: &GraspSet) -> String {
     text
 }
 
-fn is_header(fields: &[&str]) -> bool {
-    fields.iter().all(|field| field.parse::<f64>().is_err()) && fields.iter().any(|field| !field.is_empty())
+fn is_header(line: &str) -> bool {
+    let fields = || line.split(',').map(str::trim);
+    fields().all(|field| field.parse::<f64>().is_err()) && fields().any(|field| !field.is_empty())
 }
 
-fn parse(fields: &[&str]) -> Result<Grasp, GraspError> {
-    let further = match fields.len() {
-        16..=18 => &fields[16..],
-        actual => return Err(GraspError::NumberCount { actual }),
-    };
+fn parse(line: &str) -> Result<Grasp, GraspError> {
+    // Counted before they are kept: a line may have any number of them.
+    let actual = line.split(',').count();
+    if !(16..=18).contains(&actual) {
+        return Err(GraspError::NumberCount { actual });
+    }
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let further = &fields[16..];
     let number = |index: usize| -> Result<f64, GraspError> {
-        let not_a_number = || GraspError::NotANumber { column: index + 1, text: fields[index].to_owned() };
+        let not_a_number =
+            || GraspError::NotANumber { column: index + 1, text: cranny_file::excerpt(fields[index]) };
         fields[index].parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(not_a_number)
     };
     let optional = |index: usize| -> Result<Option<f64>, GraspError> {

@@ -23,12 +23,13 @@ const MOST_ITERATIONS: u64 = 8;
 /// 1. Poses are opened in random order, the more the more attempts were made. One at which the hand alone
 ///    collides is left out for good: no arm can hold it.
 /// 2. Each attempt of a batch goes to any open pose, from a start of its own.
-/// 3. What is reached and free is a goal.
+/// 3. What is reached and free is a goal; joints that can stand several turns apart stand near the start's.
 ///
 /// Until there is a goal, every iteration of a search runs a batch; then the fewer the more goals cost, so
 /// that neither the attempts nor the search takes all the time.
 pub(crate) struct GoalPool<'a> {
     cell: &'a Cell,
+    start: &'a [f64],
     /// Grasps and poses not left out yet; the first so many are known to be open to the hand.
     poses: Vec<(usize, Pose)>,
     open: usize,
@@ -58,6 +59,7 @@ impl<'a> GoalPool<'a> {
         let both = |(index, grasp)| poses(grasp).map(|pose| (index, pose));
         Self {
             cell,
+            start: &problem.start,
             poses: grasps.grasps().iter().enumerate().flat_map(both).collect(),
             open: 0,
             batch: IkBatch::new(&problem.robot, IkSettings::default()),
@@ -104,6 +106,10 @@ impl<'a> GoalPool<'a> {
             .into_iter()
             .enumerate()
             .filter_map(|(attempt, grasp)| Some((grasp, self.batch.solution(attempt)?.q)))
+            .map(|(grasp, mut q)| {
+                self.cell.robot().turn_towards(self.start, &mut q);
+                (grasp, q)
+            })
             .collect();
         for grasp in grasps {
             self.records[grasp].attempts += 1;

@@ -174,7 +174,10 @@ impl Search<'_> {
         });
         self.statistics.ik_attempts += (search.attempts() - attempts_before) as u64;
         self.statistics.ik_time_s += begin.elapsed().as_secs_f64();
-        found
+        found.map(|mut q| {
+            self.problem.robot.turn_towards(&self.problem.start, &mut q);
+            q
+        })
     }
 
     /// Steps 3 and 4: a path to `goal`, nothing if its iterations are spent, or why all is over.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Budget, Criterion, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem,
-    ShortcutSettings, shortcut, verify,
+    ShortcutSettings, search, shortcut, verify,
 };
 
 /// How to go on once there is a path.
@@ -68,7 +68,7 @@ pub struct Optimised {
 /// nothing is proven; [`PlanError::ScoreWeight`].
 pub fn optimise(
     planner: &dyn Planner,
-    problem: &Problem,
+    problem: &mut Problem,
     budget: &Budget,
     settings: OptimiseSettings,
     seed: u64,
@@ -80,11 +80,11 @@ pub fn optimise(
     }
     let cost = PathCost::new(&problem.robot, settings.score_weight)?;
     // 1.
-    let mut report = planner.plan(problem, budget, seed, observer)?;
+    let mut report = search(planner, problem, budget, seed, observer)?;
     let first_iterations = report.statistics.iterations;
     let found = Instant::now();
     let mut best = Best {
-        problem,
+        problem: &*problem,
         cost,
         begin,
         path: Vec::new(),

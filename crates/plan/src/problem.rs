@@ -5,7 +5,7 @@ use cranny_grasp::GraspSet;
 use cranny_robot::{LinkFrames, Robot};
 use cranny_spatial::PoseDifference;
 
-use crate::PlanError;
+use crate::{NotChecked, PlanError};
 
 /// What a path must do, and what makes it valid.
 #[derive(Clone, Debug)]
@@ -158,7 +158,8 @@ impl ValidityScratch {
 pub const PAPER_THRESHOLD: f64 = 50.0;
 
 impl Problem {
-    /// A problem under the `exact` criterion.
+    /// A problem under the `exact` criterion. Pairs of links that touch in every sample are not checked
+    /// ([`Cell::unchecked`]), but those that are free at the start or at a goal configuration are.
     ///
     /// # Errors
     /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not
@@ -175,7 +176,13 @@ impl Problem {
             margins = margins.for_target(&world, target);
         }
         let cell = Cell::new(robot.clone(), world, margins)?;
-        Self { robot, target, start, goal, validity: Validity::Exact(Arc::new(cell)) }.checked()
+        let mut problem =
+            Self { robot, target, start, goal, validity: Validity::Exact(Arc::new(cell)) }.checked()?;
+        if let Validity::Exact(cell) = &problem.validity {
+            let known = std::iter::once(&problem.start).chain(problem.goal_configurations());
+            problem.validity = Validity::Exact(cell.with_pairs_free_at(known.map(Vec::as_slice)));
+        }
+        Ok(problem)
     }
 
     /// A problem under the `paper` criterion.
@@ -202,11 +209,34 @@ impl Problem {
         Self { goal: Goal::Configurations(vec![q]), ..self.clone() }.checked()
     }
 
-    fn checked(self) -> Result<Self, PlanError> {
-        let goals: &[Vec<f64>] = match &self.goal {
+    /// The same problem with all pairs of links checked but those that are exempt by declaration.
+    #[must_use]
+    pub fn checking_all_pairs(mut self) -> Self {
+        if let Validity::Exact(cell) = &self.validity
+            && !cell.unchecked().is_empty()
+        {
+            self.validity = Validity::Exact(Arc::new(cell.with_all_pairs()));
+        }
+        self
+    }
+
+    /// What touches and is not checked, under `exact`.
+    pub fn not_checked(&self) -> Vec<NotChecked> {
+        match &self.validity {
+            Validity::Exact(cell) => NotChecked::of(cell),
+            Validity::Paper { .. } => Vec::new(),
+        }
+    }
+
+    fn goal_configurations(&self) -> &[Vec<f64>] {
+        match &self.goal {
             Goal::Grasps(_) => &[],
             Goal::Configurations(goals) => goals,
-        };
+        }
+    }
+
+    fn checked(self) -> Result<Self, PlanError> {
+        let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
             self.check_configuration(what, q)?;
         }

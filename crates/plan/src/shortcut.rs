@@ -40,7 +40,8 @@ const LEAST_GAIN: f64 = 0.02;
 /// replaces a detour.
 ///
 /// 1. From each way point on, straight to the farthest later one that can be reached, halving the reach
-///    where it cannot.
+///    where it cannot. Where the goal is a grasp, and a joint has turned around on the way there, the rest of the
+///    path is turned back.
 /// 2. Straight lines between random points of the path before and after a random way point, wherever they lie
 ///    on its edges (Geraerts & Overmars 2007, §3); where one is blocked, another nearer to the way point.
 /// 3. Where the goal is a grasp, every other one leads from a random point of the path to a configuration near
@@ -69,30 +70,57 @@ pub fn shortcut(
         (Goal::Grasps(_), Some(end)) => Some(Hold::at(&problem.robot, end)),
         _ => None,
     };
-    let mut path = skip_way_points(cell, path, &mut scratch);
+    let mut path = path.to_vec();
+    skip_way_points(cell, &mut path, hold.is_some(), &mut scratch);
     for attempt in 0..settings.attempts {
         match &mut hold {
             Some(hold) if attempt % 2 == 1 => hold.cut_to_end(cell, &mut path, &mut random, &mut scratch),
             _ => cut_at_random(cell, &mut path, &mut random, &mut scratch),
         }
     }
-    path = skip_way_points(cell, &path, &mut scratch);
+    skip_way_points(cell, &mut path, hold.is_some(), &mut scratch);
     Ok(Shortened { path, time_s: begin.elapsed().as_secs_f64() })
 }
 
 /// Steps 1 and 4.
-fn skip_way_points(cell: &Cell, path: &[Vec<f64>], scratch: &mut Scratch) -> Vec<Vec<f64>> {
-    let mut kept = Vec::new();
+fn skip_way_points(cell: &Cell, path: &mut Vec<Vec<f64>>, may_turn_end: bool, scratch: &mut Scratch) {
     let mut at = 0;
-    while at < path.len() {
-        kept.push(path[at].clone());
+    while at + 2 < path.len() {
         let mut reach = path.len() - 1 - at;
-        while reach > 1 && !is_free(cell, &path[at], &path[at + reach], scratch) {
+        while reach > 1 {
+            let is_turned = may_turn_end
+                && turn_rest_towards(cell.robot(), path, at, at + reach, |a, b| is_free(cell, a, b, scratch));
+            if is_turned || is_free(cell, &path[at], &path[at + reach], scratch) {
+                path.drain(at + 1..at + reach);
+                break;
+            }
             reach /= 2;
         }
-        at += reach.max(1);
+        at += 1;
     }
-    kept
+}
+
+/// Turns the path from way point `from` on by whole turns of joints to where it is nearest to way point `at`, if that
+/// moves it, within the limits, and the straight way there `is_free`.
+fn turn_rest_towards(
+    robot: &Robot,
+    path: &mut [Vec<f64>],
+    at: usize,
+    from: usize,
+    mut is_free: impl FnMut(&[f64], &[f64]) -> bool,
+) -> bool {
+    let mut turned = path[from].clone();
+    if !robot.turn_towards(&path[at], &mut turned) {
+        return false;
+    }
+    let turns: Vec<f64> = turned.iter().zip(&path[from]).map(|(turned, q)| turned - q).collect();
+    let rest: Vec<Vec<f64>> =
+        path[from..].iter().map(|q| q.iter().zip(&turns).map(|(q, turn)| q + turn).collect()).collect();
+    let is_turned = rest.iter().all(|q| robot.within_limits(q)) && is_free(&path[at], &rest[0]);
+    if is_turned {
+        path[from..].clone_from_slice(&rest);
+    }
+    is_turned
 }
 
 /// Step 2.

@@ -1,17 +1,21 @@
+use std::ops::Range;
+
 use cranny_collision::{Cell, Collider, Contact, Motion, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_spatial::{CONTACT_M, PoseDifference};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, PlanError, Problem, Validity};
+use crate::{Goal, NotChecked, PlanError, Problem, Validity};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verification {
     /// Whether the path meets the criterion: no violation at all.
     pub valid: bool,
-    /// Everything that is wrong, in the order of the path.
+    /// What is wrong, in the order of the path: of the first thousand edges that touch something every pair, of
+    /// further ones a single pair.
     pub violations: Vec<Violation>,
     /// How the path ends: the nearest grasp, and how far it is.
     pub goal: Option<GoalError>,
@@ -20,6 +24,8 @@ pub struct Verification {
     pub clearance_m: Option<f64>,
     /// The same for every edge (`exact` only); 0 for an edge that is not proven.
     pub clearances_per_edge_m: Vec<Option<f64>>,
+    /// What touches and was not compared (`exact` only): all that is said holds but for these.
+    pub not_checked: Vec<NotChecked>,
 }
 
 /// The end of a path against the nearest grasp.
@@ -101,11 +107,12 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
     verify_with(problem, path, ClearanceReport::PerEdge)
 }
 
-/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`.
+/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`, but for
+/// this: a proof that the clearance of its own edge contradicts is none.
 ///
 /// 1. It begins at the start.
 /// 2. Every way point is within the joint limits.
-/// 3. Under `exact` every edge is proven; under `paper` every way point but the first and the last (a goal
+/// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
 ///    root is not checked by the released planners) passes the released check, and no step is longer than
 ///    theirs.
 /// 4. It ends at a goal.
@@ -141,22 +148,25 @@ pub fn verify_with(
     }
     // 3.
     let mut clearances_per_edge_m = Vec::new();
+    let mut not_checked = Vec::new();
     match &problem.validity {
         Validity::Exact(cell) => {
-            let mut scratch = cell.scratch();
+            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
+            not_checked = NotChecked::of(cell);
             // A path of one way point is an edge of no length.
             let single = [first.clone(), first.clone()];
-            let edges = if path.len() == 1 { &single[..] } else { path };
-            for (edge, pair) in edges.windows(2).enumerate() {
-                let found = judge_edge(cell, edge, [&pair[0], &pair[1]], &mut scratch);
-                if report == ClearanceReport::PerEdge {
-                    let least_m = match found {
-                        Ok(()) => cell.least_clearance(&pair[0], &pair[1], &mut scratch),
-                        Err(_) => 0.0,
-                    };
-                    clearances_per_edge_m.push(least_m.is_finite().then_some(least_m));
+            let path = if path.len() == 1 { &single[..] } else { path };
+            let mut faulty = 0;
+            for begin in (0..path.len() - 1).step_by(EDGES_AT_ONCE) {
+                let detail = if faulty < MOST_DETAILED { Detail::EveryPair } else { Detail::FirstPair };
+                let edges = begin..(begin + EDGES_AT_ONCE).min(path.len() - 1);
+                for (found, least_m) in judge_edges(cell, path, edges, report, detail) {
+                    if report == ClearanceReport::PerEdge {
+                        clearances_per_edge_m.push(least_m.is_finite().then_some(least_m));
+                    }
+                    faulty += usize::from(found.is_err());
+                    violations.extend(found.err().into_iter().flatten());
                 }
-                violations.extend(found.err().into_iter().flatten());
             }
         }
         Validity::Paper { check, .. } => {
@@ -201,7 +211,8 @@ pub fn verify_with(
         }
     };
     let clearance_m = clearances_per_edge_m.iter().copied().flatten().reduce(f64::min);
-    Ok(Verification { valid: violations.is_empty(), violations, goal, clearance_m, clearances_per_edge_m })
+    let valid = violations.is_empty();
+    Ok(Verification { valid, violations, goal, clearance_m, clearances_per_edge_m, not_checked })
 }
 
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
@@ -221,47 +232,113 @@ fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usiz
     }
 }
 
+/// So many edges are judged by all cores before the next ones are.
+const EDGES_AT_ONCE: usize = 1024;
+
+/// Fewer are not worth a thread, and the scratch that it needs.
+const EDGES_PER_THREAD: usize = 128;
+
+/// After about so many edges with faults, of each further one a single pair that touches is told: to find all takes
+/// milliseconds an edge, and a path may have a million.
+const MOST_DETAILED: usize = 1000;
+
+/// What is told of an edge that touches something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Detail {
+    /// Every pair that touches, where it is deepest.
+    EveryPair,
+    /// One pair, at an end, in the middle, or where the proof met it.
+    FirstPair,
+}
+
+/// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if `report` wants it.
+fn judge_edges(
+    cell: &Cell,
+    path: &[Vec<f64>],
+    edges: Range<usize>,
+    report: ClearanceReport,
+    detail: Detail,
+) -> Vec<(Result<(), Vec<Violation>>, f64)> {
+    let judge = |scratch: &mut Scratch, edge: usize| {
+        let (a, b) = (&path[edge], &path[edge + 1]);
+        let found = judge_edge(cell, edge, [a, b], detail, scratch);
+        if report == ClearanceReport::Left || found.is_err() {
+            return (found, 0.0);
+        }
+        let measured = cell.measure_motion(a, b, scratch);
+        match measured.contradiction {
+            Some((at, contact)) => {
+                (Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]), 0.0)
+            }
+            None => (found, measured.least_m),
+        }
+    };
+    if edges.len() <= EDGES_PER_THREAD {
+        let mut scratch = cell.scratch();
+        return edges.map(|edge| judge(&mut scratch, edge)).collect();
+    }
+    edges.into_par_iter().with_min_len(EDGES_PER_THREAD).map_init(|| cell.scratch(), judge).collect()
+}
+
 /// Whether an edge is proven; else what is wrong with it on the way, if not only its ends are.
 fn judge_edge(
     cell: &Cell,
     edge: usize,
     [a, b]: [&[f64]; 2],
+    detail: Detail,
     scratch: &mut Scratch,
 ) -> Result<(), Vec<Violation>> {
-    let describe = |kind: ViolationKind, at: f64, contact: &Contact| Violation {
+    let of_contact = |(at, contact): &(f64, Contact)| {
+        let touches = contact.clearance_m < CONTACT_M;
+        let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
+        describe(cell, kind, edge, *at, contact)
+    };
+    if detail == Detail::FirstPair {
+        // Where the ends or the middle touch something, a proof would only look for the first such place.
+        let found = deepest_contacts(cell, [a, b], None, 2, scratch);
+        if let Some(first) = found.first() {
+            return Err(vec![of_contact(first)]);
+        }
+    }
+    let seed = match cell.motion_is_free(a, b, scratch) {
+        Motion::Proven => return Ok(()),
+        Motion::Unresolved { at, contact } => {
+            return Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]);
+        }
+        Motion::Contact { at, contact } => Some((at, contact)),
+        // The limits are judged at the way points; what touches on the way counts all the same.
+        Motion::OutOfLimits { .. } => None,
+    };
+    let contacts = match seed {
+        Some(first) if detail == Detail::FirstPair => vec![first],
+        None if detail == Detail::FirstPair => Vec::new(),
+        seed => deepest_contacts(cell, [a, b], seed, SAMPLES, scratch),
+    };
+    Err(contacts.iter().map(of_contact).collect())
+}
+
+fn describe(cell: &Cell, kind: ViolationKind, edge: usize, at: f64, contact: &Contact) -> Violation {
+    Violation {
         kind,
         edge,
         at,
         first: cell.name(contact.first).to_owned(),
         second: cell.name(contact.second).to_owned(),
         depth_m: contact.depth_m,
-    };
-    let seed = match cell.motion_is_free(a, b, scratch) {
-        Motion::Proven => return Ok(()),
-        Motion::Unresolved { at, contact } => {
-            return Err(vec![describe(ViolationKind::Unresolved, at, &contact)]);
-        }
-        Motion::Contact { at, contact } => Some((at, contact)),
-        // The limits are judged at the way points; what touches on the way counts all the same.
-        Motion::OutOfLimits { .. } => None,
-    };
-    let violations = deepest_contacts(cell, a, b, seed, scratch).into_iter().map(|(at, contact)| {
-        let touches = contact.clearance_m < CONTACT_M;
-        let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
-        describe(kind, at, &contact)
-    });
-    Err(violations.collect())
+    }
 }
 
-/// Every pair that touches on an edge, each at the deepest of many samples and of `seed`.
+/// How many pieces an edge is cut into to find what it touches.
+const SAMPLES: u32 = 64;
+
+/// Every pair that touches on an edge, each at the deepest of the ends of so many pieces and of `seed`.
 fn deepest_contacts(
     cell: &Cell,
-    a: &[f64],
-    b: &[f64],
+    [a, b]: [&[f64]; 2],
     seed: Option<(f64, Contact)>,
+    pieces: u32,
     scratch: &mut Scratch,
 ) -> Vec<(f64, Contact)> {
-    const SAMPLES: u32 = 64;
     let mut found: Vec<(f64, Contact)> = Vec::from_iter(seed);
     let mut keep = |at: f64, contact: Contact| {
         let same = |c: &(f64, Contact)| (c.1.first, c.1.second) == (contact.first, contact.second);
@@ -272,8 +349,8 @@ fn deepest_contacts(
             None => found.push((at, contact)),
         }
     };
-    for sample in 0..=SAMPLES {
-        let at = f64::from(sample) / f64::from(SAMPLES);
+    for sample in 0..=pieces {
+        let at = f64::from(sample) / f64::from(pieces);
         let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect();
         for contact in cell.contacts(&q, scratch) {
             keep(at, contact);

@@ -157,6 +157,36 @@ fn everything_that_an_edge_touches_is_listed_and_the_others_keep_their_clearance
     assert!(verification.clearances_per_edge_m[1..].iter().all(|c| c.is_some_and(|c| c > 0.2)));
 }
 
+/// Of a long path each edge is judged by one of many threads: it is the same verdict as that of the edge alone.
+#[test]
+fn the_edges_of_a_long_path_are_judged_as_each_is_alone() {
+    let bodies = || vec![Body::floor(-0.4), block("b", [0.3, 0.0, 0.0], [0.02; 3])];
+    let path: Vec<[f64; 3]> =
+        (0..3000).map(|i| [-0.5 + f64::from(i) / 2999.0, 0.0, f64::from(i % 7) * 0.01]).collect();
+    let whole = judged(bodies(), &path);
+    for edge in (0..2999).step_by(37) {
+        let alone = judged(bodies(), &path[edge..edge + 2]);
+        assert_eq!(alone.clearances_per_edge_m[0], whole.clearances_per_edge_m[edge], "edge {edge}");
+        let contacts = |v: &Verification, edge: usize| {
+            let of_edge = |v: &&Violation| v.edge == edge && v.kind == ViolationKind::Contact;
+            v.violations.iter().filter(of_edge).map(|v| (v.at, v.depth_m)).collect::<Vec<_>>()
+        };
+        assert_eq!(contacts(&alone, 0), contacts(&whole, edge), "edge {edge}");
+    }
+}
+
+/// A million way points that collide took an hour, most of it for every pair of every edge.
+#[test]
+fn after_a_thousand_edges_with_faults_each_further_one_has_one() {
+    let bodies = vec![block("a", [0.0, 0.0, 0.0], [0.02; 3]), block("b", [0.02, 0.0, 0.0], [0.02; 3])];
+    let path: Vec<[f64; 3]> = (0..5000).map(|i| [f64::from(i % 2) * 0.01, 0.0, 0.0]).collect();
+    let verification = judged(bodies, &path);
+    let count = |edge: usize| {
+        verification.violations.iter().filter(|v| v.edge == edge && v.kind == ViolationKind::Contact).count()
+    };
+    assert_eq!((count(0), count(999), count(4998)), (2, 2, 1));
+}
+
 fn with_margin(margin_m: f64, bodies: Vec<Body>) -> Problem {
     let world = World::new(bodies).expect("good poses");
     let margins = Margins { margin_m, ..Margins::default() };

@@ -1,10 +1,11 @@
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use cranny_file::Readable;
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
+use crate::full_turn::full_turns;
 use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::kinematics::{LinkFrames, Motion, Step, Value};
@@ -24,12 +25,7 @@ impl Robot {
     /// # Errors
     /// Whatever is wrong with the files or the options: see [`RobotError`].
     pub fn load(path: &Path, options: &RobotOptions) -> Result<Self, RobotError> {
-        let beside = |file: PathBuf| file.is_file().then_some(TextSource::Path(file));
-        let mut options = options.clone();
-        options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
-        options.limits = options.limits.or_else(|| beside(path.with_file_name("limits.yaml")));
-        let text = read(path)?;
-        Self::from_urdf_text(&text, &path.display().to_string(), path.parent(), &options)
+        UrdfFile::read(path)?.robot(options)
     }
 
     /// Builds a robot from the text of a URDF. `source_name` is what errors call it; mesh names are
@@ -80,7 +76,7 @@ impl Robot {
                 visuals: link.visuals.iter().map(|visual| solids.visual(visual)).collect(),
             });
         }
-        let limits = resolved
+        let limits: Vec<JointLimits> = resolved
             .group
             .iter()
             .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
@@ -90,15 +86,16 @@ impl Robot {
                 .collect();
         let srdf = srdf.unwrap_or_default();
         let joints = group_joints(&urdf, &tree, &resolved.group);
-        Ok(Self {
+        let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links),
-            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf)?,
+            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
             group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
             joint_names: resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect(),
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
+            full_turns: full_turns(&limits, &movers),
             limits,
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),
@@ -106,17 +103,49 @@ impl Robot {
             movers,
             steps,
             rest,
-        })
+        };
+        robot.check_steadiness(source_name)?;
+        Ok(robot)
     }
 }
 
-fn read(path: &Path) -> Result<String, RobotError> {
-    fs::read_to_string(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
+/// A URDF as read from a file, for those who build several robots of it; a pipe can be read once only.
+#[derive(Clone, Debug)]
+pub struct UrdfFile {
+    path: PathBuf,
+    text: String,
+}
+
+impl UrdfFile {
+    /// Reads the file at `path`, which may be a pipe.
+    ///
+    /// # Errors
+    /// [`RobotError::Unreadable`].
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        Ok(Self { path: path.to_owned(), text: read(cranny_file::TEXT.argument(), path)? })
+    }
+
+    /// Builds a robot of it, as [`Robot::load`] does.
+    ///
+    /// # Errors
+    /// As [`Robot::load`].
+    pub fn robot(&self, options: &RobotOptions) -> Result<Robot, RobotError> {
+        let path = &self.path;
+        let beside = |file: PathBuf| file.is_file().then_some(TextSource::Path(file));
+        let mut options = options.clone();
+        options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
+        options.limits = options.limits.or_else(|| beside(path.with_file_name("limits.yaml")));
+        Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
+    }
+}
+
+fn read(kind: Readable, path: &Path) -> Result<String, RobotError> {
+    kind.text(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
 }
 
 fn content(source: &TextSource) -> Result<(String, String), RobotError> {
     match source {
-        TextSource::Path(path) => Ok((path.display().to_string(), read(path)?)),
+        TextSource::Path(path) => Ok((path.display().to_string(), read(cranny_file::TEXT, path)?)),
         TextSource::Text { name, text } => Ok((name.clone(), text.clone())),
     }
 }
@@ -265,7 +294,7 @@ impl SolidSource<'_> {
 
     fn find(&self, link: &UrdfLink, collision: &UrdfCollision, mesh: &str) -> Result<PathBuf, RobotError> {
         let tried = mesh_path::candidates(mesh, self.base_dir, &self.options.packages);
-        match tried.iter().find(|path| path.is_file()) {
+        match tried.iter().find(|path| mesh_path::is_file_like(path)) {
             Some(path) => Ok(path.clone()),
             None => Err(RobotError::MeshNotFound {
                 at: collision.at.clone(),

@@ -31,6 +31,29 @@ pub enum RobotError {
         /// What the operating system says.
         reason: std::io::Error,
     },
+    /// A file is written for xacro, which makes a URDF of it.
+    #[error(
+        "{at}: this is a xacro file, not yet a URDF (expand it first: xacro {file} > {})",
+        expanded(file)
+    )]
+    Xacro {
+        /// Where xacro is first spoken of.
+        at: Location,
+        /// The file.
+        file: String,
+    },
+    /// A file holds more of something than any robot has.
+    #[error("{at}: {actual} {what}, but at most {most} are read")]
+    TooMany {
+        /// Where.
+        at: Location,
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        most: usize,
+        /// How many there are.
+        actual: usize,
+    },
     /// A file has no content.
     #[error("{file}: the file is empty")]
     Empty {
@@ -86,6 +109,35 @@ pub enum RobotError {
         expected: usize,
         /// What it holds.
         text: String,
+    },
+    /// A link can be farther from the root than anything may be.
+    #[error(
+        "{file}: link `{link}` can be {farthest_m:.1} m from the root, but no more than {most} m are allowed: is a length in \
+         millimetres, or a limit too wide?", most = cranny_spatial::FARTHEST_M
+    )]
+    TooFar {
+        /// The file.
+        file: String,
+        /// The link.
+        link: String,
+        /// How far a point of it can be, in metres.
+        farthest_m: f64,
+    },
+    /// Rounding would move a link by more than a proof allows for.
+    #[error(
+        "{file}: link `{link}` cannot be placed to better than {error_m:.1e} m in double precision, which is more than proofs \
+         allow for: its own joint goes up to {greatest:e}, and those before it add to that; narrow the limits or \
+         shorten the chain"
+    )]
+    Unsteady {
+        /// The file.
+        file: String,
+        /// The link.
+        link: String,
+        /// By how much rounding could move a point of it, in metres.
+        error_m: f64,
+        /// The greatest value of its own joint, either way (m, rad).
+        greatest: f64,
     },
     /// A quantity that must be greater than zero is not.
     #[error("{at}: {attribute} of {element} must be greater than 0, but is {value}")]
@@ -297,12 +349,12 @@ pub enum RobotError {
         reason: Box<ShapeError>,
     },
     /// A `limits.yaml` is malformed.
-    #[error("{at}: {}", reason.without_snippet())]
+    #[error("{at}: {reason}")]
     Limits {
         /// Where.
         at: Location,
-        /// What the YAML reader says.
-        reason: Box<serde_saphyr::Error>,
+        /// What is wrong with it.
+        reason: cranny_file::TextFault,
     },
 }
 
@@ -351,4 +403,12 @@ fn listed(paths: &[PathBuf]) -> String {
         return "nothing (the robot was given as a text without a folder)".to_owned();
     }
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// What the URDF of a xacro file is called.
+fn expanded(file: &str) -> String {
+    match file.strip_suffix(".urdf.xacro").or_else(|| file.strip_suffix(".xacro")) {
+        Some(stem) => format!("{stem}.urdf"),
+        None => format!("{}.expanded.urdf", file.strip_suffix(".urdf").unwrap_or(file)),
+    }
 }

@@ -1,3 +1,5 @@
+use std::collections::HashSet;
+
 use crate::tree::Tree;
 use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
@@ -53,6 +55,14 @@ pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotErro
 pub(crate) fn unknown_link(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = spelling::nearest(name, urdf.links.iter().map(|link| link.name.as_str()));
     RobotError::UnknownName { place, kind: "link", name: name.to_owned(), nearest }
+}
+
+/// The groups that a walk through groups within groups is in, and those that it has been in: each is walked once,
+/// however many hold it.
+#[derive(Default)]
+struct Inside<'s> {
+    open: Vec<&'s str>,
+    closed: HashSet<&'s str>,
 }
 
 struct Resolver<'a> {
@@ -123,7 +133,11 @@ impl Resolver<'_> {
             JointGroup::Joints(names) => self.joints_by_name(names)?,
             JointGroup::Srdf(name) => {
                 let mut joints = Vec::new();
-                self.collect_group(self.srdf_group(name, "joint group")?, &mut Vec::new(), &mut joints)?;
+                self.collect_group(
+                    self.srdf_group(name, "joint group")?,
+                    &mut Inside::default(),
+                    &mut joints,
+                )?;
                 joints.retain(|&joint| self.is_free(joint));
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
                 joints.dedup();
@@ -174,13 +188,13 @@ impl Resolver<'_> {
     fn collect_group<'s>(
         &'s self,
         group: &'s SrdfGroup,
-        inside: &mut Vec<&'s str>,
+        groups: &mut Inside<'s>,
         joints: &mut Vec<usize>,
     ) -> Result<(), RobotError> {
-        if inside.contains(&group.name.as_str()) {
+        if groups.open.contains(&group.name.as_str()) {
             return Err(RobotError::GroupLoop { at: group.at.clone(), group: group.name.clone() });
         }
-        inside.push(&group.name);
+        groups.open.push(&group.name);
         let place = || format!("{}: group `{}`", group.at, group.name);
         for (base, tip) in &group.chains {
             let (base_node, tip_node) = (self.known_link(base, place)?, self.known_link(tip, place)?);
@@ -198,9 +212,12 @@ impl Resolver<'_> {
             joints.extend(self.tree.nodes[node].above.map(|(_, joint)| joint));
         }
         for name in &group.subgroups {
-            self.collect_group(self.srdf_group(name, &place())?, inside, joints)?;
+            if !groups.closed.contains(name.as_str()) {
+                self.collect_group(self.srdf_group(name, &place())?, groups, joints)?;
+            }
         }
-        inside.pop();
+        groups.open.pop();
+        groups.closed.insert(&group.name);
         Ok(())
     }
 

@@ -17,18 +17,23 @@ pub(crate) fn joint_reaches(
     movers: &[Vec<Mover>],
     rest: &[Pose],
 ) -> Vec<f64> {
-    let origin = |link: usize| rest[link].translation.vector;
-    let reach = |joint: &GroupJoint| match joint.kind {
-        JointKind::Prismatic => 1.0,
-        JointKind::Revolute => (0..links.len())
-            .filter(|&link| movers[link].iter().any(|mover| mover.child_link == joint.child_link))
-            .flat_map(|link| links[link].collisions.iter().map(move |shape| (link, shape)))
-            .map(|(link, shape)| {
-                let ball = shape.solid.ball();
-                let center: Point = rest[link] * (shape.link_from_shape * ball.center);
-                (center.coords - origin(joint.child_link)).norm() + ball.radius_m
-            })
-            .fold(0.0, f64::max),
-    };
-    joints.iter().map(reach).collect()
+    let slides = |joint: &GroupJoint| joint.kind == JointKind::Prismatic;
+    let mut reaches: Vec<f64> = joints.iter().map(|joint| if slides(joint) { 1.0 } else { 0.0 }).collect();
+    // What moves a link is known for each link, so that no joint need be looked for in all of them.
+    let mut joint_of_child = vec![None; links.len()];
+    for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| !slides(joint)) {
+        joint_of_child[joint.child_link] = Some(index);
+    }
+    for (link, shapes) in links.iter().enumerate().map(|(link, body)| (link, &body.collisions)) {
+        for shape in shapes {
+            let ball = shape.solid.ball();
+            let center: Point = rest[link] * (shape.link_from_shape * ball.center);
+            for mover in &movers[link] {
+                let Some(joint) = joint_of_child[mover.child_link] else { continue };
+                let origin = rest[mover.child_link].translation.vector;
+                reaches[joint] = reaches[joint].max((center.coords - origin).norm() + ball.radius_m);
+            }
+        }
+    }
+    reaches
 }

@@ -1,8 +1,12 @@
 use cranny_spatial::nalgebra::{Matrix3, Translation3};
-use cranny_spatial::{LANES, LaneArray, LaneVector, Pose, Rotation, Vector, sin_cos_lanes};
+use cranny_spatial::{
+    LANES, LaneArray, LaneVector, MOST_TURN_IN_LANES_RAD, Pose, Rotation, SINE_ERROR_IN_LANES, Vector,
+    sin_cos_lanes,
+};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
+use crate::frame_error::{FrameError, MovedBy};
 use crate::{JointKind, Robot};
 
 /// Forward kinematics of [`LANES`] configurations at once, in `f32`.
@@ -11,15 +15,19 @@ use crate::{JointKind, Robot};
 /// that its joint's axis is z, so a turn mixes two columns and nothing else.
 ///
 /// The error against [`Robot::forward_kinematics`] stays below [`position_error_m`](Self::position_error_m)
-/// anywhere within reach. There is no fused multiplication, so every instruction set gives the same bits.
+/// anywhere within the joint limits. There is no fused multiplication, so every instruction set gives the same bits.
 #[derive(Clone, Debug)]
 pub struct LaneKinematics {
     /// Parents before children; the frame of step `i` is number `i + 1`, the root's is number 0.
     steps: Vec<LaneStep>,
     /// Per link of the robot.
     placements: Vec<LanePlacement>,
-    reach_m: f64,
+    /// Per frame.
+    errors: Vec<FrameError>,
 }
+
+/// Half the distance between two numbers of `f32` at 1: what rounding leaves, relative to a number.
+const UNIT: f64 = 0.5 * f32::EPSILON as f64;
 
 /// Where a link is fixed to one of the frames of a [`LaneKinematics`].
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +59,9 @@ struct LaneStep {
     translation: [f32; 3],
 }
 
+/// A value is rounded when it becomes an `f32`, as is its multiplier, as is their product.
+const VALUE_ROUNDINGS: f64 = 3.0;
+
 impl LaneKinematics {
     /// The kinematics of all links of `robot`.
     pub fn new(robot: &Robot) -> Self {
@@ -59,7 +70,7 @@ impl LaneKinematics {
         // Per frame: the link right below its joint, and the frame at rest.
         let mut frames: Vec<(usize, Pose)> = vec![(robot.root(), Pose::identity())];
         let mut placements = Vec::with_capacity(robot.links().len());
-        let mut reach_m = 0.0;
+        let mut errors = vec![FrameError::root(UNIT)];
         for link in 0..robot.links().len() {
             let mut frame = 0;
             for mover in robot.ancestors(link) {
@@ -73,14 +84,16 @@ impl LaneKinematics {
                     Pose::from_parts(Translation3::identity(), z_onto(&mover.axis_in_child));
                 let root_from_frame = rest.link(mover.child_link) * child_from_frame;
                 let parent_from_frame = frames[parent].1.inv_mul(&root_from_frame);
-                let slide = match mover.kind {
-                    JointKind::Revolute => 0.0,
-                    JointKind::Prismatic => {
-                        let limits = &robot.limits()[mover.joint];
-                        limits.lower.abs().max(limits.upper.abs()) * mover.multiplier.abs()
-                    }
+                let limits = &robot.limits()[mover.joint];
+                let most = limits.lower.abs().max(limits.upper.abs()) * mover.multiplier.abs();
+                let moved_by = MovedBy {
+                    kind: mover.kind,
+                    most,
+                    roundings: VALUE_ROUNDINGS,
+                    sine: if most > MOST_TURN_IN_LANES_RAD { f64::INFINITY } else { SINE_ERROR_IN_LANES },
                 };
-                reach_m += parent_from_frame.translation.vector.norm() + slide;
+                let way_m = parent_from_frame.translation.vector.norm();
+                errors.push(errors[parent].beyond(way_m, Some(moved_by)));
                 steps.push(LaneStep::new(
                     parent,
                     mover.joint,
@@ -93,7 +106,7 @@ impl LaneKinematics {
             let frame_from_link = frames[frame].1.inv_mul(rest.link(link));
             placements.push(LanePlacement { frame, frame_from_link });
         }
-        Self { steps, placements, reach_m }
+        Self { steps, placements, errors }
     }
 
     /// How many frames there are, the root's included.
@@ -109,18 +122,22 @@ impl LaneKinematics {
         &self.placements[link]
     }
 
-    /// A bound on the error of any point that lies at most `from_frame_m` from the origin of its frame, in
-    /// metres.
+    /// A bound on the error of any point that lies at most `from_frame_m` from the origin of the frame of this
+    /// number, in metres, wherever the joints stand within their limits (`FrameError`). Infinite where `f32` cannot
+    /// say where the frame is: beyond a joint that turns farther than [`MOST_TURN_IN_LANES_RAD`].
     ///
-    /// A frame is a product of as many rotations as there are joints before it. Each is off by its sine and
-    /// cosine (2·10⁻⁷) and by the rounding of nine sums of three products, which all later translations
-    /// are multiplied by.
-    pub fn position_error_m(&self, from_frame_m: f64) -> f64 {
-        /// Error of one rotation, relative to the length that it turns: sine and cosine, the rounding of
-        /// the constants and of two products of matrices, at 6·10⁻⁸ each, and an angle of up to 2π read
-        /// with 2·10⁻⁷.
-        const PER_STEP: f64 = 2e-6;
-        PER_STEP * (1 + self.steps.len()) as f64 * (self.reach_m + from_frame_m)
+    /// # Panics
+    /// If there is no such frame.
+    pub fn position_error_m(&self, frame: usize, from_frame_m: f64) -> f64 {
+        self.errors[frame].of_point_m(from_frame_m)
+    }
+
+    /// How far the origin of a frame can be from the root's, in metres.
+    ///
+    /// # Panics
+    /// If there is no such frame.
+    pub fn farthest_m(&self, frame: usize) -> f64 {
+        self.errors[frame].farthest_m()
     }
 
     /// Writes all frames at the configurations `q`, one row of lanes per joint (m, rad).

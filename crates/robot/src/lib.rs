@@ -25,7 +25,7 @@
 //! order of the joint group, [`Robot::joint_names`].
 //!
 //! ## Limits
-//! Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
+//! At most [`MAX_LINKS`] links and joints. Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
 //! are revolute joints with limits of ±2π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, textures,
 //! transmissions, safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and
 //! sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
@@ -33,6 +33,8 @@
 
 mod assembly;
 mod error;
+mod frame_error;
+mod full_turn;
 mod ik_batch;
 mod ik_lanes;
 mod ik_search;
@@ -53,11 +55,13 @@ mod reach_bound;
 mod robot_files;
 mod spelling;
 mod srdf;
+mod steadiness;
 mod tree;
 mod urdf;
 mod visual;
 mod xml;
 
+pub use assembly::UrdfFile;
 pub use error::{Hindrance, Location, RobotError};
 pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
@@ -71,4 +75,5 @@ pub use options::{JointGroup, MeshUse, RobotOptions, TextSource};
 pub use reach_bound::ReachBound;
 pub use robot_files::RobotFiles;
 pub use srdf::{EndEffector, GroupState, Srdf, SrdfGroup};
+pub use tree::MAX_LINKS;
 pub use visual::{LinkVisual, VisualForm};

@@ -76,9 +76,9 @@ pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<Strin
         file: file.to_owned(),
         line: u32::try_from(location.line()).unwrap_or(u32::MAX).max(1),
     };
-    let parsed: LimitsFile = serde_saphyr::from_str(text).map_err(|reason| RobotError::Limits {
-        at: at(reason.location().unwrap_or(serde_saphyr::Location::UNKNOWN)),
-        reason: Box::new(reason),
+    let parsed: LimitsFile = cranny_file::yaml(text).map_err(|reason| RobotError::Limits {
+        at: Location { file: file.to_owned(), line: u32::try_from(reason.line).unwrap_or(u32::MAX) },
+        reason,
     })?;
     let mut limits = BTreeMap::new();
     for (joint, entry) in parsed.joints {

@@ -31,18 +31,24 @@ pub(crate) fn adjacent_pairs(links: &[Link]) -> Vec<(usize, usize)> {
     sorted_pairs(pairs)
 }
 
-/// The pairs that the SRDF says not to test.
+/// The pairs that the SRDF, or whoever loads the robot, says not to test.
 pub(crate) fn disabled_pairs(
     urdf: &Urdf,
     tree: &Tree,
     srdf: &Srdf,
+    unchecked_pairs: &[[String; 2]],
 ) -> Result<Vec<(usize, usize)>, RobotError> {
-    let mut pairs = Vec::with_capacity(srdf.disabled_pairs.len());
+    let find = |name: &String, place: &dyn Fn() -> String| {
+        tree.node(name).ok_or_else(|| unknown_link(urdf, place(), name))
+    };
+    let mut pairs = Vec::with_capacity(srdf.disabled_pairs.len() + unchecked_pairs.len());
     for ((first, second), at) in srdf.disabled_pairs.iter().zip(&srdf.disabled_at) {
-        let find = |name: &String| {
-            tree.node(name).ok_or_else(|| unknown_link(urdf, format!("{at}: disabled pair"), name))
-        };
-        pairs.push((find(first)?, find(second)?));
+        let place = || format!("{at}: disabled pair");
+        pairs.push((find(first, &place)?, find(second, &place)?));
+    }
+    for [first, second] in unchecked_pairs {
+        let place = || "unchecked_pairs".to_owned();
+        pairs.push((find(first, &place)?, find(second, &place)?));
     }
     Ok(sorted_pairs(pairs))
 }

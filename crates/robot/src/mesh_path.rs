@@ -28,6 +28,11 @@ pub(crate) fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[Pa
     }
 }
 
+/// Whether something is there that is no folder: what cannot be read of it, the opener says.
+pub(crate) fn is_file_like(path: &Path) -> bool {
+    path.exists() && !path.is_dir()
+}
+
 /// So that the folders above `.` can be named; a path that cannot be made absolute stays as it is.
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())

@@ -20,6 +20,8 @@ pub struct Robot {
     pub(crate) joint_names: Vec<String>,
     pub(crate) limits: Vec<JointLimits>,
     pub(crate) joint_reaches: Vec<f64>,
+    /// Per joint of the group.
+    pub(crate) full_turns: Vec<bool>,
     pub(crate) tip: usize,
     /// Per link.
     pub(crate) movers: Vec<Vec<Mover>>,

@@ -24,6 +24,8 @@ pub struct RobotOptions {
     pub packages: Vec<PathBuf>,
     /// What solid a mesh stands for.
     pub meshes: MeshUse,
+    /// Pairs of links, by name, that may touch: exempt as those are that the SRDF disables.
+    pub unchecked_pairs: Vec<[String; 2]>,
 }
 
 /// A text that comes along with a URDF.

@@ -1,5 +1,4 @@
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -34,16 +33,19 @@ impl RobotFiles {
     /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and what makes the text no URDF.
     pub fn gather(urdf: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let bytes_of = |path: &Path| {
-            fs::read(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
+            cranny_file::MESH
+                .bytes(path)
+                .map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
         };
-        let mut text = fs::read_to_string(urdf)
+        let mut text = cranny_file::TEXT
+            .text(urdf)
             .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
         let mut contents = BTreeMap::new();
         let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
         // From the last to the first, so that the places of the others stay.
         for mesh in mesh_names(&text, urdf)?.into_iter().rev() {
             let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
-            let Some(path) = tried.iter().find(|path| path.is_file()) else {
+            let Some(path) = tried.iter().find(|path| mesh_path::is_file_like(path)) else {
                 if mesh.is_for_looks {
                     continue;
                 }

@@ -1,8 +1,14 @@
 /// The known names that a misspelt `name` probably meant: at most three, nearest first, none that differs in
 /// more than half of its letters.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    // Longer ones are no slips, and take long to compare.
+    const LONGEST: usize = 200;
+    if name.len() > LONGEST {
+        return Vec::new();
+    }
     let mut ranked: Vec<(usize, &str)> = known
         .into_iter()
+        .filter(|candidate| candidate.len() <= LONGEST)
         .map(|candidate| (edit_distance(name, candidate), candidate))
         .filter(|(distance, candidate)| 2 * distance <= candidate.chars().count().max(2))
         .collect();

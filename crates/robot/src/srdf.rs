@@ -1,3 +1,4 @@
+use crate::tree::MAX_LINKS;
 use crate::xml::{Element, XmlText};
 use crate::{Location, RobotError};
 
@@ -83,6 +84,11 @@ impl Srdf {
                 }
                 _ => {}
             }
+        }
+        // Groups may hold groups, and are looked up by their name.
+        if let Some(extra) = srdf.groups.get(MAX_LINKS) {
+            let (at, actual) = (extra.at.clone(), srdf.groups.len());
+            return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
         }
         Ok(srdf)
     }

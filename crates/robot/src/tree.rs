@@ -21,6 +21,11 @@ pub(crate) struct TreeNode {
     pub(crate) above: Option<(usize, usize)>,
 }
 
+/// The most links, and the most joints, that a robot may have: five times those of a humanoid with two hands. The
+/// joints above each link are listed, and each pair of links may have to be checked, so that both grow with the
+/// square of this.
+pub const MAX_LINKS: usize = 1000;
+
 impl Tree {
     /// Orders the links of `urdf`.
     ///
@@ -30,6 +35,14 @@ impl Tree {
     pub(crate) fn of(urdf: &Urdf) -> Result<Self, RobotError> {
         if urdf.links.is_empty() {
             return Err(RobotError::NoLinks { file: urdf.file.clone() });
+        }
+        let at = || urdf.links[0].at.clone();
+        for (what, actual) in
+            [("links in one robot", urdf.links.len()), ("joints in one robot", urdf.joints.len())]
+        {
+            if actual > MAX_LINKS {
+                return Err(RobotError::TooMany { at: at(), what, most: MAX_LINKS, actual });
+            }
         }
         // 1.
         let links_by_name = unique("link", urdf.links.iter().map(|link| (&link.name, &link.at)))?;

@@ -9,12 +9,24 @@ use crate::{Location, RobotError};
 pub(crate) struct XmlText<'a> {
     document: Document<'a>,
     file: &'a str,
+    /// Where each line begins: an element would count the lines before it anew each time it is asked for its own.
+    line_starts: Vec<usize>,
 }
+
+/// An element with more is no link or joint, and to see that no two are alike takes a while.
+const MOST_ATTRIBUTES: usize = 1000;
 
 impl<'a> XmlText<'a> {
     pub(crate) fn parse(text: &'a str, file: &'a str) -> Result<Self, RobotError> {
         if text.trim().is_empty() {
             return Err(RobotError::Empty { file: file.to_owned() });
+        }
+        let line_starts: Vec<usize> =
+            std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1)).collect();
+        let place = |offset| Location { file: file.to_owned(), line: line_of(&line_starts, offset) };
+        if let Some((offset, actual)) = crowded_tag(text) {
+            let (what, most) = ("attributes in one element", MOST_ATTRIBUTES);
+            return Err(RobotError::TooMany { at: place(offset), what, most, actual });
         }
         let document = Document::parse(text).map_err(|reason| {
             // The reader gives no position for a text that ends too early: that is its last line.
@@ -25,14 +37,26 @@ impl<'a> XmlText<'a> {
                 ref other => other.pos().row as usize,
             };
             let at = Location { file: file.to_owned(), line: u32::try_from(line).unwrap_or(u32::MAX) };
+            if matches!(&reason, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro") {
+                return RobotError::Xacro { at, file: file.to_owned() };
+            }
             RobotError::Xml { at, reason: Box::new(reason) }
         })?;
-        Ok(Self { document, file })
+        let xml = Self { document, file, line_starts };
+        let is_xacro = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|n| n.contains("xacro"));
+        match xml.document.descendants().find(is_xacro) {
+            Some(node) => Err(RobotError::Xacro { at: xml.element(node).at(), file: file.to_owned() }),
+            None => Ok(xml),
+        }
+    }
+
+    fn element<'x>(&'x self, node: Node<'x, 'x>) -> Element<'x> {
+        Element { node, file: self.file, line_starts: &self.line_starts }
     }
 
     /// The outermost element, which must be `<robot>`.
     pub(crate) fn robot(&self) -> Result<Element<'_>, RobotError> {
-        let robot = Element { node: self.document.root_element(), file: self.file };
+        let robot = self.element(self.document.root_element());
         if robot.tag() != "robot" {
             return Err(RobotError::NotARobot { at: robot.at(), found: robot.tag().to_owned() });
         }
@@ -45,6 +69,7 @@ impl<'a> XmlText<'a> {
 pub(crate) struct Element<'a> {
     node: Node<'a, 'a>,
     file: &'a str,
+    line_starts: &'a [usize],
 }
 
 impl<'a> Element<'a> {
@@ -53,13 +78,12 @@ impl<'a> Element<'a> {
     }
 
     pub(crate) fn at(&self) -> Location {
-        let line = self.node.document().text_pos_at(self.node.range().start).row;
-        Location { file: self.file.to_owned(), line }
+        Location { file: self.file.to_owned(), line: line_of(self.line_starts, self.node.range().start) }
     }
 
     /// The elements directly inside.
     pub(crate) fn children(self) -> impl Iterator<Item = Element<'a>> {
-        self.node.children().filter(Node::is_element).map(move |node| Element { node, file: self.file })
+        self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })
     }
 
     /// The elements directly inside that bear `tag`.
@@ -146,7 +170,7 @@ impl<'a> Element<'a> {
             element: self.tag().to_owned(),
             attribute,
             expected: N,
-            text: text.to_owned(),
+            text: cranny_file::excerpt(text),
         };
         let mut numbers = [0.0; N];
         let mut words = text.split_whitespace();
@@ -158,4 +182,38 @@ impl<'a> Element<'a> {
         }
         if words.next().is_some() { Err(wrong()) } else { Ok(Some(numbers)) }
     }
+}
+
+/// The line of a place in the text, from 1.
+fn line_of(line_starts: &[usize], offset: usize) -> u32 {
+    u32::try_from(line_starts.partition_point(|start| *start <= offset)).unwrap_or(u32::MAX)
+}
+
+/// The first element with more attributes than are read: where it begins, and how many it has.
+fn crowded_tag(text: &str) -> Option<(usize, usize)> {
+    let bytes = text.as_bytes();
+    let after =
+        |begin: usize, end: &str| text[begin..].find(end).map_or(bytes.len(), |at| begin + at + end.len());
+    let mut at = 0;
+    while let Some(begin) = text[at..].find('<').map(|offset| at + offset) {
+        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((_, end)) = skipped.iter().find(|(start, _)| text[begin..].starts_with(start)) {
+            at = after(begin, end);
+            continue;
+        }
+        let (mut quote, mut attributes) = (None, 0);
+        at = begin + 1;
+        while at < bytes.len() && (quote.is_some() || bytes[at] != b'>') {
+            match (quote, bytes[at]) {
+                (None, mark @ (b'"' | b'\'')) => (quote, attributes) = (Some(mark), attributes + 1),
+                (Some(open), mark) if open == mark => quote = None,
+                _ => {}
+            }
+            at += 1;
+        }
+        if attributes > MOST_ATTRIBUTES {
+            return Some((begin, attributes));
+        }
+    }
+    None
 }

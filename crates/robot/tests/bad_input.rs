@@ -11,6 +11,8 @@ use cranny_robot::{JointGroup, Robot, RobotError, RobotOptions, TextSource};
 const URDF: &[(&str, u32, &[&str])] = &[
     ("defined_twice.urdf", 5, &["link `b` is defined twice, first in line 3"]),
     ("empty.urdf", 0, &["the file is empty"]),
+    ("endless_turn.urdf", 0, &["link `b` cannot be placed", "up to 1e12", "narrow the limits"]),
+    ("far_root.urdf", 0, &["link `b` can be 2000.1 m from the root", "millimetres"]),
     ("floating.urdf", 5, &["joint `ab`", "`floating`", "supported: fixed, revolute"]),
     ("four_numbers.urdf", 14, &["xyz=\"0 0 1 0\" of <axis>: expected 3 finite number(s)"]),
     ("infinite.urdf", 14, &["xyz=\"0 0 inf\" of <axis>"]),
@@ -162,4 +164,97 @@ fn a_missing_file_and_a_mesh_without_a_folder_are_named() {
     let text = std::fs::read_to_string(fixture::path("bad/missing_mesh.urdf")).unwrap();
     let error = Robot::from_urdf_text(&text, "inline", None, &RobotOptions::default()).unwrap_err();
     assert!(error.to_string().starts_with("inline:6: link `b`"), "{error}");
+}
+
+/// A robot of links in a chain, or all on one.
+fn large(links: usize, is_chain: bool) -> String {
+    let mut text = vec!["<robot name=\"large\">\n<link name=\"l0\"/>\n".to_owned()];
+    for link in 1..links {
+        let parent = if is_chain { link - 1 } else { 0 };
+        text.push(format!(
+            "<link name=\"l{link}\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>\n\
+             <joint name=\"j{link}\" type=\"revolute\"><parent link=\"l{parent}\"/><child link=\"l{link}\"/>\n\
+             <axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\"/></joint>\n"
+        ));
+    }
+    text.concat() + "</robot>\n"
+}
+
+fn fault_of(urdf: &str) -> String {
+    Robot::from_urdf_text(urdf, "large.urdf", None, &RobotOptions::default()).unwrap_err().to_string()
+}
+
+/// A chain of 10 000 joints and a star of 20 000 links took more than 40 s each, and gigabytes.
+#[test]
+fn a_robot_of_more_links_than_any_has_is_refused_at_once() {
+    let begin = std::time::Instant::now();
+    for (links, is_chain) in [(10_000, true), (20_000, false)] {
+        let said = fault_of(&large(links, is_chain));
+        assert!(said.contains(&format!("{links} links in one robot, but at most 1000 are read")), "{said}");
+    }
+    let robot = Robot::from_urdf_text(&large(1000, true), "l.urdf", None, &RobotOptions::default()).unwrap();
+    assert_eq!(robot.dof(), 999);
+    assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
+}
+
+/// Attributes are compared each with each: 100 000 of them took minutes.
+#[test]
+fn an_element_of_very_many_attributes_is_refused_at_once() {
+    let many = (0..100_000).map(|index| format!(" a{index}=\"<>\"")).collect::<Vec<_>>().concat();
+    let urdf = format!("<robot name=\"a\">\n<!-- <a b='> -->\n<link name=\"a\"{many}/>\n</robot>");
+    let said = fault_of(&urdf);
+    assert!(said.contains("large.urdf:3: 100001 attributes in one element, but at most 1000"), "{said}");
+    let deep = format!("<robot name=\"a\">{}{}</robot>", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    assert!(fault_of(&deep).contains("no link"));
+}
+
+/// The elements of xacro are no links, so that a robot in it "has no link".
+#[test]
+fn a_xacro_file_is_called_by_its_name() {
+    let with_namespace = "<robot name=\"a\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n\
+                          <xacro:macro name=\"arm\"/>\n</robot>";
+    let without = "<robot name=\"a\">\n<xacro:include filename=\"b\"/>\n</robot>";
+    for urdf in [with_namespace, without] {
+        let said = Robot::from_urdf_text(urdf, "arm.urdf.xacro", None, &RobotOptions::default());
+        let said = said.unwrap_err().to_string();
+        assert!(said.contains("arm.urdf.xacro:2: this is a xacro file"), "{said}");
+        assert!(said.contains("xacro arm.urdf.xacro > arm.urdf"), "{said}");
+    }
+    // What xacro has made still names its language.
+    let expanded =
+        large(3, true).replacen("<robot", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"", 1);
+    Robot::from_urdf_text(&expanded, "arm.urdf", None, &RobotOptions::default()).unwrap();
+}
+
+/// Each group that holds two others twice over was walked twice as often as the one before.
+#[test]
+fn groups_within_groups_are_walked_once() {
+    let mut srdf =
+        vec!["<robot name=\"large\">\n<group name=\"g0\"><joint name=\"j1\"/></group>\n".to_owned()];
+    for group in 1..60 {
+        let below = group - 1;
+        srdf.push(format!(
+            "<group name=\"g{group}\"><group name=\"g{below}\"/><group name=\"g{below}\"/></group>\n"
+        ));
+    }
+    let options = RobotOptions {
+        srdf: Some(TextSource::Text { name: "large.srdf".into(), text: srdf.concat() + "</robot>" }),
+        group: JointGroup::Srdf("g59".into()),
+        ..RobotOptions::default()
+    };
+    let robot = Robot::from_urdf_text(&large(3, true), "large.urdf", None, &options).unwrap();
+    assert_eq!(robot.dof(), 1);
+}
+
+/// A pipe named as a mesh made whoever opened the robot wait for ever.
+#[cfg(unix)]
+#[test]
+fn a_device_named_as_a_mesh_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("zero.stl");
+    std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+    let mesh = format!("<mesh filename=\"{}\"/>", link.display());
+    let urdf = large(2, true).replace("<sphere radius=\"0.1\"/>", &mesh);
+    let said = fault_of(&urdf);
+    assert!(said.contains("it is a device, not a regular file"), "{said}");
 }

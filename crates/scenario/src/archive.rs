@@ -4,25 +4,26 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{Cursor, Read as _, Write as _};
-use std::path::{Component, Path, PathBuf};
+use std::io::{Cursor, Write as _};
+use std::path::{Path, PathBuf};
 
+use cranny_file::{ARCHIVE, MESH, TEXT, excerpt};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
-use crate::{OpenOptions, Scenario, ScenarioError, builtin_robot, own_layout, scenario, yaml};
+use crate::{
+    OpenOptions, Scenario, ScenarioError, archive_contents as unpacked, builtin_robot, own_layout, scenario,
+    write_whole_file, write_whole_folder, yaml,
+};
 
 const MANIFEST: &str = "manifest.json";
 
 /// The version of the manifest that is written and read.
 const VERSION: u32 = 1;
-
-/// An archive that would unpack to more is refused: no scenario is so large, but an attack is.
-const MOST_BYTES: u64 = 1 << 30;
 
 /// Who made a scenario, and how it may be used; what is missing is taken from `about` of `scenario.yaml`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -69,8 +70,15 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
         bring_robot(&file, folder, &mut contents)?;
     }
+    unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
     open_alone(&id, &contents).map_err(|reason| {
-        fault(folder, format!("the scenario does not open by itself, without the files around it: {reason}"))
+        // That it could not be tried is no fault of the scenario.
+        if matches!(reason, ScenarioError::Unwritable { .. }) {
+            reason
+        } else {
+            let problem = "the scenario does not open by itself, without the files around it";
+            fault(folder, format!("{problem}: {reason}"))
+        }
     })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
@@ -83,22 +91,21 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         id,
     };
     let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
-    fs::write(archive, bytes)
-        .map_err(|reason| ScenarioError::Unwritable { path: archive.to_owned(), reason })?;
+    // What could not be unpacked again is not packed.
+    let whole = contents.values().map(|content| content.len() as u64).sum();
+    unpacked::check_size(whole, bytes.len() as u64).map_err(|problem| fault(archive, problem))?;
+    write_whole_file(archive, &bytes)?;
     Ok(contents.into_keys().collect())
 }
 
-/// Unpacks an archive into `folder`, which must not be there, checksums verified.
+/// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
 ///
 /// # Errors
 /// [`ScenarioError::Archive`] for a broken archive, a path that leaves the folder, a wrong checksum;
 /// [`ScenarioError::Exists`].
 pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
-    if folder.exists() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() });
-    }
     let contents = read(archive, &bytes_of(archive)?)?;
-    write_all(folder, &contents)?;
+    write_whole_folder(folder, |folder| write_all(folder, &contents))?;
     Ok(contents.into_keys().collect())
 }
 
@@ -118,7 +125,7 @@ fn bring_robot(
     contents: &mut BTreeMap<String, Vec<u8>>,
 ) -> Result<(), ScenarioError> {
     let robot = RobotInFolder::of_scenario(file, folder)?;
-    let text = robot.named_in(&yaml::text(&folder.join(own_layout::FILE))?);
+    let text = robot.named_in(&yaml::text(TEXT, &folder.join(own_layout::FILE))?);
     contents.insert(own_layout::FILE.to_owned(), text.into_bytes());
     for (name, content) in robot.contents() {
         if contents.insert(name.clone(), content.to_vec()).is_some_and(|there| there != content) {
@@ -156,10 +163,13 @@ impl Unpacked {
 }
 
 fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
-    fs::read(archive).map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
+    ARCHIVE
+        .argument()
+        .bytes(archive)
+        .map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
 }
 
-fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
+pub(crate) fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
     ScenarioError::Archive { path: archive.to_owned(), problem: problem.into() }
 }
 
@@ -209,7 +219,7 @@ fn collect(
         if kind.is_dir() {
             collect(&path, &format!("{prefix}{name}/"), contents)?;
         } else {
-            let bytes = fs::read(&path).map_err(|reason| unreadable(&path, reason))?;
+            let bytes = MESH.bytes(&path).map_err(|reason| unreadable(&path, reason))?;
             contents.insert(format!("{prefix}{name}"), bytes);
         }
     }
@@ -235,44 +245,18 @@ fn zipped(manifest: &Manifest, contents: &BTreeMap<String, Vec<u8>>) -> zip::res
 
 /// The files of an archive but its manifest, which they must agree with.
 fn read(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
-    let broken = |reason: &dyn std::fmt::Display| {
-        fault(path, format!("is no whole zip archive ({reason}); was it cut short on its way?"))
-    };
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|reason| broken(&reason))?;
-    let mut contents = BTreeMap::new();
-    let mut room = MOST_BYTES;
-    for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).map_err(|reason| broken(&reason))?;
-        let name = entry.name().map_err(|reason| broken(&reason))?.into_owned();
-        if name.ends_with('/') {
-            continue;
-        }
-        if !is_inside(&name) || entry.is_symlink() {
-            return Err(fault(path, format!("'{name}' would leave the folder; nothing is unpacked")));
-        }
-        let mut content = Vec::new();
-        // What an archive says of its sizes need not be true.
-        let read = entry.by_ref().take(room + 1).read_to_end(&mut content);
-        read.map_err(|reason| fault(path, format!("'{name}' is broken: {reason}")))?;
-        let Some(left) = room.checked_sub(content.len() as u64) else {
-            return Err(fault(path, format!("unpacks to more than {MOST_BYTES} bytes")));
-        };
-        room = left;
-        if contents.insert(name.clone(), content).is_some() {
-            return Err(fault(path, format!("holds '{name}' twice")));
-        }
-    }
+    let mut contents = unpacked::contents(path, bytes)?;
     let Some(manifest) = contents.remove(MANIFEST) else {
         return Err(fault(path, format!("has no {MANIFEST}, so it is no packed scenario")));
     };
-    let manifest: Manifest = serde_json::from_slice(&manifest)
-        .map_err(|reason| fault(path, format!("{MANIFEST}, line {}: {reason}", reason.line())))?;
+    let manifest: Manifest = cranny_file::json(&manifest)
+        .map_err(|reason| fault(path, format!("{MANIFEST}, line {}: {reason}", reason.line)))?;
     if manifest.cranny_scenario != VERSION {
         return Err(fault(path, format!("is of version {}, not {VERSION}", manifest.cranny_scenario)));
     }
     for (name, sum) in &manifest.files {
         match contents.get(name) {
-            None => return Err(fault(path, format!("'{name}' is missing"))),
+            None => return Err(fault(path, format!("'{}' is missing", excerpt(name)))),
             Some(content) if checksum(content) != *sum => {
                 return Err(fault(path, format!("'{name}' is not what was packed: its checksum differs")));
             }
@@ -283,13 +267,6 @@ fn read(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, Scenario
         return Err(fault(path, format!("'{name}' is not in {MANIFEST}")));
     }
     Ok(contents)
-}
-
-/// Whether a path of an archive stays in the folder that it is unpacked into, on any system.
-fn is_inside(name: &str) -> bool {
-    !name.contains(['\\', ':', '\0'])
-        && !name.is_empty()
-        && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 fn write_all(folder: &Path, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {

@@ -1,38 +1,193 @@
+//! Files and folders that come into being as a whole or not at all.
+//!
+//! Everything is written beside its place under a hidden name (`.NAME.PID.partial`) and renamed when it is
+//! complete. Whatever fails before that (a full disk, a quota) leaves nothing behind, and what stood there before
+//! as it was.
+
 use std::fs::{self, File};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use cranny_shape::ShapeError;
 
 use crate::ScenarioError;
 
-/// Writes a file as a whole or not at all: what stood there before stays until the new content is complete.
-pub(crate) fn write(path: &Path, content: &str) -> Result<(), ScenarioError> {
-    let partial = partial_of(path);
+/// Writes a file as a whole or not at all. What a link leads to is replaced, and the link stays.
+///
+/// # Errors
+/// [`ScenarioError::Unwritable`]: also for a folder, a device, and a file that is read-only.
+pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+    let place = place_of(path).map_err(unwritable)?;
+    let partial = partial_of(&place);
     let written = File::create(&partial)
         .and_then(|mut file| {
-            file.write_all(content.as_bytes())?;
+            file.write_all(content)?;
             file.sync_all()
         })
-        .and_then(|()| fs::rename(&partial, path));
+        .and_then(|()| fs::rename(&partial, &place));
     written.map_err(|reason| {
         // The rest of a failed attempt; that it cannot be removed is no second fault.
         let _ = fs::remove_file(&partial);
-        ScenarioError::Unwritable { path: path.to_owned(), reason }
+        unwritable(reason)
     })
 }
 
 /// Whether a file could be written there, found out without touching what stands there.
-pub(crate) fn check(path: &Path) -> Result<(), ScenarioError> {
+///
+/// # Errors
+/// As [`write_whole_file`].
+pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-    if path.is_dir() {
-        return Err(unwritable(std::io::ErrorKind::IsADirectory.into()));
-    }
-    let partial = partial_of(path);
+    let partial = partial_of(&place_of(path).map_err(unwritable)?);
     File::create(&partial).and_then(|_| fs::remove_file(&partial)).map_err(unwritable)
 }
 
-fn partial_of(path: &Path) -> std::path::PathBuf {
+/// Whether a folder could be made there: there is nothing yet, or a folder with nothing in it.
+///
+/// # Errors
+/// [`ScenarioError::Exists`], [`ScenarioError::Unreadable`].
+pub fn check_free_folder(place: &Path) -> Result<(), ScenarioError> {
+    let unreadable = |reason| ScenarioError::Unreadable { path: place.to_owned(), reason };
+    let is_free = match fs::symlink_metadata(place) {
+        Ok(found) => found.is_dir() && fs::read_dir(place).map_err(unreadable)?.next().is_none(),
+        Err(reason) => reason.kind() == std::io::ErrorKind::NotFound,
+    };
+    // What has no name of its own (`.`) has nothing beside it.
+    if is_free && place.file_name().is_some() {
+        Ok(())
+    } else {
+        Err(ScenarioError::Exists { path: place.to_owned() })
+    }
+}
+
+/// Makes a folder, and those above it that are not there, with all that `fill` writes to the folder that it is
+/// given; or nothing, where that fails.
+///
+/// # Errors
+/// As [`check_free_folder`], [`ScenarioError::Unwritable`], and those of `fill`.
+pub fn write_whole_folder<T>(
+    place: &Path,
+    fill: impl FnOnce(&Path) -> Result<T, ScenarioError>,
+) -> Result<T, ScenarioError> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: place.to_owned(), reason };
+    check_free_folder(place)?;
+    // `a/b/` is `a/b`, also where a name beside it is made of it.
+    let place: PathBuf = place.components().collect();
+    // The topmost folder that is new: all below it appears with it.
+    let is_new = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+    let top = place.ancestors().take_while(is_new).last().unwrap_or(&place);
+    let partial = partial_of(top);
+    let inside = place.strip_prefix(top).map_or_else(|_| partial.clone(), |below| partial.join(below));
+    let written = fs::create_dir_all(&inside)
+        .map_err(unwritable)
+        .and_then(|()| fill(&inside))
+        .and_then(|filled| fs::rename(&partial, top).map(|()| filled).map_err(unwritable));
+    written.map_err(|fault| {
+        // As for a file.
+        let _ = fs::remove_dir_all(&partial);
+        moved(fault, &inside, &place)
+    })
+}
+
+/// The fault, said of the place where the file was to be.
+fn moved(fault: ScenarioError, from: &Path, to: &Path) -> ScenarioError {
+    let place = |path: PathBuf| path.strip_prefix(from).map(|below| to.join(below)).unwrap_or(path);
+    match fault {
+        ScenarioError::Unwritable { path, reason } => ScenarioError::Unwritable { path: place(path), reason },
+        ScenarioError::ShapeFile(ShapeError::Write { path, source }) => {
+            ShapeError::Write { path: place(path), source }.into()
+        }
+        other => other,
+    }
+}
+
+/// Where the bytes of a file go: itself, or what a link leads to.
+fn place_of(path: &Path) -> std::io::Result<PathBuf> {
+    use std::io::ErrorKind::{IsADirectory, NotFound};
+    match fs::symlink_metadata(path) {
+        Err(reason) if reason.kind() == NotFound => Ok(path.to_owned()),
+        Err(reason) => Err(reason),
+        Ok(found) => {
+            let is_link = found.is_symlink();
+            let place = if is_link { fs::canonicalize(path)? } else { path.to_owned() };
+            let found = if is_link { fs::metadata(&place)? } else { found };
+            if found.is_dir() {
+                return Err(IsADirectory.into());
+            }
+            if !found.is_file() {
+                return Err(std::io::Error::other("it is a device or a pipe, not a file"));
+            }
+            if found.permissions().readonly() {
+                return Err(std::io::Error::other("it is read-only"));
+            }
+            Ok(place)
+        }
+    }
+}
+
+fn partial_of(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.partial", std::process::id()));
     path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_filled_leaves_nothing_not_even_those_above_it() {
+        let root = tempfile::tempdir().unwrap();
+        let place = root.path().join("a/b/c");
+        let fault = write_whole_folder(&place, |folder| {
+            fs::write(folder.join("half"), "written").unwrap();
+            write_whole_file(&folder.join("no/such/folder"), b"")
+        });
+        // It names where the file was to be, not where it was being made.
+        assert!(fault.unwrap_err().to_string().contains("a/b/c/no/such/folder"));
+        assert_eq!(names(root.path()), Vec::<String>::new());
+        write_whole_folder(&place, |folder| write_whole_file(&folder.join("whole"), b"x")).unwrap();
+        assert_eq!(names(root.path()), ["a"]);
+        assert_eq!(names(&place), ["whole"]);
+        let again = write_whole_folder(&place, |_| Ok(()));
+        assert!(matches!(again, Err(ScenarioError::Exists { .. })));
+    }
+
+    #[test]
+    fn an_empty_folder_is_filled_and_a_relative_one_is_made_where_we_stand() {
+        let root = tempfile::tempdir().unwrap();
+        let place = root.path().join("empty/");
+        fs::create_dir(&place).unwrap();
+        write_whole_folder(&place, |folder| write_whole_file(&folder.join("whole"), b"x")).unwrap();
+        assert_eq!((names(root.path()), names(&place)), (vec!["empty".into()], vec!["whole".into()]));
+    }
+
+    /// `-o /dev/sda` must not end as a file there, and a results page behind a link stays behind it.
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_to_files_and_nowhere_else() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let (file, link) = (root.path().join("file"), root.path().join("link"));
+        fs::write(&file, "before").unwrap();
+        symlink(&file, &link).unwrap();
+        write_whole_file(&link, b"after").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"after");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        for (name, target) in [("null", "/dev/null"), ("folder", "/"), ("nowhere", "no/such/file")] {
+            let link = root.path().join(name);
+            symlink(target, &link).unwrap();
+            assert!(write_whole_file(&link, b"").is_err(), "{name}");
+            assert!(check_writable(&link).is_err(), "{name}");
+        }
+        assert!(write_whole_file(Path::new("/dev/null"), b"").is_err());
+        assert_eq!(names(root.path()).len(), 5);
+    }
 }

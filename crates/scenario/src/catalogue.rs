@@ -96,6 +96,19 @@ pub(crate) fn known_ids() -> String {
     CATALOGUE.each_ref().map(|entry| entry.id).join(", ")
 }
 
+/// The built-in ids that `what` may stand for: the same number, or the same but for one letter or digit.
+pub(crate) fn near_ids(what: &str) -> Vec<&'static str> {
+    let ids = CATALOGUE.each_ref().map(|entry| entry.id);
+    let number = |text: &str| text.parse::<u32>().ok();
+    let same: Vec<_> =
+        ids.into_iter().filter(|id| number(what).is_some() && number(id) == number(what)).collect();
+    if !same.is_empty() {
+        return same;
+    }
+    let differ = |id: &str| id.chars().zip(what.chars()).filter(|(a, b)| a != b).count();
+    ids.into_iter().filter(|id| id.len() == what.len() && differ(id) == 1).take(3).collect()
+}
+
 /// The built-in scenario of that id, if there is one.
 pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, ScenarioError>> {
     let entry = CATALOGUE.iter().find(|entry| entry.id == id)?;

@@ -1,6 +1,9 @@
 use std::path::PathBuf;
 
+use cranny_file::TextFault;
 use cranny_robot::Location;
+
+use crate::error_words::{length, listed, meant};
 
 /// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
 /// itself: file and line where there is one.
@@ -9,14 +12,26 @@ use cranny_robot::Location;
 pub enum ScenarioError {
     /// The name is neither that of a built-in scenario nor that of a folder.
     #[error(
-        "no built-in scenario '{what}' (there are {known}) and no folder of that name (give an id, or a folder \
-         that holds scenario.yaml or scene.yaml)"
+        "no built-in scenario '{what}' (there are {known}) and no folder of that name ({})",
+        meant(near, "give an id, or a folder that holds scenario.yaml or scene.yaml")
     )]
     Unknown {
         /// What was asked for.
         what: String,
         /// The built-in ids.
         known: String,
+        /// Those of them that may be meant.
+        near: Vec<&'static str>,
+    },
+    /// A file stands where the folder of a scenario is meant.
+    #[error(
+        "{}: this is a file, not a scenario (give the folder that it is in, or a packed scenario that ends in \
+         .zip)",
+        path.display()
+    )]
+    FileForFolder {
+        /// The file.
+        path: PathBuf,
     },
     /// A folder describes no scenario.
     #[error(
@@ -50,20 +65,20 @@ pub enum ScenarioError {
         path: PathBuf,
     },
     /// A YAML file is malformed, or says what it should not.
-    #[error("{at}: {}", reason.without_snippet())]
+    #[error("{at}: {reason}")]
     Yaml {
         /// Where.
         at: Location,
-        /// What the reader says.
-        reason: Box<serde_saphyr::Error>,
+        /// What is wrong with it.
+        reason: TextFault,
     },
     /// A JSON file is malformed, or says what it should not.
-    #[error("{}:{}: {reason}", path.display(), reason.line())]
+    #[error("{}:{}: {reason}", path.display(), reason.line)]
     Json {
         /// The file.
         path: PathBuf,
-        /// What the reader says.
-        reason: serde_json::Error,
+        /// What is wrong with it.
+        reason: TextFault,
     },
     /// A line of a file of configurations has the wrong number of values.
     #[error("{at}: {actual} numbers instead of {expected} (one for each joint)")]
@@ -482,13 +497,4 @@ impl ScenarioError {
             fault => fault,
         }
     }
-}
-
-fn listed(paths: &[PathBuf]) -> String {
-    paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
-}
-
-/// A length as a person says it.
-fn length(metres: f64) -> String {
-    if metres >= 1.0 { format!("{metres:.3} m") } else { format!("{:.4} mm", metres * 1000.0) }
 }

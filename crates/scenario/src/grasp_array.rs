@@ -1,7 +1,7 @@
 //! `grasps.npy` of the released layout: grasps in the scene, in the axes of another toolkit.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::BufWriter;
 use std::path::Path;
 
 use cranny_grasp::{Grasp, GraspError, GraspSet, pose_of_rows, rows_of_pose};
@@ -24,9 +24,10 @@ fn swap_axes() -> Pose {
 /// Reads floats of shape (n, 4, 4): poses in the scene. Scores and widths are not in the file.
 pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
     let fault = |problem: String| ScenarioError::Npy { path: path.to_owned(), problem };
-    let file =
-        File::open(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-    let array = NpyFile::new(BufReader::new(file)).map_err(|reason| fault(reason.to_string()))?;
+    let bytes = cranny_file::TABLE
+        .bytes(path)
+        .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+    let array = NpyFile::new(&bytes[..]).map_err(|reason| fault(reason.to_string()))?;
     let shape = array.shape().to_vec();
     let [count, 4, 4] = shape[..] else { return Err(fault(format!("its shape is {shape:?}"))) };
     /// More would be no set of grasps but a broken header.

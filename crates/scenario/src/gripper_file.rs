@@ -10,7 +10,7 @@ use crate::{ScenarioError, yaml};
 /// [`ScenarioError::Yaml`] with file and line, [`ScenarioError::Unreadable`], or
 /// [`ScenarioError::GripperSize`] for a size that is none.
 pub fn read_gripper(path: &Path) -> Result<Gripper, ScenarioError> {
-    let gripper: Gripper = yaml::read(path)?;
+    let gripper: Gripper = yaml::read_argument(path)?;
     let size = |reason| ScenarioError::GripperSize { path: path.to_owned(), reason };
     gripper.parts().map_err(size)?;
     let opening = cranny_shape::ShapeError::Size { what: "the opening", value: gripper.opening_m };

@@ -1,4 +1,5 @@
 use cranny_robot::Robot;
+use cranny_shape::{Solid, overlap};
 
 /// The links of hand and fingers, by index: those with collision geometry that move as one with the tip,
 /// without the link that the last joint moves, which belongs to the arm. A gripper mounted right on the last
@@ -11,6 +12,41 @@ pub(crate) fn hand_links(robot: &Robot) -> Vec<usize> {
     let rigid: Vec<usize> = (0..robot.links().len()).filter(moves_with_tip).collect();
     let hand: Vec<usize> = rigid.iter().copied().filter(|&link| Some(link) != last_arm_link).collect();
     if hand.is_empty() { rigid } else { hand }
+}
+
+/// A hand that nothing fits into: the frame that reaches for grasps, which lies between the finger pads, lies inside
+/// the convex hull of a mesh that moves with it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the gripper frame {tip} lies inside {link}: a link's mesh stands for its convex hull, and this one fills the \
+     space between the fingers, so that the hand collides at every grasp (give palm and fingers a mesh each)"
+)]
+pub struct FilledHand {
+    /// The link.
+    pub link: String,
+    /// The link that reaches for grasps.
+    pub tip: String,
+}
+
+impl FilledHand {
+    /// Of a robot, if it has one.
+    pub fn of(robot: &Robot) -> Option<Self> {
+        // A point, as far as there are any.
+        let point = Solid::sphere(1e-6).ok()?;
+        let mut frames = robot.frames();
+        robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
+        let root_from_tip = frames.link(robot.tip());
+        let is_filled = |&link: &usize| {
+            let meshes = robot.links()[link].collisions.iter().filter(|shape| shape.soup.is_some());
+            let mut placed = meshes.map(|shape| (&shape.solid, frames.link(link) * shape.link_from_shape));
+            placed.any(|(solid, root_from_solid)| {
+                overlap(solid, &root_from_solid, &point, root_from_tip).is_some()
+            })
+        };
+        let link = hand_links(robot).into_iter().find(is_filled)?;
+        let name = |link: usize| robot.links()[link].name.clone();
+        Some(Self { link: name(link), tip: name(robot.tip()) })
+    }
 }
 
 /// The link frames whose origins the `paper` criterion keeps above its floor: those of the chain to the tip
@@ -72,5 +108,38 @@ mod tests {
         ]);
         assert_eq!(names(&robot, &hand_links(&robot)), ["tool"]);
         assert_eq!(names(&robot, &floor_links(&robot)), ["panda_link2", "tool"]);
+    }
+
+    /// One mesh for palm and fingers made every grasp collide, and nothing said why.
+    #[test]
+    fn a_hand_that_fills_the_space_between_its_fingers_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let corners = |x: f64, y: f64, low: f64, high: f64| {
+            let mut points = Vec::new();
+            for z in [low, high] {
+                points.extend([[-x, -y, z], [x, -y, z], [x, y, z], [-x, y, z]]);
+            }
+            points
+        };
+        let hand = |points: Vec<[f64; 3]>| {
+            let vertices: Vec<_> = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+            // Any triangles will do for a hull.
+            let faces: Vec<_> =
+                (1..=points.len() - 2).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
+            std::fs::write(folder.path().join("hand.obj"), vertices.concat() + &faces.concat()).unwrap();
+            let urdf = "<robot name='r'><link name='base'/><link name='arm'/><link name='hand'><collision><geometry>\
+                        <mesh filename='hand.obj'/></geometry></collision></link><link name='tip'/>\
+                        <joint name='turn' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>\
+                        <limit lower='-1' upper='1' velocity='1' effort='1'/></joint>\
+                        <joint name='mount' type='fixed'><parent link='arm'/><child link='hand'/></joint>\
+                        <joint name='reach' type='fixed'><parent link='hand'/><child link='tip'/>\
+                        <origin xyz='0 0 0.1'/></joint></robot>";
+            Robot::from_urdf_text(urdf, "r.urdf", Some(folder.path()), &RobotOptions::default()).unwrap()
+        };
+        assert_eq!(FilledHand::of(&hand(corners(0.1, 0.03, 0.0, 0.06))), None);
+        let fingers = [corners(0.1, 0.03, 0.0, 0.06), corners(0.1, 0.01, 0.06, 0.11)].concat();
+        let filled = FilledHand::of(&hand(fingers)).unwrap();
+        assert_eq!((filled.link.as_str(), filled.tip.as_str()), ("hand", "tip"));
+        assert!(filled.to_string().contains("fills the space between the fingers"));
     }
 }

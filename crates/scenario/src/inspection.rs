@@ -1,6 +1,6 @@
 //! What is wrong with a scenario in Cranny's own layout, all of it at once.
 
-use std::fs;
+use std::collections::HashSet;
 use std::path::Path;
 
 use cranny_grasp::check_csv;
@@ -15,7 +15,10 @@ use crate::{OpenOptions, Scenario, ScenarioError, number_table, yaml};
 /// Everything that is wrong with the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open)
 /// takes it. Of folders in Cranny's own layout, packed or not, that is all of it at once (see
 /// [`check_folder`]), of others the first fault.
-pub fn check(what: &str) -> Vec<ScenarioError> {
+///
+/// # Errors
+/// If `what` names no scenario, sound or not, or none that may be read.
+pub fn check(what: &str) -> Result<Vec<ScenarioError>, ScenarioError> {
     let folder = Path::new(what);
     let checked = if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
         Unpacked::open(folder).and_then(|unpacked| check_folder(&unpacked.folder()))
@@ -24,7 +27,16 @@ pub fn check(what: &str) -> Vec<ScenarioError> {
     } else {
         Scenario::open(what, &OpenOptions::default()).map(|_| Vec::new())
     };
-    checked.unwrap_or_else(|fault| vec![fault])
+    match checked {
+        Err(
+            fault @ (ScenarioError::Unknown { .. }
+            | ScenarioError::FileForFolder { .. }
+            | ScenarioError::NoScenarioFile { .. }
+            | ScenarioError::Unreadable { .. }),
+        ) => Err(fault),
+        Err(fault) => Ok(vec![fault]),
+        faults => faults,
+    }
 }
 
 /// Everything that keeps the folder from being a scenario, in the order of its files and their lines; nothing
@@ -41,7 +53,7 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
         return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
     }
     let mut faults = Vec::new();
-    let legible = Legible::of(&path, &yaml::text(&path)?, &mut faults);
+    let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
     let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
     check_grasps(&folder.join(GRASPS_FILE), &mut faults);
     let dof = robot.flatten().map(|robot| robot.dof());
@@ -60,6 +72,10 @@ struct Legible {
     replaced: Vec<&'static str>,
 }
 
+/// How many lines are read again and again, some seconds' worth: of a long file with many faults only the first are
+/// told.
+const MOST_LINES_READ: usize = 1_000_000;
+
 /// The keys that must be there, each with something that can be read.
 const NEEDED: [(&str, &str); 3] = [("robot", "panda_mobile"), ("start", "[]"), ("floor", "null")];
 
@@ -68,8 +84,10 @@ impl Legible {
     fn of(path: &Path, text: &str, faults: &mut Vec<ScenarioError>) -> Option<Self> {
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let mut replaced = Vec::new();
-        // Each turn leaves out a line, or puts in a key.
-        for _ in 0..=lines.len() + NEEDED.len() {
+        // Each turn leaves out a line, or puts in a key, and reads the whole text again.
+        let turns =
+            (MOST_LINES_READ / lines.len().max(1)).clamp(NEEDED.len() + 1, lines.len() + NEEDED.len() + 1);
+        for _ in 0..turns {
             let fault = match yaml::parse::<ScenarioFile>(path, &(lines.join("\n") + "\n")) {
                 Ok(file) => return Some(Self { file, replaced }),
                 Err(fault) => fault,
@@ -124,10 +142,9 @@ impl Legible {
         if let Some(height) = &file.floor {
             faults.extend(layout.floor(height, &Pose::identity()).err());
         }
-        let mut names: Vec<&str> = Vec::new();
+        let mut names = HashSet::new();
         for entry in file.obstacles.iter().chain(&file.target) {
-            faults.extend(layout.check_name(entry, names.iter().copied()).err());
-            names.push(&entry.name.value);
+            faults.extend(layout.check_name(entry, &mut names).err());
             faults.extend(layout.body_faults(entry));
         }
         robot.filter(|_| was_there("robot"))
@@ -191,7 +208,7 @@ fn leave_out(lines: &mut [String], line: usize) -> bool {
 }
 
 fn check_grasps(path: &Path, faults: &mut Vec<ScenarioError>) {
-    match fs::read_to_string(path) {
+    match cranny_file::TABLE.text(path) {
         Ok(text) => {
             let (_, found) = check_csv(path, &text);
             faults.extend(found.into_iter().map(ScenarioError::from));
@@ -203,19 +220,16 @@ fn check_grasps(path: &Path, faults: &mut Vec<ScenarioError>) {
 }
 
 fn check_ik(path: &Path, dof: Option<usize>, faults: &mut Vec<ScenarioError>) {
-    let Ok(text) = fs::read_to_string(path) else { return };
-    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        // Each line by itself, at its own place.
-        let alone = "\n".repeat(index) + line;
-        match number_table::parse(path, &alone) {
-            Ok(rows) => {
-                let count = rows.first().map_or(0, |(_, row)| row.len());
-                if let Some(expected) = dof.filter(|dof| *dof != count) {
-                    let at = yaml::line(path, index + 1);
-                    faults.push(ScenarioError::NumberCount { at, expected, actual: count });
-                }
-            }
-            Err(fault) => faults.push(fault),
+    if !path.exists() {
+        return;
+    }
+    match yaml::text(cranny_file::TABLE, path) {
+        Ok(text) => {
+            let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            faults.extend(
+                lines.filter_map(|(index, line)| number_table::fault_of_line(path, index, line, dof)),
+            );
         }
+        Err(fault) => faults.push(fault),
     }
 }

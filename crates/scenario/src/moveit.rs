@@ -1,3 +1,4 @@
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -97,8 +98,8 @@ impl MoveItProblem {
         let files = Files {
             scene_file: MessageFile { path: scene },
             request_file: MessageFile { path: request },
-            scene: yaml::read(scene)?,
-            request: yaml::read(request)?,
+            scene: yaml::read_argument(scene)?,
+            request: yaml::read_argument(request)?,
         };
         // 1.
         let state = files.state()?;
@@ -106,7 +107,7 @@ impl MoveItProblem {
         let robot = files.robot(options, &state, &mut deviations)?;
         // 2.
         let bodies = bodies(scene, &files.scene, &robot, &files.world_from_root()?)?;
-        let body_names: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
+        let body_names: HashSet<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
         deviations.extend(allowed_pairs_checked(&files, &robot, &body_names));
         Ok(Self {
             id: scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy().into_owned(),
@@ -133,7 +134,7 @@ impl MoveItProblem {
 }
 
 /// The pairs that the scene lets touch and the robot does not, a link first.
-fn allowed_pairs_checked(files: &Files<'_>, robot: &Robot, bodies: &[&str]) -> Vec<MoveItDeviation> {
+fn allowed_pairs_checked(files: &Files<'_>, robot: &Robot, bodies: &HashSet<&str>) -> Vec<MoveItDeviation> {
     let matrix = &files.scene.allowed_collision_matrix;
     let mut pairs = Vec::new();
     for (first, (first_name, row)) in matrix.entry_names.iter().zip(&matrix.entry_values).enumerate() {
@@ -142,10 +143,12 @@ fn allowed_pairs_checked(files: &Files<'_>, robot: &Robot, bodies: &[&str]) -> V
             let is_checked = match (robot.link_index(first_name), robot.link_index(second_name)) {
                 (Some(a), Some(b)) => {
                     let pair = (a.min(b), a.max(b));
-                    !robot.disabled_pairs().contains(&pair) && !robot.adjacent_pairs().contains(&pair)
+                    // Both are sorted.
+                    robot.disabled_pairs().binary_search(&pair).is_err()
+                        && robot.adjacent_pairs().binary_search(&pair).is_err()
                 }
-                (Some(_), None) => bodies.contains(&second_name.as_str()),
-                (None, Some(_)) => bodies.contains(&first_name.as_str()),
+                (Some(_), None) => bodies.contains(second_name.as_str()),
+                (None, Some(_)) => bodies.contains(first_name.as_str()),
                 (None, None) => false,
             };
             if is_checked {

@@ -9,7 +9,7 @@ use cranny_shape::ShapeError;
 use cranny_spatial::Pose;
 
 use crate::moveit_world::bodies;
-use crate::{RecipeShape, ScenarioError, atomic_file, yaml};
+use crate::{RecipeShape, ScenarioError, write_whole_file, yaml};
 
 /// A floor is written as a box this long and wide, in metres, with its upper side in the plane of the floor:
 /// `MoveIt`'s planes have no inside. Farther than any arm reaches from where its robot stands.
@@ -24,7 +24,7 @@ const FLOOR_DEPTH_M: f64 = 1.0;
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.
 pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioError> {
-    let scene = yaml::read(path)?;
+    let scene = yaml::read_argument(path)?;
     Ok(World::new(bodies(path, &scene, robot, &Pose::identity())?)?)
 }
 
@@ -65,7 +65,7 @@ pub fn write_moveit_scene(
     world: &World,
     start: &[f64],
 ) -> Result<(), ScenarioError> {
-    atomic_file::write(path, &moveit_scene_text(name, robot, world, start)?)
+    write_whole_file(path, moveit_scene_text(name, robot, world, start)?.as_bytes())
 }
 
 fn write_body(text: &mut String, body: &Body, frame: &str) -> Result<(), ScenarioError> {

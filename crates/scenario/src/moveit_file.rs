@@ -65,7 +65,7 @@ pub(crate) struct MatrixEntry {
 
 /// A row of the matrix: a list, or a list under the key `enabled`.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a list of true and false")]
 pub(crate) enum RowEntry {
     List(Vec<bool>),
     Message { enabled: Vec<bool> },
@@ -105,7 +105,7 @@ pub(crate) struct PrimitiveEntry {
 
 /// What the message definitions number, and files spell out.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a name, or the number that stands for it")]
 pub(crate) enum NameOrNumber {
     Number(u8),
     Name(String),
@@ -124,7 +124,7 @@ pub(crate) struct MeshEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected the three corners of a triangle, by their numbers")]
 pub(crate) enum TriangleEntry {
     List([u32; 3]),
     Message { vertex_indices: [u32; 3] },

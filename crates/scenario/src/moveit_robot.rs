@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_robot::{Hindrance, JointGroup, Robot, RobotError, RobotOptions, TextSource};
+use cranny_robot::{Hindrance, JointGroup, Robot, RobotError, RobotOptions, TextSource, UrdfFile};
 
 use crate::moveit_request::{Files, State, joints_of};
 use crate::{MoveItDeviation, MoveItOptions, ScenarioError};
@@ -27,8 +27,9 @@ impl Files<'_> {
             fixed: outside.map(|(joint, (value, _))| (joint.clone(), *value)).collect(),
             ..RobotOptions::default()
         };
+        let urdf = UrdfFile::read(&urdf)?;
         loop {
-            match Robot::load(&urdf, &wished) {
+            match urdf.robot(&wished) {
                 Err(RobotError::NotFree {
                     joint,
                     hindrance:

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use cranny_collision::{Body, Part};
@@ -11,7 +11,7 @@ use serde_saphyr::Spanned;
 use crate::moveit_file::{
     HeaderEntry, MeshEntry, NameOrNumber, ObjectEntry, PoseEntry, PrimitiveEntry, SceneFile, TriangleEntry,
 };
-use crate::{ScenarioError, yaml};
+use crate::{ScenarioError, sizes, yaml};
 
 /// The bodies of a scene, in the planning frame; `world_from_root` is where the robot stands.
 pub(crate) fn bodies(
@@ -24,9 +24,10 @@ pub(crate) fn bodies(
     file.refuse_what_is_not_read(scene)?;
     let frames = Frames::new(&file, scene, robot, world_from_root)?;
     let mut bodies: Vec<Body> = Vec::new();
+    let mut names = HashSet::new();
     for object in &scene.world.collision_objects {
         let name = &object.id.value;
-        if bodies.iter().any(|body| body.name == *name) {
+        if !names.insert(name) {
             return Err(ScenarioError::NameTaken { at: file.at(object.id.referenced), name: name.clone() });
         }
         let root_from_object =
@@ -171,9 +172,9 @@ impl MessageFile<'_> {
         }
         let at = self.at(entry.referenced);
         let (solid, dimensions) = match (kind.as_str(), &numbers[..]) {
-            ("box", &[x, y, z]) => (Solid::cuboid(Vector::new(x, y, z) * 0.5), ""),
+            ("box", &[x, y, z]) => (sizes::cuboid([x, y, z]), ""),
             ("sphere", &[radius_m]) => (Solid::sphere(radius_m), ""),
-            ("cylinder", &[height_m, radius_m]) => (Solid::cylinder(0.5 * height_m, radius_m), ""),
+            ("cylinder", &[height_m, radius_m]) => (sizes::cylinder(height_m, radius_m), ""),
             ("box", _) => (Err(ShapeError::Empty), "x, y, z"),
             ("sphere", _) => (Err(ShapeError::Empty), "radius"),
             ("cylinder", _) => (Err(ShapeError::Empty), "height, radius"),

@@ -1,33 +1,18 @@
 use std::path::Path;
 
-use cranny_robot::Location;
+use cranny_file::{TABLE, excerpt};
 
 use crate::{ScenarioError, yaml};
 
-/// The lines of a file of comma-separated numbers, each with where it stands; blank lines are left out.
-pub(crate) fn read(path: &Path) -> Result<Vec<(Location, Vec<f64>)>, ScenarioError> {
-    parse(path, &yaml::text(path)?)
+/// The numbers of a file of comma-separated ones, line after line.
+pub(crate) fn read(path: &Path) -> Result<Vec<f64>, ScenarioError> {
+    let rows = parse(path, &yaml::text(TABLE, path)?, |_| Ok(()))?;
+    Ok(rows.into_iter().flatten().collect())
 }
 
-/// The same of a text; errors name `path`.
-pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<(Location, Vec<f64>)>, ScenarioError> {
-    let mut rows = Vec::new();
-    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let at = yaml::line(path, index + 1);
-        let mut row = Vec::new();
-        for field in line.split(',').map(str::trim) {
-            let number = field.parse().ok().filter(|x: &f64| x.is_finite());
-            let text = || field.to_owned();
-            row.push(number.ok_or_else(|| ScenarioError::NotANumber { at: at.clone(), text: text() })?);
-        }
-        rows.push((at, row));
-    }
-    Ok(rows)
-}
-
-/// The configurations of a file, one a line; there may be none.
+/// The configurations of a file, one a line; there may be none. The file may be a pipe.
 pub(crate) fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
-    parse_configurations(path, &yaml::text(path)?, dof)
+    parse_configurations(path, &yaml::text(TABLE.argument(), path)?, dof)
 }
 
 /// The same of a text; errors name `path`.
@@ -36,9 +21,43 @@ pub(crate) fn parse_configurations(
     text: &str,
     dof: usize,
 ) -> Result<Vec<Vec<f64>>, ScenarioError> {
-    let check = |(at, row): (Location, Vec<f64>)| match row.len() {
-        actual if actual == dof => Ok(row),
-        actual => Err(ScenarioError::NumberCount { at, expected: dof, actual }),
+    parse(path, text, |actual| if actual == dof { Ok(()) } else { Err(dof) })
+}
+
+/// What is wrong with a line by itself.
+pub(crate) fn fault_of_line(
+    path: &Path,
+    index: usize,
+    line: &str,
+    dof: Option<usize>,
+) -> Option<ScenarioError> {
+    let check = |actual| dof.filter(|dof| *dof != actual).map_or(Ok(()), Err);
+    parse_line(path, index, line, check).err()
+}
+
+/// The lines of a text but the blank ones. `check` says how many numbers a line must have if it has not; a line
+/// is not read before that.
+fn parse(
+    path: &Path,
+    text: &str,
+    check: impl Fn(usize) -> Result<(), usize>,
+) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    lines.map(|(index, line)| parse_line(path, index, line, &check)).collect()
+}
+
+fn parse_line(
+    path: &Path,
+    index: usize,
+    line: &str,
+    check: impl Fn(usize) -> Result<(), usize>,
+) -> Result<Vec<f64>, ScenarioError> {
+    let at = || yaml::line(path, index + 1);
+    let actual = line.split(',').count();
+    check(actual).map_err(|expected| ScenarioError::NumberCount { at: at(), expected, actual })?;
+    let number = |field: &str| {
+        let number = field.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        number.ok_or_else(|| ScenarioError::NotANumber { at: at(), text: excerpt(field.trim()) })
     };
-    parse(path, text)?.into_iter().map(check).collect()
+    line.split(',').map(number).collect()
 }

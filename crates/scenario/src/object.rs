@@ -1,6 +1,6 @@
 use cranny_shape::{
     ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, TriangleSoup,
-    VolumeMoments, stable_poses,
+    VolumeMoments, distinct_poses, stable_poses,
 };
 use cranny_spatial::Point;
 use cranny_spatial::nalgebra::Matrix3;
@@ -27,7 +27,8 @@ pub struct ObjectType {
     pub center_of_mass: Point,
     /// Its inertia about the centre of mass, along the axes of the object's frame, in kg m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// How it comes to rest, the likeliest first. What is missing to a sum of 1 are poses that are too
+    /// How it comes to rest, the likeliest first; of poses that differ by a turn about the vertical and its own
+    /// symmetry one (see [`distinct_poses`]). What is missing to a sum of 1 are poses that are too
     /// unlikely to be listed.
     pub stable_poses: Vec<StablePose>,
 }
@@ -102,7 +103,7 @@ impl ObjectType {
             }
         }
         let moments = VolumeMoments::of_mesh(&mesh)?;
-        let mut poses = stable_poses(&mesh.vertices, &moments.center)?;
+        let mut poses = distinct_poses(&stable_poses(&mesh.vertices, &moments.center)?, &mesh)?;
         let likely = poses.iter().take_while(|pose| pose.probability >= settings.least_probability).count();
         poses.truncate(likely.max(1));
         Ok(Self {

@@ -9,7 +9,7 @@ use cranny_spatial::nalgebra::{Matrix3, Quaternion};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
-use crate::{ObjectType, ScenarioError, atomic_file, yaml};
+use crate::{ObjectType, ScenarioError, write_whole_file, yaml};
 
 /// The file that makes a folder an object.
 pub const OBJECT_FILE: &str = "object.yaml";
@@ -52,8 +52,7 @@ struct PoseEntry {
 }
 
 impl ObjectType {
-    /// Writes the object as a folder, which is made if it is not there: `object.yaml`, `mesh.obj` and
-    /// `parts/NN.obj`. `object.yaml` is written last, so that a folder that has one is whole.
+    /// Writes the files of the object into a folder: `object.yaml`, `mesh.obj` and `parts/NN.obj`.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
@@ -90,7 +89,7 @@ impl ObjectType {
             path: path.clone(),
             reason: std::io::Error::other(reason.to_string()),
         })?;
-        atomic_file::write(&path, &text)
+        write_whole_file(&path, text.as_bytes())
     }
 
     /// Reads what [`Self::write_folder`] writes.

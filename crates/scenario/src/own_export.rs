@@ -7,7 +7,7 @@ use cranny_collision::Body;
 use cranny_plan::Criterion;
 
 use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{Recipe, Scenario, ScenarioError, own_layout};
+use crate::{Recipe, Scenario, ScenarioError, own_layout, write_whole_folder};
 
 impl Scenario {
     /// Writes the scenario as a folder of Cranny's own layout, which is made: what [`Scenario::open`] reads back,
@@ -18,9 +18,6 @@ impl Scenario {
     /// other joints than the built-in one, [`ScenarioError::OtherFloor`] unless the floor is where the built-in
     /// robot stands on it, [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
-        if folder.exists() {
-            return Err(ScenarioError::Exists { path: folder.to_owned() });
-        }
         let recipe = Recipe::of_scenario(self)?;
         let is_floor = |body: &&Body| body.parts.iter().all(|part| part.solid.is_half_space());
         let mut heights = self.world.bodies().iter().filter(is_floor).flat_map(|body| &body.parts);
@@ -31,13 +28,15 @@ impl Scenario {
         if !has_floor || heights.next().is_some() {
             return Err(ScenarioError::OtherFloor { height_m: FLOOR_M });
         }
-        recipe.write_folder(folder)?;
-        if self.criterion == Criterion::Paper {
-            let path = folder.join(own_layout::FILE);
-            let text = format!("{}criterion: {}\n", recipe.yaml(), self.criterion.name());
-            fs::write(&path, text).map_err(|reason| ScenarioError::Unwritable { path, reason })?;
-        }
-        Ok(())
+        write_whole_folder(folder, |folder| {
+            recipe.write_folder(folder)?;
+            if self.criterion == Criterion::Paper {
+                let path = folder.join(own_layout::FILE);
+                let text = format!("{}criterion: {}\n", recipe.yaml(), self.criterion.name());
+                fs::write(&path, text).map_err(|reason| ScenarioError::Unwritable { path, reason })?;
+            }
+            Ok(())
+        })
     }
 }
 

@@ -1,8 +1,9 @@
-use std::fs;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
+use cranny_file::{TABLE, TEXT};
 use cranny_grasp::parse_csv;
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
@@ -13,7 +14,7 @@ use serde_saphyr::Spanned;
 use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
 use crate::{
     OBJECT_FILE, ObjectType, OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, hand,
-    number_table, robot_file, scenario, yaml,
+    number_table, robot_file, scenario, sizes, yaml,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -31,12 +32,13 @@ pub(crate) struct Texts {
 impl Texts {
     /// Of a folder: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
     fn read(folder: &Path) -> Result<Self, ScenarioError> {
-        let scenario = yaml::text(&folder.join(FILE))?;
+        let scenario = yaml::text(TEXT, &folder.join(FILE))?;
         let grasps = folder.join(GRASPS_FILE);
-        let grasps = fs::read_to_string(&grasps)
+        let grasps = TABLE
+            .text(&grasps)
             .map_err(|reason| cranny_grasp::GraspError::Unreadable { path: grasps, reason })?;
         let ik = folder.join(IK_FILE);
-        let ik = if ik.is_file() { Some(yaml::text(&ik)?) } else { None };
+        let ik = if ik.is_file() { Some(yaml::text(TABLE, &ik)?) } else { None };
         Ok(Self { folder: folder.to_owned(), scenario, grasps, ik })
     }
 }
@@ -64,8 +66,9 @@ pub(crate) fn open_texts(
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
     let mut bodies: Vec<Body> = Vec::new();
+    let mut names = HashSet::new();
     for entry in file.obstacles.iter().chain(&file.target) {
-        layout.check_name(entry, bodies.iter().map(|body| body.name.as_str()))?;
+        layout.check_name(entry, &mut names)?;
         bodies.push(layout.body(entry, &planning_from_scene)?);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
@@ -110,14 +113,14 @@ impl Layout<'_> {
         value.is_finite().then_some(value).ok_or_else(fault)
     }
 
-    /// That the name of a body is not the floor's, nor one of `taken`.
+    /// That the name of a body is not the floor's, nor one of `taken`, to which it is added.
     pub fn check_name<'b>(
         &self,
-        entry: &BodyEntry,
-        mut taken: impl Iterator<Item = &'b str>,
+        entry: &'b BodyEntry,
+        taken: &mut HashSet<&'b str>,
     ) -> Result<(), ScenarioError> {
         let name = &entry.name.value;
-        if name == FLOOR || taken.any(|other| other == name) {
+        if name == FLOOR || !taken.insert(name) {
             let at = self.at(entry.name.referenced);
             return Err(ScenarioError::NameTaken { at, name: name.clone() });
         }
@@ -139,6 +142,7 @@ impl Layout<'_> {
             group: file.group.clone().map_or(JointGroup::RootToTip, JointGroup::Srdf),
             tip: file.tip.clone(),
             fixed: file.fixed.clone(),
+            unchecked_pairs: file.unchecked_pairs.clone(),
             packages: file.packages.iter().map(|folder| self.folder.join(folder)).collect(),
             ..RobotOptions::default()
         };
@@ -232,10 +236,10 @@ impl Layout<'_> {
         let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
         let at = self.at(shape.referenced);
         let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
-        solids.extend(cuboid.iter().map(|entry| Solid::cuboid(Vector::from(entry.size) * 0.5)));
+        solids.extend(cuboid.iter().map(|entry| sizes::cuboid(entry.size)));
         solids.extend(sphere.iter().map(|entry| Solid::sphere(entry.radius)));
-        solids.extend(cylinder.iter().map(|entry| Solid::cylinder(0.5 * entry.length, entry.radius)));
-        solids.extend(capsule.iter().map(|entry| Solid::capsule(0.5 * entry.length, entry.radius)));
+        solids.extend(cylinder.iter().map(|entry| sizes::cylinder(entry.length, entry.radius)));
+        solids.extend(capsule.iter().map(|entry| sizes::capsule(entry.length, entry.radius)));
         solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
         solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
         if let Some(name) = object {

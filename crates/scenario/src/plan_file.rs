@@ -1,11 +1,12 @@
-use std::fs;
 use std::path::Path;
 
-use cranny_plan::{Criterion, GraspFailure, Improvement, Outcome, Statistics, TimingMethod, Trajectory};
+use cranny_plan::{
+    Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics, TimingMethod, Trajectory,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario_file::CriterionName;
-use crate::{ScenarioError, atomic_file};
+use crate::{ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -50,6 +51,9 @@ pub struct PlanFile {
     pub clearance_m: Option<f64>,
     /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
     pub clearances_per_edge_m: Vec<Option<f64>>,
+    /// What touches and was not compared: the path is proven but for these.
+    #[serde(default)]
+    pub not_checked: Vec<NotChecked>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
     /// The path: one value per joint each (m, rad), straight lines between.
@@ -140,17 +144,9 @@ impl PlanFile {
             return Err(ScenarioError::NotFinite { path: path.to_owned(), field });
         }
         let mut text = serde_json::to_string_pretty(self)
-            .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
+            .map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason: reason.into() })?;
         text.push('\n');
-        atomic_file::write(path, &text)
-    }
-
-    /// Whether a plan could be written there, found out without touching what stands there.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Unwritable`] for a folder, or where no file can be made.
-    pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
-        atomic_file::check(path)
+        write_whole_file(path, text.as_bytes())
     }
 
     /// Reads a plan.
@@ -159,21 +155,26 @@ impl PlanFile {
     /// [`ScenarioError`] with file and line if it cannot be read, is no plan, or has a way point without
     /// one value per joint.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let text = fs::read_to_string(path)
+        let text = cranny_file::TABLE
+            .argument()
+            .bytes(path)
             .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-        if text.trim().is_empty() {
+        if text.trim_ascii().is_empty() {
             return Err(ScenarioError::Empty { path: path.to_owned() });
         }
-        let plan: Self = serde_json::from_str(&text)
+        let plan: Self = cranny_file::json(&text)
             .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
         plan.check_waypoints(path, plan.joint_names.len())?;
         Ok(plan)
     }
 
-    /// The way points, if each has `joints` values.
-    pub(crate) fn waypoints_of(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    /// The way points of the plan, which was read from `path`.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Waypoint`] unless each has `joints` values, [`ScenarioError::Empty`] if there is none.
+    pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
         self.check_waypoints(path, joints)?;
-        Ok(self.waypoints)
+        waypoints::some(path, self.waypoints)
     }
 
     fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
@@ -214,7 +215,9 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use cranny_plan::FailureReason;
+    use cranny_plan::{FailureReason, NotCheckedReason};
+
+    use std::fs;
 
     use super::*;
 
@@ -254,6 +257,12 @@ mod tests {
                 iterations: 70,
                 improvements: vec![Improvement { time_s: 0.3, iterations: 13, cost: -0.7 / 3.0 }],
             }),
+            not_checked: vec![NotChecked {
+                first: "hand".to_owned(),
+                second: "wrist".to_owned(),
+                depth_m: 0.1 / 3.0,
+                reason: NotCheckedReason::AlwaysTouching,
+            }],
             failures: vec![GraspFailure {
                 grasp: 4,
                 reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
@@ -280,12 +289,19 @@ mod tests {
     fn a_plan_without_timing_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("021.plan.json");
-        let untimed = PlanFile { timing: None, optimisation: None, failures: Vec::new(), ..plan() };
+        let untimed = PlanFile {
+            timing: None,
+            optimisation: None,
+            not_checked: Vec::new(),
+            failures: Vec::new(),
+            ..plan()
+        };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
         // As plans were written before there was timing.
         let text = fs::read_to_string(&path).unwrap();
         let text = text.replace("  \"timing\": null,\n", "");
+        let text = text.replace("  \"not_checked\": [],\n", "");
         let text = text.replace(",\n  \"optimisation\": null,\n  \"failures\": []", "");
         assert!(["timing", "optimisation", "failures"].iter().all(|key| !text.contains(key)));
         fs::write(&path, text).unwrap();
@@ -320,7 +336,7 @@ mod tests {
             PlanFile::read(&path).unwrap_err().to_string()
         };
         assert!(fault("").contains("x.plan.json: the file is empty"));
-        assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: EOF"));
+        assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: the file ends too early"));
         assert!(fault("{\n\"scenario\": 21}").contains("x.plan.json:2: invalid type"));
         plan().write(&path).unwrap();
         let text = fs::read_to_string(&path).unwrap();

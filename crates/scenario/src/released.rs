@@ -2,7 +2,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
-use cranny_grasp::{GraspSet, pose_of_rows, read_csv};
+use cranny_file::TABLE;
+use cranny_grasp::{GraspSet, parse_csv, pose_of_rows};
 use cranny_plan::Criterion;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::{Solid, Surface, TriangleSoup};
@@ -66,7 +67,7 @@ pub(crate) fn open_with(
     bodies.push(Body::floor(FLOOR_M));
     // 3.
     let start_file = export.join("robot_start_conf.csv");
-    let start = number_table::read(&start_file)?.into_iter().flat_map(|(_, row)| row).collect();
+    let start = number_table::read(&start_file)?;
     let ik_file = export.join("grasp_IK_solutions.csv");
     let ik = match options.robot {
         None if ik_file.is_file() => number_table::read_configurations(&ik_file, robot.dof())?,
@@ -106,7 +107,7 @@ fn grasps(folder: &Path) -> Result<GraspSet, ScenarioError> {
     if !exported.is_file() && array.is_file() {
         return grasp_array::read(&array);
     }
-    Ok(read_csv(&exported)?)
+    Ok(parse_csv(&exported, &yaml::text(TABLE, &exported)?)?)
 }
 
 /// The exported mesh: obstacles and target in one, in the planning frame.

@@ -1,7 +1,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cranny_robot::{Robot, RobotError, RobotOptions};
+use cranny_robot::{Robot, RobotError, RobotOptions, UrdfFile};
 
 /// Where the fingers of a Panda's gripper stand when it is open, in metres each: their upper limit.
 const OPEN_FINGER_M: f64 = 0.04;
@@ -14,7 +14,8 @@ const PANDA_TIP: &str = "panda_grasptarget";
 /// A robot from its URDF file. A Panda's fingers stand open, and its tip lies between them, unless `options`
 /// say otherwise.
 pub(crate) fn load(path: &Path, options: &RobotOptions) -> Result<Arc<Robot>, RobotError> {
-    with_open_hand(options, |options| Robot::load(path, options)).map(Arc::new)
+    let urdf = UrdfFile::read(path)?;
+    with_open_hand(options, |options| urdf.robot(options)).map(Arc::new)
 }
 
 /// Builds a robot with an open hand. The names of a Panda that the robot does not have are left out one by

@@ -72,7 +72,7 @@ fn quoted(text: &str) -> String {
 pub(crate) fn is_named_by_place(file: &ScenarioFile, folder: &Path) -> bool {
     let mut named =
         file.srdf.iter().chain(&file.packages).map(PathBuf::as_path).chain([Path::new(&file.robot.value)]);
-    let text = std::fs::read_to_string(folder.join(&file.robot.value)).unwrap_or_default();
+    let text = cranny_file::TEXT.text(&folder.join(&file.robot.value)).unwrap_or_default();
     named.any(Path::is_absolute)
         || ["file://", "filename=\"/", "filename='/"].iter().any(|place| text.contains(place))
 }

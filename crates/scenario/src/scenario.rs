@@ -91,14 +91,17 @@ impl Scenario {
         } else if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
             let unpacked = Unpacked::open(folder)?;
             own_layout::open(&unpacked.folder(), options)
-        } else if folder.join(own_layout::FILE).is_file() {
+        } else if is_there(&folder.join(own_layout::FILE))? {
             own_layout::open(folder, options)
-        } else if folder.join(released::FILE).is_file() {
+        } else if is_there(&folder.join(released::FILE))? {
             released::open(folder, options)
         } else if folder.is_dir() {
             Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() })
+        } else if is_there(folder)? {
+            Err(ScenarioError::FileForFolder { path: folder.to_owned() })
         } else {
-            Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids() })
+            let near = catalogue::near_ids(what);
+            Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids(), near })
         }
     }
 
@@ -161,6 +164,11 @@ impl Scenario {
             joints: self.robot.joint_names().join(", "),
         })
     }
+}
+
+/// Whether something is there; "no permission" is no "no".
+fn is_there(path: &Path) -> Result<bool, ScenarioError> {
+    cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
 }
 
 /// The height that the released check keeps link frames above, in metres in the planning frame.

@@ -32,6 +32,9 @@ pub(crate) struct ScenarioFile {
     /// Joints outside the group, and where they stand (m, rad).
     #[serde(default)]
     pub fixed: BTreeMap<String, f64>,
+    /// Pairs of links that may touch and are not checked against each other, beside those of the SRDF.
+    #[serde(default)]
+    pub unchecked_pairs: Vec<[String; 2]>,
     /// Pose of the robot's root in the scene.
     #[schemars(with = "Option<PoseEntry>")]
     pub frame: Option<Spanned<PoseEntry>>,

@@ -1,13 +1,14 @@
 //! Sets of scenarios on disk: a folder for each, and `index.csv`.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::{Placement, Rejections, ScenarioError, SetMaker, SetMember, atomic_file};
+use crate::{
+    Placement, Rejections, ScenarioError, SetMaker, SetMember, write_whole_file, write_whole_folder,
+};
 
 /// What became of a set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,12 +51,12 @@ pub fn write_set(
 ) -> Result<SetReport, ScenarioError> {
     let name = maker.family().family.name();
     let indices: Vec<u64> = (0..count).collect();
-    let member = |index: &u64| -> Result<(Option<Line>, Rejections), ScenarioError> {
+    let member = |folder: &Path, index: &u64| -> Result<(Option<Line>, Rejections), ScenarioError> {
         let (member, rejected) = maker.member(*index)?;
         let line = member.map(|member| written(folder, format!("{name}-{index:05}"), member)).transpose()?;
         Ok((line, rejected))
     };
-    write_all(folder, &indices, member, progress)
+    write_whole_folder(folder, |folder| write_all(folder, &indices, member, progress))
 }
 
 /// Writes `steps` scenarios from one value of the dial (m) to another, both included, with the object where
@@ -76,7 +77,7 @@ pub fn write_sweep(
     family.checked(to_m)?;
     let share = |step: usize| if steps > 1 { step as f64 / (steps - 1) as f64 } else { 0.0 };
     let values: Vec<f64> = (0..steps).map(|step| from_m + (to_m - from_m) * share(step)).collect();
-    let member = |parameter_m: &f64| -> Result<(Option<Line>, Rejections), ScenarioError> {
+    let member = |folder: &Path, parameter_m: &f64| -> Result<(Option<Line>, Rejections), ScenarioError> {
         let recipe = maker.family().at(*parameter_m)?;
         if let Some(rejection) = maker.rejection(&recipe)? {
             return Ok((None, rejection));
@@ -88,7 +89,7 @@ pub fn write_sweep(
             Rejections::default(),
         ))
     };
-    write_all(folder, &values, member, progress)
+    write_whole_folder(folder, |folder| write_all(folder, &values, member, progress))
 }
 
 fn written(folder: &Path, id: String, member: SetMember) -> Result<Line, ScenarioError> {
@@ -100,19 +101,14 @@ fn written(folder: &Path, id: String, member: SetMember) -> Result<Line, Scenari
 fn write_all<T: Sync>(
     folder: &Path,
     what: &[T],
-    member: impl Fn(&T) -> Result<(Option<Line>, Rejections), ScenarioError> + Sync,
+    member: impl Fn(&Path, &T) -> Result<(Option<Line>, Rejections), ScenarioError> + Sync,
     progress: &SetProgress,
 ) -> Result<SetReport, ScenarioError> {
-    if folder.exists() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() });
-    }
-    fs::create_dir_all(folder)
-        .map_err(|reason| ScenarioError::Unwritable { path: folder.to_owned(), reason })?;
     let one = |what: &T| {
         if progress.stop.load(Ordering::Relaxed) {
             return Ok((None, Rejections::default()));
         }
-        let done = member(what);
+        let done = member(folder, what);
         (progress.done)();
         done
     };
@@ -130,6 +126,6 @@ fn write_all<T: Sync>(
         let _ = writeln!(index, "{id},{parameter_m},{x_m},{y_m},{yaw_deg},{clutter},{grasps}");
         report.written.push(id);
     }
-    atomic_file::write(&folder.join("index.csv"), &index)?;
+    write_whole_file(&folder.join("index.csv"), index.as_bytes())?;
     Ok(report)
 }

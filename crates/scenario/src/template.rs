@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use cranny_robot::{JointGroup, Robot, RobotOptions, TextSource};
 
 use crate::robot_in_folder::RobotInFolder;
-use crate::{ScenarioError, own_layout, robot_file};
+use crate::{ScenarioError, own_layout, robot_file, write_whole_folder};
 
 /// The robot of a new scenario, if it is not the built-in one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -30,9 +30,6 @@ pub struct TemplateRobot {
 /// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::Unwritable`], and whatever is wrong
 /// with the robot, before anything is written.
 pub fn write_template(folder: &Path, robot: Option<&TemplateRobot>) -> Result<(), ScenarioError> {
-    if folder.exists() {
-        return Err(ScenarioError::Exists { path: folder.to_owned() });
-    }
     let mut files = vec![(own_layout::GRASPS_FILE.to_owned(), GRASPS.as_bytes().to_vec())];
     let mut text = SCENARIO.to_owned();
     if let Some(robot) = robot {
@@ -43,15 +40,17 @@ pub fn write_template(folder: &Path, robot: Option<&TemplateRobot>) -> Result<()
         text = robot.named_in(&gathered.named_in(&text), &model);
     }
     files.push((own_layout::FILE.to_owned(), text.into_bytes()));
-    for (name, content) in files {
-        let path = folder.join(name);
-        let write = || -> std::io::Result<()> {
-            fs::create_dir_all(path.parent().unwrap_or(folder))?;
-            fs::write(&path, content)
-        };
-        write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
-    }
-    Ok(())
+    write_whole_folder(folder, |folder| {
+        for (name, content) in files {
+            let path = folder.join(name);
+            let write = || -> std::io::Result<()> {
+                fs::create_dir_all(path.parent().unwrap_or(folder))?;
+                fs::write(&path, content)
+            };
+            write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
+        }
+        Ok(())
+    })
 }
 
 impl TemplateRobot {

@@ -3,7 +3,7 @@ use std::path::Path;
 
 use cranny_plan::Trajectory;
 
-use crate::{ScenarioError, atomic_file};
+use crate::{ScenarioError, write_whole_file};
 
 /// Writes a trajectory as a table, sampled at `rate_hz` and at its end: a header, then one line for each
 /// instant.
@@ -31,7 +31,7 @@ pub fn write_trajectory_csv(path: &Path, trajectory: &Trajectory, rate_hz: f64) 
         }
         text.push('\n');
     }
-    atomic_file::write(path, &text)
+    write_whole_file(path, text.as_bytes())
 }
 
 /// A field of the table; names with a separator in them are quoted (RFC 4180, §2).

@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::{PlanFile, ScenarioError, atomic_file, number_table};
+use crate::{PlanFile, ScenarioError, number_table, write_whole_file};
 
 /// The way points (m, rad) of a plan file (`.plan.json`) or of a file with one configuration a line
 /// (`.csv`, `.try`: comma-separated, no header), each of `joints` values.
@@ -11,14 +11,16 @@ use crate::{PlanFile, ScenarioError, atomic_file, number_table};
 /// without way points or with an unknown ending.
 pub fn read_waypoints(path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
     let waypoints = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("json") => PlanFile::read(path)?.waypoints_of(path, joints)?,
+        Some("json") => PlanFile::read(path)?.into_waypoints(path, joints)?,
         Some("csv" | "try") => number_table::read_configurations(path, joints)?,
         _ => return Err(ScenarioError::WaypointFormat { path: path.to_owned() }),
     };
-    if waypoints.is_empty() {
-        return Err(ScenarioError::Empty { path: path.to_owned() });
-    }
-    Ok(waypoints)
+    some(path, waypoints)
+}
+
+/// The way points, if there are any.
+pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    if waypoints.is_empty() { Err(ScenarioError::Empty { path: path.to_owned() }) } else { Ok(waypoints) }
 }
 
 /// Writes way points as the released `.csv` and `.try` files hold them: one configuration a line. Numbers
@@ -34,7 +36,7 @@ pub fn write_waypoints_csv(path: &Path, waypoints: &[Vec<f64>]) -> Result<(), Sc
         }
         text.push('\n');
     }
-    atomic_file::write(path, &text)
+    write_whole_file(path, text.as_bytes())
 }
 
 #[cfg(test)]

@@ -1,19 +1,24 @@
-use std::fs;
 use std::path::Path;
 
+use cranny_file::{Readable, TEXT};
 use cranny_robot::Location;
 use serde::de::DeserializeOwned;
 
 use crate::ScenarioError;
 
-/// What a YAML file says.
+/// What a YAML file says that a scenario names, or that lies in its folder.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
-    parse(path, &text(path)?)
+    parse(path, &text(TEXT, path)?)
 }
 
-/// The text of a file.
-pub(crate) fn text(path: &Path) -> Result<String, ScenarioError> {
-    fs::read_to_string(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
+/// The same of a file that a person names.
+pub(crate) fn read_argument<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
+    parse(path, &text(TEXT.argument(), path)?)
+}
+
+/// The text of a file of some kind.
+pub(crate) fn text(kind: Readable, path: &Path) -> Result<String, ScenarioError> {
+    kind.text(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
 }
 
 /// What a YAML text says; errors name `path`.
@@ -21,10 +26,7 @@ pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, S
     if text.trim().is_empty() {
         return Err(ScenarioError::Empty { path: path.to_owned() });
     }
-    serde_saphyr::from_str(text).map_err(|reason| ScenarioError::Yaml {
-        at: at(path, reason.location().unwrap_or(serde_saphyr::Location::UNKNOWN)),
-        reason: Box::new(reason),
-    })
+    cranny_file::yaml(text).map_err(|reason| ScenarioError::Yaml { at: line(path, reason.line), reason })
 }
 
 /// A place in a YAML file, as errors name it.

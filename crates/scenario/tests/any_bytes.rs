@@ -126,6 +126,34 @@ fn damaged_files_are_read_or_refused() {
     }
 }
 
+/// What takes time or memory with the square of a file's size shows in a file that is the same again and again.
+#[test]
+fn files_grown_by_what_is_in_them_are_read_or_refused_in_a_moment() {
+    const BYTES: usize = 300_000;
+    for reader in &FILE_READERS {
+        let at_work = ReaderAtWork::new(reader.name);
+        for (name, bytes) in cases(reader) {
+            // Three stretches of the file, the first byte of each at a line where there are lines.
+            for (share, length) in [(0.2, 40), (0.5, 7), (0.8, 200)] {
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                let place = (share * bytes.len() as f64) as usize;
+                let begin = bytes[..place].iter().rposition(|byte| *byte == b'\n').map_or(place, |at| at + 1);
+                let stretch = &bytes[begin..(begin + length).min(bytes.len())];
+                let grown = [&bytes[..begin], &stretch.repeat(BYTES / stretch.len().max(1)), &bytes[begin..]]
+                    .concat();
+                let start = std::time::Instant::now();
+                at_work.read(&grown);
+                assert!(
+                    start.elapsed().as_secs() < 10,
+                    "{}: {name} at {begin}: {:?}",
+                    reader.name,
+                    start.elapsed()
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn each_reader_has_a_fuzz_target_and_each_target_a_reader() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -135,6 +163,8 @@ fn each_reader_has_a_fuzz_target_and_each_target_a_reader() {
         .collect();
     targets.sort();
     let mut names: Vec<&str> = FILE_READERS.iter().map(|reader| reader.name).collect();
+    // Those of the rooms above have a list of their own.
+    names.extend(["campaign", "exec_answer", "released_answer", "results"]);
     names.sort_unstable();
     assert_eq!(targets, names);
 }

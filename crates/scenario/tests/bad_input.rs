@@ -69,6 +69,18 @@ fn faults_of_a_scenario_file_name_file_and_line() {
             "radius: -0.05",
             "scenario.yaml:12: 'board': the radius of a sphere must be a positive",
         ),
+        // As it stands in the file, not halved.
+        (
+            "size: [0.6, 0.3, 0.02]",
+            "size: [0.6, -0.4, 0.02]",
+            "each side of a box must be a positive number of metres, at most 1000, but is -0.4",
+        ),
+        (
+            "length: 0.2}",
+            "length: 0}",
+            "the length of a capsule must be a positive number of metres, at most 1000, but is 0",
+        ),
+        ("floor: 0.0", "floor: 0.0\nfloor: 0.0", "scenario.yaml:7: the key 'floor' is given twice"),
         (
             "    shapes:\n      - box: {size: [0.6, 0.3, 0.02]}\n",
             "    shapes:\n      - box: {size: [1, 1, 1]}\n        hull: {file: wedge.obj}\n",
@@ -213,4 +225,79 @@ fn faults_of_a_released_folder_name_file_and_line() {
     assert!(fault().contains("scene.yaml:7"), "{}", fault());
     write("scene.yaml", &scene(&ball, identity).replace("block", "ball"));
     assert!(fault().contains("ball.obj: cannot read the mesh"), "{}", fault());
+}
+
+/// A device named as a mesh took all memory, and a pipe all time.
+#[cfg(unix)]
+#[test]
+fn what_a_scenario_names_must_be_a_regular_file() {
+    let copy = Copy::new();
+    fs::remove_file(copy.path("wedge.obj")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", copy.path("wedge.obj")).unwrap();
+    let fault = copy.open().unwrap_err().to_string();
+    assert!(fault.contains("it is a device, not a regular file"), "{fault}");
+    fs::remove_file(copy.path("grasps.csv")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", copy.path("grasps.csv")).unwrap();
+    let fault = copy.open().unwrap_err().to_string();
+    assert!(fault.contains("grasps.csv: cannot read the grasps: it is a device"), "{fault}");
+}
+
+/// The reader's budget ended at 12 450 obstacles, and each name was compared with all before it.
+#[test]
+fn ten_thousand_obstacles_open_in_a_moment() {
+    let copy = Copy::new();
+    let text = fs::read_to_string(copy.path("scenario.yaml")).unwrap();
+    let entry = |index: u32| {
+        let (x, y) = (0.1 * f64::from(index % 200), 5.0 + 0.1 * f64::from(index / 200));
+        let pose = format!("{{position: [{x}, {y}, 0]}}");
+        format!("  - {{name: b{index}, shapes: [box: {{size: [0.05, 0.05, 0.05]}}], pose: {pose}}}\n")
+    };
+    let boxes = (0..20_000).map(entry).collect::<Vec<_>>().concat();
+    let (before, after) = text.split_once("obstacles:\n").unwrap();
+    fs::write(copy.path("scenario.yaml"), format!("{before}obstacles:\n{boxes}{after}")).unwrap();
+    let begin = std::time::Instant::now();
+    assert!(copy.open().unwrap().world.bodies().len() > 20_000);
+    assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
+}
+
+/// A line of 10⁸ numbers was kept as a whole before it was refused.
+#[test]
+fn a_line_of_many_numbers_is_counted_and_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("path.csv");
+    fs::write(&path, format!("1,2\n{}1\n", "1,".repeat(5_000_000))).unwrap();
+    let fault = cranny_scenario::read_waypoints(&path, 2).unwrap_err().to_string();
+    assert!(fault.contains("path.csv:2: 5000001 numbers instead of 2"), "{fault}");
+}
+
+#[test]
+fn what_is_no_scenario_is_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let fault = |what: &str| Scenario::open(what, &OpenOptions::default()).unwrap_err().to_string();
+    assert!(fault("21").contains("did you mean 021?"), "{}", fault("21"));
+    assert!(fault("026").contains("did you mean 021 or 022 or 023?"), "{}", fault("026"));
+    assert!(fault("999").contains("give an id, or a folder"), "{}", fault("999"));
+    let file = folder.path().join("scenario.yaml");
+    fs::write(&file, "robot: panda_mobile\n").unwrap();
+    let said = fault(file.to_str().unwrap());
+    assert!(said.contains("this is a file, not a scenario"), "{said}");
+    assert!(cranny_scenario::check("999").is_err());
+}
+
+/// Without permission a folder was called "no folder of that name".
+#[cfg(unix)]
+#[test]
+fn a_folder_that_may_not_be_read_is_called_so() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let copy = Copy::new();
+    let set = |mode| fs::set_permissions(copy.folder.path(), fs::Permissions::from_mode(mode)).unwrap();
+    set(0o000);
+    let is_kept_out = fs::read_dir(copy.folder.path()).is_err();
+    let opened = copy.open();
+    set(0o700);
+    // To an administrator every folder is open.
+    if is_kept_out {
+        let said = opened.unwrap_err().to_string();
+        assert!(said.contains("no permission to read it"), "{said}");
+    }
 }

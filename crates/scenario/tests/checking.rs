@@ -19,7 +19,7 @@ fn said(replacements: &[(&str, &str)]) -> Vec<String> {
         text = text.replacen(from, to, 1);
     }
     fs::write(path, text).unwrap();
-    check(folder.path().to_str().unwrap()).iter().map(ToString::to_string).collect()
+    check(folder.path().to_str().unwrap()).unwrap().iter().map(ToString::to_string).collect()
 }
 
 fn expect(replacements: &[(&str, &str)], faults: &[&str]) {
@@ -88,7 +88,8 @@ fn every_line_of_grasps_and_solutions_is_checked() {
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("grasps.csv", "1,2\n0,0,1,0.8,0,1,0,0,-1,0,0,0.6,0,0,0,1\n1,0,0,x,0,1,0,0,0,0,1,0,0,0,0,1\n");
     write("ik.csv", "0,0,0,0,0,-1,0,1\n0,0,0,0,0,-1,0,1,0\n0,0,nan,0,0,-1,0,1,0\n");
-    let said: Vec<String> = check(folder.path().to_str().unwrap()).iter().map(ToString::to_string).collect();
+    let said: Vec<String> =
+        check(folder.path().to_str().unwrap()).unwrap().iter().map(ToString::to_string).collect();
     assert_eq!(said.len(), 4, "{said:#?}");
     for (said, expected) in said.iter().zip([
         "grasps.csv:1: 2 numbers",

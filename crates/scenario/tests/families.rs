@@ -58,7 +58,7 @@ fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
         assert_eq!((report.written.len(), report.missing), (12, 0), "{family:?}");
         for id in &report.written {
             let path = folder.join(id).display().to_string();
-            assert!(check(&path).is_empty());
+            assert!(check(&path).unwrap().is_empty());
             let scenario = Scenario::open(&path, &OpenOptions::default()).unwrap();
             assert!(rests_beside_everything(&scenario), "{path}");
             let problem = scenario.problem(&Demands::default()).unwrap();

@@ -41,7 +41,7 @@ fn a_new_scenario_has_the_files_of_its_robot() {
         ..TemplateRobot::default()
     };
     write_template(&folder, Some(&robot)).unwrap();
-    assert!(check(folder.to_str().unwrap()).is_empty());
+    assert!(check(folder.to_str().unwrap()).unwrap().is_empty());
     let scenario = open(&folder);
     assert_eq!(scenario.robot.joint_names(), ["shoulder", "elbow"]);
     assert_eq!(scenario.robot.links()[scenario.robot.tip()].name, "hand");

@@ -139,7 +139,7 @@ fn the_template_is_sound_and_is_never_written_over_anything() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("mine");
     write_template(&folder, None).unwrap();
-    assert!(check(folder.to_str().unwrap()).is_empty());
+    assert!(check(folder.to_str().unwrap()).unwrap().is_empty());
     assert_eq!(open(&folder).unwrap().grasps.len(), 3);
     assert!(write_template(&folder, None).unwrap_err().to_string().contains("exists already"));
 }
@@ -166,4 +166,88 @@ fn what_a_recipe_writes_opens_as_the_same_scenario() {
             }
         }
     }
+}
+
+/// An archive of one file beside the manifest, written by hand, so that nothing keeps it from being false.
+fn archive_of(names: &[&str], content: &[u8]) -> Vec<u8> {
+    let mut to = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (index, _) in names.iter().enumerate() {
+        // Names of the same length, put right in the bytes: the library writes none twice.
+        to.start_file(format!("{index:0width$}", width = names[index].len()), SimpleFileOptions::default())
+            .unwrap();
+        to.write_all(content).unwrap();
+    }
+    let mut bytes = to.finish().unwrap().into_inner();
+    for (index, name) in names.iter().enumerate() {
+        let placeholder = format!("{index:0width$}", width = name.len()).into_bytes();
+        for at in 0..bytes.len() - placeholder.len() {
+            let is_name = at >= 30
+                && bytes[at..].starts_with(&placeholder)
+                && (bytes[at - 30..].starts_with(b"PK\x03\x04")
+                    || (at >= 46 && bytes[at - 46..].starts_with(b"PK\x01\x02")));
+            if is_name {
+                bytes[at..at + name.len()].copy_from_slice(name.as_bytes());
+            }
+        }
+    }
+    bytes
+}
+
+/// What was accepted, or unpacked over each other.
+#[test]
+fn names_that_hurt_where_they_are_unpacked_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let archive = root.path().join("bad.zip");
+    let cases: [(&[&str], &str); 8] = [
+        (&["grasps.csv", "grasps.csv"], "holds 'grasps.csv' twice"),
+        (&["grasps.csv", "Grasps.CSV"], "holds 'Grasps.CSV' twice"),
+        (&["CON"], "no name for a file on every system"),
+        (&["a/com1.obj"], "no name for a file on every system"),
+        (&[".git/hooks/post-checkout"], "is hidden"),
+        (&["a?b"], "no name for a file on every system"),
+        (&["mesh."], "no name for a file on every system"),
+        (&["a\x1b[31mb"], "no name for a file on every system"),
+    ];
+    for (names, expected) in cases {
+        fs::write(&archive, archive_of(names, b"x")).unwrap();
+        let folder = root.path().join("out");
+        let fault = unpack(&archive, &folder).unwrap_err().to_string();
+        assert!(fault.contains(expected) && !folder.exists(), "{names:?}: {fault}");
+    }
+    fs::write(&archive, archive_of(&["com.obj", "console.obj", "a.b/c.d"], b"x")).unwrap();
+    let fault = unpack(&archive, &root.path().join("out")).unwrap_err().to_string();
+    assert!(fault.contains("no manifest.json"), "{fault}");
+}
+
+/// 0.9 GB of zeros in 0.9 MB were unpacked, in half a minute.
+#[test]
+fn an_archive_that_unpacks_to_far_more_than_it_is_is_refused_at_once() {
+    let root = tempfile::tempdir().unwrap();
+    let archive = root.path().join("bomb.zip");
+    fs::write(&archive, archive_of(&["a.obj", "b.obj"], &vec![0; 20 << 20])).unwrap();
+    let fault = unpack(&archive, &root.path().join("out")).unwrap_err().to_string();
+    assert!(fault.contains("over 100 times its own size"), "{fault}");
+    // A lie about the size helps nobody.
+    let mut bytes = fs::read(&archive).unwrap();
+    for at in 0..bytes.len() - 46 {
+        if bytes[at..].starts_with(b"PK\x01\x02") {
+            bytes[at + 24..at + 28].copy_from_slice(&1000_u32.to_le_bytes());
+        }
+    }
+    fs::write(&archive, bytes).unwrap();
+    assert!(unpack(&archive, &root.path().join("out")).is_err());
+    assert!(!root.path().join("out").exists());
+}
+
+/// What could not be unpacked again is not packed.
+#[test]
+fn a_folder_with_a_name_that_no_archive_may_hold_is_not_packed() {
+    let root = tempfile::tempdir().unwrap();
+    for file in ["scenario.yaml", "grasps.csv", "wedge.obj"] {
+        fs::copy(corner().join(file), root.path().join(file)).unwrap();
+    }
+    fs::write(root.path().join("aux.obj"), "").unwrap();
+    let archive = root.path().join("a.zip");
+    let fault = pack(root.path(), &archive, &Credits::default()).unwrap_err().to_string();
+    assert!(fault.contains("no name for a file on every system") && !archive.exists(), "{fault}");
 }

@@ -1,6 +1,9 @@
 use cranny_spatial::{Point, Pose};
 
+use crate::coarse_hull::chosen;
 use crate::convex::{Convex, Core};
+use crate::convex_hull::Plane;
+use crate::cut::{Cut, longest_side};
 use crate::solid::Kind;
 use crate::{Ball, Solid, TriangleSoup};
 
@@ -25,17 +28,26 @@ pub struct BallNode {
 /// A piece cut off the solid is halved no more often than this.
 const DEEPEST: usize = 14;
 
-/// Added to every radius: the corners of a hull lie outside its facets by less, and so does rounding.
+/// Added to every radius, in metres: a hundred times what each cut of a piece may lose to rounding
+/// ([`crate::cut`]), for at most [`DEEPEST`] cuts.
 const SLACK_M: f64 = 1e-7;
+
+/// Cutting a piece takes time with the square of its corners. Of a hull with more, so many are chosen, and the
+/// balls grow by what the others stand out of their hull.
+const MOST_CORNERS: usize = 256;
 
 impl BallTree {
     /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
     /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull, a cylinder as a
     /// prism of eight sides around it. `None` for a half-space.
     ///
-    /// 1. The convex hull of the solid's core, as polygons.
-    /// 2. Cut in half across the longest side of its box, again and again.
-    /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core.
+    /// Containment does not rest on a hull algorithm, whose faces may be wrong where a body is thin:
+    ///
+    /// 1. The corners of the solid's core, or some of them and a bound on how far the others stand out.
+    /// 2. Their convex hull is cut in half across the longest side of its box, again and again: exactly, from
+    ///    corners alone.
+    /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core. The faces of
+    ///    the hull only say which ball stands out least.
     pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
         let (points, radius_m) = solid.bounding_points()?;
         if let Kind::Convex(convex) = solid.kind()
@@ -44,17 +56,14 @@ impl BallTree {
             return Some(Self::along_segment(half_length, radius_m, bulge_m));
         }
         // 1.
-        let Ok(hull) = TriangleSoup::convex_hull(&points) else {
-            // All in one plane, or one point.
-            return Some(Self {
-                nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }],
-            });
-        };
-        let piece =
-            Piece { faces: (0..hull.triangles.len()).map(|face| hull.corners(face).to_vec()).collect() };
-        let planes = planes(&piece.faces);
+        let whole =
+            || Some(Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] });
+        let Some((corners, standing_out_m)) = chosen(&points, MOST_CORNERS) else { return whole() };
+        // All in one plane, or one point.
+        let Ok(hull) = TriangleSoup::convex_hull(&corners) else { return whole() };
+        let planes = hull.planes();
         let mut tree = Self { nodes: Vec::new() };
-        tree.cover(&piece, &planes, radius_m, bulge_m, 0);
+        tree.cover(&corners, &planes, radius_m + standing_out_m, bulge_m, 0);
         Some(tree)
     }
 
@@ -81,25 +90,25 @@ impl BallTree {
         self
     }
 
-    /// Steps 2 and 3 for one piece; returns its node.
+    /// Steps 2 and 3 for the piece with these corners; returns its node.
     fn cover(
         &mut self,
-        piece: &Piece,
+        corners: &[Point],
         planes: &[Plane],
         rounding_m: f64,
         bulge_m: f64,
         depth: usize,
     ) -> usize {
-        let corners = piece.corners();
-        let (ball, stands_out_m) = least_bulge(&corners, planes, bulge_m);
+        let (ball, stands_out_m) = least_bulge(corners, planes, bulge_m);
         let node = self.nodes.len();
         let radius_m = ball.radius_m + rounding_m + SLACK_M;
         self.nodes.push(BallNode { ball: Ball { radius_m, ..ball }, children: None });
         if stands_out_m > bulge_m
             && depth < DEEPEST
-            && let Some(halves) = piece.halves(&corners)
+            && let Some(Cut { low, high }) = Cut::across(corners)
         {
-            let [low, high] = halves.map(|half| self.cover(&half, planes, rounding_m, bulge_m, depth + 1));
+            let [low, high] =
+                [low, high].map(|half| self.cover(&half, planes, rounding_m, bulge_m, depth + 1));
             self.nodes[node].children = Some([low, high]);
         }
         node
@@ -155,108 +164,6 @@ impl BallTree {
     }
 }
 
-/// A plane with a unit normal that points out of the solid.
-struct Plane {
-    normal: cranny_spatial::Vector,
-    offset: f64,
-}
-
-impl Plane {
-    fn height(&self, point: &Point) -> f64 {
-        self.normal.dot(&point.coords) - self.offset
-    }
-}
-
-fn planes(faces: &[Vec<Point>]) -> Vec<Plane> {
-    let plane = |face: &Vec<Point>| {
-        let normal = (face[1] - face[0]).cross(&(face[2] - face[0])).try_normalize(0.0)?;
-        Some(Plane { offset: normal.dot(&face[0].coords), normal })
-    };
-    faces.iter().filter_map(plane).collect()
-}
-
-/// A convex polyhedron: its faces as polygons, each with its corners in order.
-struct Piece {
-    faces: Vec<Vec<Point>>,
-}
-
-impl Piece {
-    /// Its corners, each once.
-    fn corners(&self) -> Vec<Point> {
-        let mut corners: Vec<Point> = self.faces.iter().flatten().copied().collect();
-        let coordinates = |p: &Point| [p.x, p.y, p.z];
-        corners
-            .sort_by(|a, b| coordinates(a).partial_cmp(&coordinates(b)).unwrap_or(std::cmp::Ordering::Equal));
-        corners.dedup();
-        corners
-    }
-
-    /// Both halves, cut across the longest side of the box around `corners`; `None` if that side is too
-    /// short to be cut.
-    fn halves(&self, corners: &[Point]) -> Option<[Self; 2]> {
-        /// A tenth of a millimetre: no bulge that is worth a ball is smaller.
-        const SHORTEST_M: f64 = 1e-4;
-        let (axis, low, high) = longest_side(corners);
-        if high - low < SHORTEST_M {
-            return None;
-        }
-        let middle = 0.5 * (low + high);
-        Some([self.below(axis, middle, 1.0), self.below(axis, middle, -1.0)])
-    }
-
-    /// The part where `sign · (coordinate − middle) ≤ 0`.
-    fn below(&self, axis: usize, middle: f64, sign: f64) -> Self {
-        let height = |point: &Point| sign * (point[axis] - middle);
-        let mut faces = Vec::with_capacity(self.faces.len() + 1);
-        let mut rim: Vec<Point> = Vec::new();
-        for face in &self.faces {
-            let mut kept = Vec::with_capacity(face.len() + 1);
-            for (index, a) in face.iter().enumerate() {
-                let b = &face[(index + 1) % face.len()];
-                let (height_a, height_b) = (height(a), height(b));
-                if height_a <= 0.0 {
-                    kept.push(*a);
-                }
-                if (height_a < 0.0 && height_b > 0.0) || (height_a > 0.0 && height_b < 0.0) {
-                    let mut crossing = a + (b - a) * (height_a / (height_a - height_b));
-                    crossing[axis] = middle;
-                    kept.push(crossing);
-                    rim.push(crossing);
-                } else if height_a == 0.0 {
-                    rim.push(*a);
-                }
-            }
-            if kept.len() > 2 {
-                faces.push(kept);
-            }
-        }
-        if rim.len() > 2 {
-            faces.push(in_order(rim, axis));
-        }
-        Self { faces }
-    }
-}
-
-/// The corners of a convex polygon across `axis`, in order around its middle.
-fn in_order(mut rim: Vec<Point>, axis: usize) -> Vec<Point> {
-    let middle = rim.iter().fold(cranny_spatial::Vector::zeros(), |sum, p| sum + p.coords) / rim.len() as f64;
-    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-    let angle = |p: &Point| libm::atan2(p[v] - middle[v], p[u] - middle[u]);
-    rim.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-    rim
-}
-
-/// The axis along which the points spread most, and where they begin and end along it.
-fn longest_side(points: &[Point]) -> (usize, f64, f64) {
-    let side = |axis: usize| {
-        let range = |(low, high): (f64, f64), p: &Point| (low.min(p[axis]), high.max(p[axis]));
-        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-        (axis, low, high)
-    };
-    let longer = |a: (usize, f64, f64), b: (usize, f64, f64)| if b.2 - b.1 > a.2 - a.1 { b } else { a };
-    longer(longer(side(0), side(1)), side(2))
-}
-
 /// The ball around the points that stands out least of the planes, about, and by how much (m). One that
 /// stands out by no more than `enough_m` will do.
 ///
@@ -276,7 +183,9 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
         let Some(farthest) = points.iter().max_by(by_distance) else { break };
         let highest = planes.iter().copied().max_by(|a, b| a.height(&center).total_cmp(&b.height(&center)));
         let radius_m = (farthest - center).norm();
-        let stands_out_m = highest.map_or(radius_m, |plane| plane.height(&center) + radius_m);
+        // No point of a ball is farther from the piece in it than this, whatever the planes of a thin hull are worth.
+        let across_m = 2.0 * radius_m;
+        let stands_out_m = highest.map_or(across_m, |plane| across_m.min(plane.height(&center) + radius_m));
         if stands_out_m < best.1 {
             best = (Ball { center, radius_m }, stands_out_m);
             if stands_out_m <= enough_m {
@@ -284,7 +193,7 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
             }
         }
         let towards_farthest = (farthest - center).try_normalize(0.0).unwrap_or_default();
-        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |plane| -plane.normal);
+        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |plane| -plane.normal());
         center += (towards_farthest + inwards) * (0.5 * start.radius_m / (step + 1) as f64);
     }
     best
@@ -301,7 +210,7 @@ fn start_ball(points: &[Point]) -> Ball {
 fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
     let balls: Vec<Ball> = points.iter().map(|&center| Ball { center, radius_m: 0.0 }).collect();
     let ball = around_balls(&balls);
-    Ball { radius_m: ball.radius_m + rounding_m, ..ball }
+    Ball { radius_m: ball.radius_m + rounding_m + SLACK_M, ..ball }
 }
 
 /// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps

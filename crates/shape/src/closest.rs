@@ -1,8 +1,7 @@
 use cranny_spatial::{Point, Pose, Vector};
-use parry3d_f64::math::Vector as ParryVector;
-use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points as gjk_closest_points};
 
 use crate::convex::Convex;
+use crate::gjk::core_distance;
 use crate::solid::Kind;
 use crate::{Aabb, Solid, parry, separation};
 
@@ -55,13 +54,8 @@ fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
 
 /// The closest points of two convex bodies, both in the frame of the first.
 fn convex_points(a: &Convex, b: &Convex, a_from_b: &Pose) -> Option<[Point; 2]> {
-    let a_from_b = parry::pose(a_from_b);
-    let towards_b = (-a_from_b.translation).try_normalize().unwrap_or(ParryVector::X);
-    let mut simplex = VoronoiSimplex::new();
-    simplex.reset(CsoPoint::from_shapes(&a_from_b, &a.core, &b.core, towards_b));
-    let found = gjk_closest_points(&a_from_b, &a.core, &b.core, f64::MAX, true, &mut simplex);
-    let GJKResult::ClosestPoints(on_a, on_b, _) = found else { return None };
-    let (on_a, on_b) = (parry::to_vector(on_a), parry::to_vector(on_b));
+    let found = core_distance(&a.core, &b.core, &parry::pose(a_from_b), f64::MAX);
+    let [on_a, on_b] = found.way.map(parry::to_vector);
     let direction: Vector = (on_b - on_a).try_normalize(0.0)?;
     Some([(on_a + direction * a.radius_m).into(), (on_b - direction * b.radius_m).into()])
 }

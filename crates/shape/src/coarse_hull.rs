@@ -53,7 +53,7 @@ const SIDES: usize = 16;
 const ROUNDING_M: f64 = 1e-9;
 
 /// Some of the corners of a hull, and how far the others stand out of the hull of these, in metres.
-fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)> {
+pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)> {
     if corners.len() <= most {
         return Some((corners.to_vec(), 0.0));
     }

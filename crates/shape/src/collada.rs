@@ -121,6 +121,7 @@ impl<'a> Reader<'a> {
                     indices.chunks(stride).filter_map(|c| c.get(at).copied()).collect();
                 polygons.extend(kind.polygons(primitive, &vertices)?);
             }
+            kind.check_count(primitive, polygons.len())?;
             for polygon in polygons {
                 self.add_polygon(primitive, &polygon, &positions, placed)?;
             }
@@ -204,6 +205,16 @@ impl Primitive {
             "trifans" => Self::Fan,
             _ => return None,
         })
+    }
+
+    /// Refuses a count that is not that of the polygons; of strips and fans it is that of the lists.
+    fn check_count(&self, element: Node, actual: usize) -> Result<(), String> {
+        match (self, element.attribute("count")) {
+            (Self::Triangles | Self::Polylist, Some(count)) if index(element, count)? != actual => {
+                Err(fault(element, &format!("{count} polygons are announced, but there are {actual}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn polygons(&self, element: Node, vertices: &[usize]) -> Result<Vec<Vec<usize>>, String> {

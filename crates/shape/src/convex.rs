@@ -114,21 +114,6 @@ impl HullPoints {
         Self { chunks: corners.chunks(LANES).map(chunk).collect(), len: corners.len() }
     }
 
-    /// The planes of the hull's faces: unit normals that point outwards, and offsets along them. The hull of
-    /// the corners contains what lies below all of them.
-    pub fn planes(&self) -> Vec<(Vector, f64)> {
-        let corners: Vec<_> = self.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
-        let Ok((hull, faces)) = parry3d_f64::transformation::try_convex_hull(&corners) else {
-            return Vec::new();
-        };
-        let plane = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|index| hull[index as usize]);
-            let normal = (b - a).cross(c - a).try_normalize()?;
-            Some((Vector::new(normal.x, normal.y, normal.z), normal.dot(a)))
-        };
-        faces.iter().filter_map(plane).collect()
-    }
-
     pub fn iter(&self) -> impl Iterator<Item = Point> {
         let point = |index: usize| self.corner(index / LANES, index % LANES);
         (0..self.len).map(point).map(|p| Point::new(p.x, p.y, p.z))

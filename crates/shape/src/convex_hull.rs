@@ -1,10 +1,38 @@
-use cranny_spatial::Point;
+use cranny_spatial::{Point, Vector};
 use parry3d_f64::transformation::try_convex_hull;
 
 use crate::error::usable;
+use crate::hull::outer_points;
 use crate::{ShapeError, TriangleSoup, parry};
 
+/// A plane with a unit normal that points out of a hull.
+pub(crate) struct Plane {
+    normal: Vector,
+    offset: f64,
+}
+
+impl Plane {
+    /// How far a point is above it, in metres; negative below.
+    pub fn height(&self, point: &Point) -> f64 {
+        self.normal.dot(&point.coords) - self.offset
+    }
+
+    pub fn normal(&self) -> &Vector {
+        &self.normal
+    }
+}
+
 impl TriangleSoup {
+    /// The planes of its faces, of those that are no mere lines.
+    pub(crate) fn planes(&self) -> Vec<Plane> {
+        let plane = |face: usize| {
+            let [a, b, c] = self.corners(face);
+            let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+            Some(Plane { offset: normal.dot(&a.coords), normal })
+        };
+        (0..self.triangles.len()).filter_map(plane).collect()
+    }
+
     /// The convex hull of `points` as a closed mesh, normals outwards.
     ///
     /// # Errors
@@ -15,7 +43,7 @@ impl TriangleSoup {
         }
         let given: Vec<_> = points.iter().map(parry::point).collect();
         let flat = || ShapeError::FlatHull { points: points.len() };
-        let (vertices, triangles) = try_convex_hull(&given).map_err(|_| flat())?;
+        let (vertices, triangles) = try_convex_hull(&outer_points(&given)).map_err(|_| flat())?;
         let vertices = vertices.into_iter().map(|v| parry::to_vector(v).into()).collect();
         let hull = Self { vertices, triangles };
         if hull.signed_volume_m3() > 0.0 { Ok(hull) } else { Err(flat()) }

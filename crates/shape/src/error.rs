@@ -49,19 +49,35 @@ pub enum ShapeError {
         /// How many edges lack their second triangle.
         edges: usize,
     },
-    /// Triangles of a mesh cannot be turned so that all face outwards.
+    /// Faces of a mesh do not part its inside from what is around it.
     #[error(
-        "the mesh has no inside: its faces cannot all be turned outwards, {edges} of its edges contradict \
-         each other (is it one-sided, or do more than two faces share an edge?)"
+        "the mesh has no inside: {faces} of its faces have the same space on both sides, or cross others that they \
+         share edges with (is it one-sided? take its convex hull, or unite its bodies with Blender's boolean \
+         modifier or `trimesh.boolean.union` in Python)"
     )]
     OneSided {
-        /// How many edges have no second triangle the other way round.
-        edges: usize,
+        /// How many faces do not.
+        faces: usize,
+    },
+    /// A mesh crosses itself so that what is inside cannot be told.
+    #[error(
+        "the mesh winds backwards around ({x:.4}, {y:.4}, {z:.4}) m: a body in it crosses itself, so that its inside \
+         cannot be told from its outside (mend it with Blender's boolean modifier or `trimesh.boolean.union` in \
+         Python, or take its convex hull)"
+    )]
+    WoundBackwards {
+        /// x of a point there, in metres.
+        x: f64,
+        /// y of it.
+        y: f64,
+        /// z of it.
+        z: f64,
     },
     /// Triangles of a mesh pass through each other.
     #[error(
         "the mesh crosses itself: {pairs} pairs of triangles pass through each other, triangles {first} and \
-         {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one surface)",
+         {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one \
+         surface with Blender's boolean modifier or `trimesh.boolean.union` in Python)",
         depth_m * 1000.0
     )]
     SelfCrossing {
@@ -123,6 +139,17 @@ pub enum ShapeError {
         y: f64,
         /// The factor of z.
         z: f64,
+    },
+    /// There are more triangles than are worked with.
+    #[error(
+        "the mesh has {triangles} triangles, more than {most} (reduce it, with Blender's decimate modifier or \
+         `simplify_quadric_decimation` of trimesh in Python)"
+    )]
+    TooManyTriangles {
+        /// How many there are.
+        triangles: usize,
+        /// How many there may be.
+        most: usize,
     },
     /// There is no triangle.
     #[error("the mesh has no triangles (is it a mesh at all?)")]

@@ -1,8 +1,9 @@
 use cranny_spatial::Point;
 
 use crate::convex::Core;
+use crate::mesh::check_closed;
 use crate::solid::Kind;
-use crate::{Ball, Solid};
+use crate::{Ball, Solid, TriangleSoup};
 
 /// At most `count` balls inside a convex solid that fill much of it, the largest first, in the solid's frame.
 /// Empty for a mesh or a half-space.
@@ -51,13 +52,12 @@ fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
             Box::new(move |p| (half_length - p.z.abs()).min(radius - (p.x * p.x + p.y * p.y).sqrt()))
         }
         Core::Hull(hull) => {
-            let planes = hull.planes();
-            if planes.is_empty() {
-                return None;
-            }
-            Box::new(move |p| {
-                planes.iter().map(|(normal, offset)| offset - normal.dot(&p.coords)).fold(f64::MAX, f64::min)
-            })
+            // What lies below all faces lies in the hull only if they close it in, which a hull algorithm may fail
+            // to make them where a body is thin.
+            let faces = TriangleSoup::convex_hull(&hull.iter().collect::<Vec<_>>()).ok()?;
+            check_closed(&faces).ok()?;
+            let planes = faces.planes();
+            Box::new(move |p| planes.iter().map(|plane| -plane.height(p)).fold(f64::MAX, f64::min))
         }
         Core::Triangle(_) => return None,
     })

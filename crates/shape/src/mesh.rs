@@ -6,7 +6,9 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::Ray;
 
 use crate::convex::{Convex, Core};
-use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
+use crate::disjoint_sets::DisjointSets;
+use crate::enclosure::{EnclosedBody, Enclosure};
+use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.
 #[derive(Clone, Debug)]
@@ -16,21 +18,28 @@ pub(crate) struct Mesh {
     corners: Vec<[Point; 3]>,
     tree: TriangleTree,
     aabb: Aabb,
+    bodies: Vec<EnclosedBody>,
     witnesses: Vec<Point>,
+    repairs: MeshRepairs,
 }
 
 impl Mesh {
     /// # Errors
-    /// The soup is empty, names a vertex that is not there, or has an edge without a second triangle.
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`].
     pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
-        check_indices(soup)?;
-        check_closed(soup)?;
+        let Enclosure { soup, bodies, repairs } = Enclosure::of(soup)?;
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let triangles = corners.iter().map(triangle).collect();
         let balls = corners.iter().map(|t| Bounds::around(&t.map(|corner| (corner, 0.0))).ball).collect();
         let tree = TriangleTree::new(&corners);
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
-        Ok(Self { triangles, balls, corners, tree, aabb, witnesses: one_vertex_per_body(soup) })
+        let witnesses = one_vertex_per_body(&soup);
+        Ok(Self { triangles, balls, corners, tree, aabb, bodies, witnesses, repairs })
+    }
+
+    /// What was done to the file's triangles.
+    pub fn repairs(&self) -> &MeshRepairs {
+        &self.repairs
     }
 
     /// One vertex of every body of the mesh: if none of them is inside something whose surface the mesh
@@ -57,14 +66,9 @@ impl Mesh {
         self.tree.near(region).collect()
     }
 
-    /// Whether the volume contains `point` (mesh frame), by the generalised winding number (Jacobson et
-    /// al. 2013), which needs no clean topology: bodies that touch or overlap are all full.
+    /// Whether the volume contains `point` (mesh frame): bodies that touch or overlap are all full.
     pub fn contains(&self, point: &Point) -> bool {
-        if !self.aabb.contains(point) {
-            return false;
-        }
-        let solid_angle: f64 = self.corners.iter().map(|t| signed_solid_angle(t, point)).sum();
-        solid_angle.abs() > std::f64::consts::TAU
+        self.aabb.contains(point) && EnclosedBody::any_contains(&self.bodies, &self.corners, point)
     }
 }
 
@@ -97,27 +101,15 @@ pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
 
 /// The first vertex of every set of triangles that hang together by vertices.
 fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
-    // Union by the least index, with path halving.
-    let mut body: Vec<usize> = (0..soup.vertices.len()).collect();
-    fn root(body: &mut [usize], mut vertex: usize) -> usize {
-        while body[vertex] != vertex {
-            body[vertex] = body[body[vertex]];
-            vertex = body[vertex];
-        }
-        vertex
+    let mut bodies = DisjointSets::new(soup.vertices.len());
+    for &[a, b, c] in &soup.triangles {
+        bodies.join(a, b);
+        bodies.join(b, c);
     }
-    for triangle in &soup.triangles {
-        let [a, b, c] = triangle.map(|vertex| root(&mut body, vertex as usize));
-        let least = a.min(b).min(c);
-        for vertex in [a, b, c] {
-            body[vertex] = least;
-        }
-    }
-    let used = soup.triangles.iter().flatten().map(|&vertex| vertex as usize);
-    let mut roots: Vec<usize> = used.map(|vertex| root(&mut body, vertex)).collect();
+    let mut roots: Vec<u32> = soup.triangles.iter().map(|triangle| bodies.root(triangle[0])).collect();
     roots.sort_unstable();
     roots.dedup();
-    roots.into_iter().map(|vertex| soup.vertices[vertex]).collect()
+    roots.into_iter().map(|vertex| soup.vertices[vertex as usize]).collect()
 }
 
 /// Every edge is run through as often in one direction as in the other.

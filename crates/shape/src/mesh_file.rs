@@ -1,14 +1,11 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::io::BufReader;
 use std::path::Path;
 
 use cranny_spatial::{Point, Vector};
-use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{DefaultElement, Property};
 
 use crate::error::usable;
-use crate::{ShapeError, collada};
+use crate::{ShapeError, collada, ply, stl};
 
 /// Triangles as a file gives them: no promise of a closed or connected surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,7 +18,8 @@ pub struct TriangleSoup {
 
 impl TriangleSoup {
     /// The triangles of a mesh file (OBJ, STL, DAE, PLY), its coordinates multiplied by `scale`. Equal
-    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles.
+    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles. A scale that
+    /// mirrors turns the triangles round, so that they still face outwards.
     ///
     /// # Errors
     /// [`ShapeError`] with the file's path (and line, where the format has lines) if it cannot be read, is
@@ -29,14 +27,23 @@ impl TriangleSoup {
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let corners = match extension.as_str() {
-            "obj" | "stl" => read_with_mesh_loader(path)?,
+            "obj" => read_obj(path)?,
+            "stl" => read_stl(path)?,
             "dae" => read_collada(path)?,
             "ply" => read_ply(path)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
         };
-        Self::from_corners(corners.iter().map(|corner| corner.coords.component_mul(&scale).into()))
+        let triangles = corners.len() / 3;
+        if triangles > MOST_TRIANGLES {
+            return Err(ShapeError::TooManyTriangles { triangles, most: MOST_TRIANGLES }.in_file(path));
+        }
+        let mut soup = Self::from_corners(corners.iter().map(|c| c.coords.component_mul(&scale).into()))
             .and_then(|soup| if soup.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(soup) })
-            .map_err(|fault| fault.in_file(path))
+            .map_err(|fault| fault.in_file(path))?;
+        if scale.product() < 0.0 {
+            soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        Ok(soup)
     }
 
     /// Writes the triangles as an OBJ file, in metres; what is read back is rounded to single precision.
@@ -83,11 +90,25 @@ impl TriangleSoup {
     }
 }
 
-fn read_with_mesh_loader(path: &Path) -> Result<Vec<Point>, ShapeError> {
-    let scene = mesh_loader::Loader::default()
-        .load(path)
-        .map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
-    let mut corners = Vec::new();
+/// Each takes some 500 bytes as part of a solid: 4 GB for these.
+const MOST_TRIANGLES: usize = 8_000_000;
+
+fn read_obj(path: &Path) -> Result<Vec<Point>, ShapeError> {
+    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+    let bytes = cranny_file::MESH.bytes(path).map_err(unreadable)?;
+    // Cut off, a face has fewer corners; the reader passes over what is a point or a line then.
+    for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        if words.next() == Some(b"f") && words.count() < 3 && !line.ends_with(b"\\") {
+            let message = format!("line {}: a face has fewer than three corners", index + 1);
+            return Err(unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message)));
+        }
+    }
+    // Materials do not matter.
+    let no_material = |_: &Path| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into());
+    let scene = mesh_loader::obj::from_slice(&bytes, Some(path), no_material).map_err(unreadable)?;
+    drop(bytes);
+    let mut corners = Vec::with_capacity(scene.meshes.iter().map(|mesh| 3 * mesh.faces.len()).sum());
     for mesh in &scene.meshes {
         for (triangle, face) in mesh.faces.iter().enumerate() {
             for &vertex in face {
@@ -101,52 +122,20 @@ fn read_with_mesh_loader(path: &Path) -> Result<Vec<Point>, ShapeError> {
     Ok(corners)
 }
 
+fn read_stl(path: &Path) -> Result<Vec<Point>, ShapeError> {
+    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+    stl::corners(&cranny_file::MESH.bytes(path).map_err(unreadable)?).map_err(unreadable)
+}
+
 fn read_collada(path: &Path) -> Result<Vec<Point>, ShapeError> {
     let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let text = cranny_file::MESH.text(path).map_err(unreadable)?;
     let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
     collada::corners(&text).map_err(broken)
 }
 
 fn read_ply(path: &Path) -> Result<Vec<Point>, ShapeError> {
-    let broken = |message: String| ShapeError::Read {
-        path: path.to_owned(),
-        source: std::io::Error::new(std::io::ErrorKind::InvalidData, message),
-    };
-    let file =
-        std::fs::File::open(path).map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
-    let ply = Parser::<DefaultElement>::new()
-        .read_ply(&mut BufReader::new(file))
-        .map_err(|fault| broken(fault.to_string()))?;
-
-    let vertices: Vec<Point> = ply
-        .payload
-        .get("vertex")
-        .ok_or_else(|| broken("the file has no element 'vertex'".into()))?
-        .iter()
-        .map(|vertex| {
-            let coordinate = |name: &str| match vertex.get(name) {
-                Some(Property::Float(x)) => Ok(f64::from(*x)),
-                Some(Property::Double(x)) => Ok(*x),
-                _ => Err(broken(format!("a vertex has no floating-point property '{name}'"))),
-            };
-            Ok(Point::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
-        })
-        .collect::<Result<_, ShapeError>>()?;
-
-    let mut corners = Vec::new();
-    for (triangle, face) in ply.payload.get("face").into_iter().flatten().enumerate() {
-        let polygon = ["vertex_indices", "vertex_index"]
-            .iter()
-            .find_map(|name| face.get(*name).and_then(Property::to_u32_list))
-            .ok_or_else(|| broken("a face has no list 'vertex_indices'".into()))?;
-        for i in 2..polygon.len() {
-            for vertex in [polygon[0], polygon[i - 1], polygon[i]] {
-                corners.push(*vertices.get(vertex as usize).ok_or_else(|| {
-                    ShapeError::VertexIndex { triangle, vertex, vertices: vertices.len() }.in_file(path)
-                })?);
-            }
-        }
-    }
-    Ok(corners)
+    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+    let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
+    ply::corners(&cranny_file::MESH.bytes(path).map_err(unreadable)?).map_err(broken)
 }

@@ -43,6 +43,7 @@ impl PaintedMesh {
             return Err(ShapeError::Format { path: path.to_owned(), extension: extension.to_lowercase() });
         }
         let read = mesh_loader::Loader::default()
+            .custom_reader(|path| cranny_file::MESH.bytes(path))
             .load(path)
             .map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
         let materials = read.materials.iter().map(Some).chain(std::iter::repeat(None));

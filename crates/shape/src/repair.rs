@@ -2,8 +2,10 @@ use std::collections::HashMap;
 
 use cranny_spatial::Point;
 
-use crate::mesh::{check_indices, signed_solid_angle};
+use crate::enclosure::winds_around;
+use crate::mesh::check_indices;
 use crate::self_crossing::shallow_crossings;
+use crate::shell::shells;
 use crate::{ShapeError, TriangleSoup};
 
 /// A mesh that encloses a volume, and what was done to make it so.
@@ -57,12 +59,49 @@ impl RepairedMesh {
     }
 }
 
+/// What was done to the triangles of a mesh so that its inside is well defined.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MeshRepairs {
+    /// How many triangles there were.
+    pub triangles: usize,
+    /// Vertices that were taken for one with another at the same place.
+    pub merged_vertices: usize,
+    /// Triangles that were turned to face outwards.
+    pub flipped_triangles: usize,
+    /// Triangles that were left out because they stood there twice.
+    pub doubled_triangles: usize,
+}
+
+impl MeshRepairs {
+    /// Whether anything had to be done.
+    pub fn is_any(&self) -> bool {
+        self.merged_vertices + self.flipped_triangles + self.doubled_triangles > 0
+    }
+}
+
+impl std::fmt::Display for MeshRepairs {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let triangles = self.triangles;
+        let done = [
+            (self.flipped_triangles, format!("of {triangles} triangles turned to face outwards")),
+            (self.doubled_triangles, format!("of {triangles} triangles left out that stand there twice")),
+            (self.merged_vertices, "vertices joined with others less than 1 µm away".to_owned()),
+        ];
+        let said: Vec<String> = done
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        write!(f, "its mesh was repaired: {}", said.join(", "))
+    }
+}
+
 /// Vertices closer than this are one, in metres: well below the noise of any export, above the rounding of
 /// single precision at a metre.
 pub const SAME_PLACE_M: f64 = 1e-6;
 
 /// The vertices without those that have one before them at the same place, and the new index of each.
-fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
+pub(crate) fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
     let mut kept: Vec<Point> = Vec::new();
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     // Coordinates are at most 1000 m, so a cell number stays far below the limits of i64.
@@ -87,100 +126,23 @@ fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
 
 /// Turns the triangles outwards; returns how many were turned.
 fn orient(soup: &mut TriangleSoup) -> Result<usize, ShapeError> {
-    let edges = edges_of(soup);
-    let odd = edges.values().filter(|triangles| triangles.len() % 2 == 1).count();
-    if odd > 0 {
-        return Err(ShapeError::Open { edges: odd });
+    let (bodies, _) = shells(soup)?;
+    let shared: usize = bodies.iter().filter(|body| !body.is_alone).map(|body| body.facets.len()).sum();
+    if shared > 0 {
+        return Err(ShapeError::OneSided { faces: shared });
     }
-    // Where more than two triangles share an edge it does not say which of them go together: such an edge is
-    // not followed, only judged at the end.
-    let neighbours = |triangle: usize, soup: &TriangleSoup| {
-        directed_edges(soup.triangles[triangle]).map(|edge| match edges[&sorted(edge)].as_slice() {
-            [a, b] => Some((if *a == triangle { *b } else { *a }, edge)),
-            _ => None,
-        })
-    };
-    let mut body = vec![usize::MAX; soup.triangles.len()];
-    let mut bodies: Vec<Vec<usize>> = Vec::new();
-    let mut turned = vec![false; soup.triangles.len()];
-    for seed in 0..soup.triangles.len() {
-        if body[seed] != usize::MAX {
-            continue;
-        }
-        let mut members = vec![seed];
-        body[seed] = bodies.len();
-        let mut next = 0;
-        while let Some(&triangle) = members.get(next) {
-            next += 1;
-            for (other, edge) in neighbours(triangle, soup).into_iter().flatten() {
-                if body[other] != usize::MAX {
-                    continue;
-                }
-                body[other] = bodies.len();
-                members.push(other);
-                if directed_edges(soup.triangles[other]).contains(&edge) {
-                    soup.triangles[other].swap(1, 2);
-                    turned[other] = true;
-                }
-            }
-        }
-        bodies.push(members);
-    }
-    for members in &bodies {
-        let witness = soup.corners(members[0])[0];
-        let around = bodies.iter().filter(|others| {
-            body[others[0]] != body[members[0]]
-                && solid_angle(soup, others, &witness).abs() > std::f64::consts::TAU
+    let mut turned = Vec::new();
+    for (index, body) in bodies.iter().enumerate() {
+        let witness = soup.corners(body.facets[0].triangle as usize)[0];
+        let around = bodies.iter().enumerate().filter(|(other, shell)| {
+            *other != index
+                && winds_around(&shell.facets, |triangle| soup.corners(triangle as usize), &witness)
         });
         let is_cavity = around.count() % 2 == 1;
-        let volume: f64 = members.iter().map(|&t| signed_volume(soup, t, &witness)).sum();
-        if (volume < 0.0) != is_cavity {
-            for &triangle in members {
-                soup.triangles[triangle].swap(1, 2);
-                turned[triangle] = !turned[triangle];
-            }
-        }
+        turned.extend(body.facets.iter().filter(|facet| facet.is_inward != is_cavity).map(|f| f.triangle));
     }
-    let contradicting = unbalanced_edges(soup);
-    if contradicting > 0 {
-        return Err(ShapeError::OneSided { edges: contradicting });
+    for &triangle in &turned {
+        soup.triangles[triangle as usize].swap(1, 2);
     }
-    Ok(turned.iter().filter(|turned| **turned).count())
-}
-
-fn signed_volume(soup: &TriangleSoup, triangle: usize, eye: &Point) -> f64 {
-    let [a, b, c] = soup.corners(triangle).map(|corner| corner - eye);
-    a.dot(&b.cross(&c)) / 6.0
-}
-
-fn solid_angle(soup: &TriangleSoup, triangles: &[usize], eye: &Point) -> f64 {
-    triangles.iter().map(|&t| signed_solid_angle(&soup.corners(t), eye)).sum()
-}
-
-fn directed_edges([a, b, c]: [u32; 3]) -> [(u32, u32); 3] {
-    [(a, b), (b, c), (c, a)]
-}
-
-fn sorted((a, b): (u32, u32)) -> (u32, u32) {
-    (a.min(b), a.max(b))
-}
-
-/// The triangles at each edge.
-fn edges_of(soup: &TriangleSoup) -> HashMap<(u32, u32), Vec<usize>> {
-    let mut edges: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
-    for (index, triangle) in soup.triangles.iter().enumerate() {
-        for edge in directed_edges(*triangle) {
-            edges.entry(sorted(edge)).or_default().push(index);
-        }
-    }
-    edges
-}
-
-/// How many edges are run through more often in one direction than in the other.
-fn unbalanced_edges(soup: &TriangleSoup) -> usize {
-    let mut balance: HashMap<(u32, u32), i64> = HashMap::new();
-    for edge in soup.triangles.iter().flat_map(|t| directed_edges(*t)) {
-        *balance.entry(sorted(edge)).or_default() += if edge.0 < edge.1 { 1 } else { -1 };
-    }
-    balance.values().filter(|sum| **sum != 0).count()
+    Ok(turned.len())
 }

@@ -38,7 +38,7 @@ pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError
 
 /// Folds no deeper than this share of the mesh's greatest extent are noise of a scan, if they are few: the
 /// scan of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
-const SHALLOW_SHARE: f64 = 0.01;
+pub(crate) const SHALLOW_SHARE: f64 = 0.01;
 
 /// One shallow crossing for so many triangles is noise; more are two bodies in one mesh.
 const SHALLOW_TRIANGLES: usize = 100;

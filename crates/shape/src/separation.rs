@@ -1,19 +1,19 @@
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::query::details::contact_support_map_support_map;
-use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
 use parry3d_f64::shape::SupportMap;
 
 use crate::convex::Convex;
+use crate::gjk::core_distance;
 use crate::mesh::Mesh;
 use crate::solid::Kind;
 use crate::{Aabb, Solid, parry};
 
 /// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
 ///
-/// The lower bound is certified by a plane between the two bodies, so it holds whatever the iteration that
-/// found the plane did. Unless the search stopped early the two agree to better than what counts as contact:
-/// to about 10⁻⁸ m between flat faces, to a few 10⁻⁶ m where a curved face makes the iteration stall.
+/// The lower bound is certified by a plane between the two bodies, the upper one by a point of each, so both hold
+/// whatever the iteration that found them did. Unless the search stopped early they agree to better than 10⁻⁷ m
+/// (`both_bounds_meet_where_contact_is_decided`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
     /// Never above the true distance, in metres; 0 in contact.
@@ -127,26 +127,8 @@ fn below_plane(solid: &Solid, common_from_plane: &Pose, common_from_solid: &Pose
 
 fn convex_separation(a: &Convex, b: &Convex, a_from_b: &ParryPose, beyond_m: f64) -> Separation {
     let radii = a.radius_m + b.radius_m;
-    let towards_b = (-a_from_b.translation).try_normalize().unwrap_or(ParryVector::X);
-    let mut simplex = VoronoiSimplex::new();
-    simplex.reset(CsoPoint::from_shapes(a_from_b, &a.core, &b.core, towards_b));
-    let (direction, upper) =
-        match closest_points(a_from_b, &a.core, &b.core, beyond_m + radii, true, &mut simplex) {
-            GJKResult::ClosestPoints(on_a, on_b, direction) => {
-                let gap = on_b - on_a;
-                (gap.try_normalize().unwrap_or(direction), gap.length())
-            }
-            GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => {
-                (direction, f64::INFINITY)
-            }
-            GJKResult::Intersection => return Separation::CONTACT,
-        };
-    // The certificate: what lies between the two bodies along `direction`.
-    let far_on_a = a.core.local_support_point(direction);
-    let back = a_from_b.rotation.inverse() * -direction;
-    let near_on_b = a_from_b.rotation * b.core.local_support_point(back) + a_from_b.translation;
-    let lower = direction.dot(near_on_b) - direction.dot(far_on_a);
-    Separation { lower_m: (lower - radii).max(0.0), upper_m: (upper - radii).max(0.0) }
+    let found = core_distance(&a.core, &b.core, a_from_b, beyond_m + radii);
+    Separation { lower_m: (found.lower_m - radii).max(0.0), upper_m: (found.upper_m - radii).max(0.0) }
 }
 
 fn mesh_convex_separation(
@@ -212,9 +194,18 @@ fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> S
 fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &Pose) -> Option<Overlap> {
     let radii = a.radius_m + b.radius_m;
     let relative = parry::pose(&common_from_a.inv_mul(common_from_b));
+    // What lies apart has no depth, whatever the search for the deepest point would say of it.
+    if core_distance(&a.core, &b.core, &relative, f64::MAX).lower_m > radii {
+        return None;
+    }
     let contact = contact_support_map_support_map(&relative, &a.core, &b.core, radii)?;
-    let depth_m = radii - contact.dist;
-    let normal = parry::to_vector(contact.normal1);
+    // The depth along the normal that was found, read off both bodies: moved so far, they are apart.
+    let direction = contact.normal1;
+    let far_on_a = a.core.local_support_point(direction);
+    let near_on_b = relative.rotation * b.core.local_support_point(relative.rotation.inverse() * -direction)
+        + relative.translation;
+    let depth_m = radii + direction.dot(far_on_a - near_on_b);
+    let normal = parry::to_vector(direction);
     let on_a = parry::to_vector(contact.point1) + normal * a.radius_m;
     let middle: Vector = on_a - normal * (0.5 * depth_m);
     (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_a * Point::from(middle) })

@@ -2,12 +2,11 @@ use std::sync::Arc;
 
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::shape::SupportMap;
-use parry3d_f64::transformation::try_convex_hull;
 
 use crate::convex::{Convex, Core, HullPoints};
-use crate::error::{positive, usable};
+use crate::error::positive;
 use crate::mesh::Mesh;
-use crate::{Aabb, Ball, Bounds, ShapeError, TriangleSoup, parry};
+use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A full body in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -93,47 +92,23 @@ impl Solid {
         Ok(Self::convex(Convex::sharp(Core::Cylinder { half_length, radius })))
     }
 
-    /// The convex hull of `points`.
+    /// The volume that a closed triangle mesh encloses: whatever its surface seals off from the space around it,
+    /// however its faces are turned, doubled or divided among bodies that touch and overlap. What had to be
+    /// mended for that is in [`Self::mesh_repairs`]; a mesh that needs nothing keeps its triangles as they are.
+    ///
+    /// A body within another is a cavity only if all its faces look inwards, those of the other outwards, and
+    /// the two do not touch; else it is full.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`] or [`ShapeError::FlatHull`].
-    pub fn hull(points: &[Point]) -> Result<Self, ShapeError> {
-        for (vertex, p) in points.iter().enumerate() {
-            usable(vertex, p)?;
-        }
-        let flat = ShapeError::FlatHull { points: points.len() };
-        let given: Vec<_> = points.iter().map(parry::point).collect();
-        let Ok((hull, faces)) = try_convex_hull(&given) else { return Err(flat) };
-        let volume: f64 = faces
-            .iter()
-            .map(|f| f.map(|v| hull[v as usize] - hull[0]))
-            .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
-            .sum();
-        /// A cube of 10 µm: what is smaller is a plane with rounding errors.
-        const LEAST_VOLUME_M3: f64 = 1e-15;
-        if volume.is_nan() || volume.abs() < LEAST_VOLUME_M3 {
-            return Err(flat);
-        }
-        // The library may merge nearly equal points; to contain all of them the hull keeps every given
-        // point that its facets leave outside.
-        let mut kept = hull.clone();
-        kept.extend(given.iter().filter(|&&p| {
-            faces.iter().any(|f| {
-                let [a, b, c] = f.map(|v| hull[v as usize]);
-                let normal = (b - a).cross(c - a);
-                normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
-            })
-        }));
-        Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
-    }
-
-    /// The volume that a closed triangle mesh encloses.
-    ///
-    /// # Errors
-    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], or [`ShapeError::Open`] for a mesh with a hole.
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole, or
+    /// [`ShapeError::OneSided`] for one with faces that part nothing from nothing, or
+    /// [`ShapeError::WoundBackwards`] for a body that is twisted through itself.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         let mesh = Mesh::new(soup)?;
-        let bounds = Bounds::around(&mesh.vertices().map(|v| (*v, 0.0)).collect::<Vec<_>>());
+        let mut is_used = vec![false; soup.vertices.len()];
+        soup.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
+        let used = soup.vertices.iter().zip(is_used).filter(|(_, is_used)| *is_used);
+        let bounds = Bounds::around(&used.map(|(vertex, _)| (*vertex, 0.0)).collect::<Vec<_>>());
         Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
     }
 
@@ -236,11 +211,19 @@ impl Solid {
         }
     }
 
+    /// What was done to the triangles of a mesh; `None` for what is no mesh, or needed nothing.
+    pub fn mesh_repairs(&self) -> Option<&MeshRepairs> {
+        match &self.kind {
+            Kind::Mesh(mesh) => Some(mesh.repairs()).filter(|repairs| repairs.is_any()),
+            _ => None,
+        }
+    }
+
     pub(crate) fn kind(&self) -> &Kind {
         &self.kind
     }
 
-    fn convex(convex: Convex) -> Self {
+    pub(crate) fn convex(convex: Convex) -> Self {
         let points: Vec<(Point, f64)> =
             convex.bounding_points().into_iter().map(|point| (point, convex.radius_m)).collect();
         let mut bounds = Bounds::around(&points);

@@ -111,7 +111,7 @@ impl Surface {
 
 /// Whether two triangles share a point, by separating axes: the two normals, the nine products of edges,
 /// and the six in-plane edge normals that decide the coplanar case (Ericson 2005, §5.2).
-fn triangles_meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
+pub(crate) fn triangles_meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
     let edges = |t: &[Point; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
     let separates = |axis: &Vector| {
         let reach = |t: &[Point; 3]| {

@@ -137,3 +137,149 @@ fn bad_files_are_named() {
     let missing = TriangleSoup::load(std::path::Path::new("nowhere.obj"), Vector::repeat(1.0)).unwrap_err();
     assert!(missing.to_string().contains("nowhere.obj"));
 }
+
+/// What a reader says of bytes that are no sound file.
+fn fault_of_bytes(name: &str, bytes: &[u8]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let fault = TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap_err().to_string();
+    assert!(fault.contains(name), "{fault}");
+    fault
+}
+
+fn binary_stl(soup: &TriangleSoup, count: u32) -> Vec<u8> {
+    let mut bytes = [b"solid of bytes".to_vec(), vec![0; 66], count.to_le_bytes().to_vec()].concat();
+    for triangle in 0..soup.triangles.len() {
+        bytes.extend([0; 12]);
+        for corner in soup.corners(triangle) {
+            // Small whole numbers.
+            #[allow(clippy::cast_possible_truncation)]
+            bytes.extend(corner.iter().flat_map(|x| (*x as f32).to_le_bytes()));
+        }
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn tetrahedron() -> TriangleSoup {
+    let (_folder, path) = write("tetrahedron.obj", TETRAHEDRON_OBJ);
+    TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap()
+}
+
+#[test]
+fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
+    let whole = binary_stl(&tetrahedron(), 4);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("whole.stl");
+    std::fs::write(&path, &whole).unwrap();
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+    // Some programs end it like a text.
+    std::fs::write(&path, [whole.as_slice(), b"\n"].concat()).unwrap();
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+
+    for cut in [1, 50, 100, 201, 270] {
+        let fault = fault_of_bytes("cut.stl", &whole[..whole.len() - cut]);
+        assert!(fault.contains("cut off"), "{cut}: {fault}");
+    }
+    for count in [0, 3, 5, u32::MAX] {
+        let fault = fault_of_bytes("lie.stl", &binary_stl(&tetrahedron(), count));
+        assert!(fault.contains(&format!("of {count} triangles")), "{fault}");
+    }
+}
+
+#[test]
+fn a_text_stl_that_is_cut_off_is_refused() {
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    let text = format!("solid s\n{facet}{facet}endsolid s\n");
+    let whole = text.find("endsolid").unwrap();
+    for end in 6..whole {
+        let fault = fault("cut.stl", &text[..end]);
+        assert!(fault.contains("no 'endsolid'"), "{fault}");
+    }
+}
+
+const PLY_HEADER: &str = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+                          element face 4\nproperty list uchar int vertex_indices\nend_header\n";
+
+fn binary_ply(big_endian: bool) -> Vec<u8> {
+    let form = if big_endian { "binary_big_endian" } else { "binary_little_endian" };
+    let mut bytes = format!("ply\nformat {form} 1.0\ncomment of a test\n{PLY_HEADER}").into_bytes();
+    for vertex in [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+        bytes.extend(vertex.iter().flat_map(|x| if big_endian { x.to_be_bytes() } else { x.to_le_bytes() }));
+        bytes.push(255);
+    }
+    for face in [[0_u32, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
+        bytes.push(3);
+        bytes.extend(face.iter().flat_map(|i| if big_endian { i.to_be_bytes() } else { i.to_le_bytes() }));
+    }
+    bytes
+}
+
+#[test]
+fn a_ply_is_read_in_all_its_forms() {
+    for big_endian in [false, true] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bytes.ply");
+        std::fs::write(&path, binary_ply(big_endian)).unwrap();
+        assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+    }
+}
+
+#[test]
+fn a_ply_that_counts_more_than_it_holds_is_refused_at_once() {
+    let whole = binary_ply(false);
+    for cut in 1..150 {
+        let fault = fault_of_bytes("cut.ply", &whole[..whole.len() - cut]);
+        assert!(fault.contains("cut off") || fault.contains("ends before"), "{cut}: {fault}");
+    }
+    let text = |elements: &str| {
+        fault("bad.ply", &format!("ply\nformat binary_little_endian 1.0\n{elements}end_header\n"))
+    };
+    // Made 10^18 empty things before.
+    let fault = text("element nothing 1000000000000000000\n");
+    assert!(fault.contains("line 3") && fault.contains("have no properties"), "{fault}");
+    let fault = text("element vertex 1000000000000000000\nproperty float x\n");
+    assert!(fault.contains("only 0 bytes are left"), "{fault}");
+    let fault = text("element face 18446744073709551615\nproperty list uchar int vertex_indices\n");
+    assert!(fault.contains("only 0 bytes are left"), "{fault}");
+    assert!(text("element vertex -1\n").contains("'-1' is no count"));
+    assert!(text("element vertex 0\nproperty tensor x\n").contains("line 4"));
+    assert!(text("property float x\n").contains("line 3"));
+    let ascii = |body: &str| {
+        fault_of_bytes("bad.ply", format!("ply\nformat ascii 1.0\n{PLY_HEADER}{body}").as_bytes())
+    };
+    let vertices = "0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n";
+    assert!(ascii(&format!("{vertices}3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2\n")).contains("ends before"));
+    assert!(ascii(&format!("{vertices}3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 4\n")).contains("only 4"));
+    assert!(ascii(&format!("{vertices}3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 -3\n")).contains("-3 is no index"));
+    assert!(
+        ascii(&format!("{}3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n", vertices.replacen('1', "nan", 2))).len()
+            > 10
+    );
+    let faces = "3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n";
+    let fault = ascii(&format!("{}{faces}", vertices.replacen("1 0", "one 0", 1)));
+    assert!(fault.contains("line 12: 'one' is no number"), "{fault}");
+}
+
+#[test]
+fn other_counts_that_lie_are_refused() {
+    let faces = FACES.replace("count='4'", "count='5'");
+    assert!(fault("lie.dae", &collada(&faces, NODE)).contains("5 polygons are announced, but there are 4"));
+    let cut = &TETRAHEDRON_OBJ[..TETRAHEDRON_OBJ.len() - 3];
+    assert!(fault("cut.obj", cut).contains("line 8: a face has fewer than three corners"));
+    for index in ["99999999999", "-9", "0", "4294967295"] {
+        assert!(
+            fault("index.obj", &TETRAHEDRON_OBJ.replace("f 3 1 4", &format!("f 3 1 {index}"))).len() > 10
+        );
+    }
+}
+
+#[test]
+fn a_mesh_that_a_scale_mirrors_still_faces_outwards() {
+    let (_folder, path) = write("tetrahedron.obj", TETRAHEDRON_OBJ);
+    let mirrored = TriangleSoup::load(&path, Vector::new(1.0, -2.0, 1.0)).unwrap();
+    assert!(mirrored.signed_volume_m3() > 0.3);
+    assert_eq!(Solid::mesh(&mirrored).unwrap().mesh_repairs(), None);
+}

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use cranny_shape::{
     AreaDistribution, ConvexParts, DecompositionSettings, Loft, RepairedMesh, ShapeError, Solid, Surface,
-    TriangleSoup, VolumeMoments, separation, stable_poses,
+    TriangleSoup, VolumeMoments, distinct_poses, separation, stable_poses,
 };
 use cranny_spatial::{Point, Pose, Stream, Vector, sin_cos};
 use proptest::prelude::*;
@@ -91,6 +91,7 @@ fn what_cannot_be_repaired_is_refused_with_its_reason() {
     let crossing = together(&cuboid(0.1, 0.1, 0.1), &moved(&cuboid(0.1, 0.1, 0.1), &shift(0.03, 0.04, 0.05)));
     let fault = RepairedMesh::of(&crossing).unwrap_err();
     assert!(matches!(fault, ShapeError::SelfCrossing { .. }), "{fault}");
+    assert!(fault.to_string().contains("trimesh.boolean.union"), "{fault}");
 
     // Apart from each other the same two boxes are sound.
     let apart = together(&cuboid(0.1, 0.1, 0.1), &moved(&cuboid(0.1, 0.1, 0.1), &shift(0.3, 0.04, 0.05)));
@@ -204,6 +205,61 @@ fn a_leaning_prism_topples_from_the_faces_that_do_not_hold_it() {
     assert!((poses.iter().map(|pose| pose.probability).sum::<f64>() - 1.0).abs() < 1e-12);
     let down = |pose: &Pose| pose.rotation.inverse() * -Vector::z();
     assert!(poses.iter().all(|pose| down(&pose.ground_from_body).z.abs() < 0.9));
+}
+
+/// A body of regular polygons around z, by heights and radii.
+fn lathed(sides: u32, profile: &[(f64, f64)]) -> TriangleSoup {
+    let ring = |&(z, radius): &(f64, f64)| {
+        let corner = |side: u32| {
+            let (sine, cosine) = sin_cos(TAU * f64::from(side) / f64::from(sides));
+            Point::new(radius * cosine, radius * sine, z)
+        };
+        (0..sides).map(corner).collect()
+    };
+    Loft::new(profile.iter().map(ring).collect()).unwrap().mesh().unwrap()
+}
+
+/// The probabilities of the distinct poses of a mesh, and how many poses there were before.
+fn distinct(mesh: &TriangleSoup) -> (Vec<f64>, usize) {
+    let center = VolumeMoments::of_mesh(mesh).unwrap().center;
+    let poses = stable_poses(&mesh.vertices, &center).unwrap();
+    let found = distinct_poses(&poses, mesh).unwrap();
+    assert!((found.iter().map(|pose| pose.probability).sum::<f64>() - 1.0).abs() < 1e-12);
+    (found.iter().map(|pose| pose.probability).collect(), poses.len())
+}
+
+#[test]
+fn a_round_bottle_lies_in_one_way_and_not_in_one_for_each_side() {
+    let bottle = lathed(48, &[(0.0, 0.03), (0.15, 0.03), (0.18, 0.012), (0.22, 0.012)]);
+    let (found, before) = distinct(&bottle);
+    assert!(before >= 49, "{before}");
+    assert!((2..=3).contains(&found.len()), "{found:?}");
+    // Turned and moved, its vertices are the same no longer to the last bit.
+    let tilted = moved(&bottle, &Pose::new(Vector::new(0.3, -0.2, 0.1), Vector::new(0.5, 0.4, -0.9)));
+    assert_eq!(distinct(&tilted).0.len(), found.len());
+    // The two ends of a prism are one, and its five sides.
+    let (found, before) = distinct(&lathed(5, &[(0.0, 0.03), (0.05, 0.03)]));
+    assert_eq!((found.len(), before), (2, 7));
+}
+
+#[test]
+fn poses_that_look_different_stay_apart() {
+    // Opposite sides of a cuboid are equal by a half turn.
+    let (found, before) = distinct(&cuboid(0.038, 0.089, 0.175));
+    assert_eq!((found.len(), before), (3, 6));
+    let both_sides = 2.0 * share_of_rectangle(0.089, 0.175, 0.038);
+    assert!((found[0] - both_sides).abs() < 1e-12, "{found:?}");
+    // A peg on one side of it leaves no symmetry but that of the peg's side: standing on it or on the opposite
+    // side is different, and so are left and right of it where the peg is not in the middle.
+    let peg = moved(&cuboid(0.01, 0.01, 0.02), &shift(0.012, 0.031, 0.097));
+    let (found, before) = distinct(&together(&cuboid(0.038, 0.089, 0.175), &peg));
+    assert_eq!(found.len(), before, "{found:?}");
+    // A mirror image is not a turn: the two ways to lie of a body that has no other symmetry than a mirror.
+    let points =
+        [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.03, 0.05, 0.02], [0.03, -0.05, 0.02], [0.05, 0.0, 0.09]];
+    let mirrored = TriangleSoup::convex_hull(&points.map(Point::from)).unwrap();
+    let (found, before) = distinct(&mirrored);
+    assert_eq!(found.len(), before, "{found:?}");
 }
 
 #[test]

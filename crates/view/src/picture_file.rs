@@ -1,6 +1,7 @@
 use std::io::BufWriter;
 use std::path::Path;
 
+use cranny_scenario::{ScenarioError, write_whole_file};
 use rayon::prelude::*;
 
 use crate::{Picture, PictureSettings, Scene, StandardView, ViewError};
@@ -133,18 +134,10 @@ fn encoding(path: &Path, reason: &dyn std::fmt::Display) -> ViewError {
     ViewError::Encoding { path: path.to_owned(), reason: reason.to_string() }
 }
 
-/// Writes beside the file and then puts it in its place.
+/// Writes a file as a whole or not at all.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ViewError> {
-    let unwritable = |reason| ViewError::Unwritable { path: path.to_owned(), reason };
-    if path.is_dir() {
-        return Err(unwritable(std::io::ErrorKind::IsADirectory.into()));
-    }
-    let mut beside = path.file_name().unwrap_or_default().to_owned();
-    beside.push(".part");
-    let beside = path.with_file_name(beside);
-    std::fs::write(&beside, bytes).map_err(unwritable)?;
-    std::fs::rename(&beside, path).map_err(|reason| {
-        let _ = std::fs::remove_file(&beside);
-        unwritable(reason)
+    write_whole_file(path, bytes).map_err(|fault| match fault {
+        ScenarioError::Unwritable { path, reason } => ViewError::Unwritable { path, reason },
+        other => other.into(),
     })
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use cranny_grasp::check_csv;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
-    MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, read_gripper,
-    read_waypoints, unpack,
+    Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
+    read_gripper, read_waypoints, unpack,
 };
 use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
@@ -28,7 +28,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All of them.
-pub const FILE_READERS: [FileReader; 19] = [
+pub const FILE_READERS: [FileReader; 20] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
@@ -65,7 +65,30 @@ pub const FILE_READERS: [FileReader; 19] = [
     reader("object", "object/object.yaml", |folder| {
         let _ = ObjectType::read_folder(&folder.join("object"));
     }),
+    reader("folder", "folder.txt", read_folder),
 ];
+
+/// A whole folder: each of its files begins with a line `=== name`.
+fn read_folder(folder: &Path) {
+    let listed = fs::read(folder.join("folder.txt")).unwrap_or_default();
+    let listed = String::from_utf8_lossy(&listed);
+    let whole = folder.join("whole");
+    for (name, content) in listed.split("=== ").filter_map(|file| file.split_once('\n')) {
+        let is_plain = |part: &str| {
+            !part.is_empty() && part.len() < 50 && part != ".." && part.chars().all(|c| c.is_ascii_graphic())
+        };
+        let path = whole.join(name);
+        if name.split('/').all(is_plain)
+            && path.starts_with(&whole)
+            && fs::create_dir_all(path.parent().unwrap_or(&whole)).is_ok()
+        {
+            let _ = fs::write(path, content);
+        }
+    }
+    let _ = check_folder(&whole);
+    let _ = pack(&whole, &folder.join("whole.zip"), &Credits::default());
+    let _ = fs::remove_dir_all(&whole);
+}
 
 fn read_robot(folder: &Path) {
     let srdf = Some(TextSource::Path(folder.join("robot/arm.srdf")));

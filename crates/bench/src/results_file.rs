@@ -1,0 +1,212 @@
+//! The file of results as a database: what it must be before anything in it is believed.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+use std::time::Duration;
+
+use rusqlite::config::DbConfig;
+use rusqlite::limits::Limit;
+use rusqlite::{Connection, ErrorCode, OpenFlags};
+use tempfile::TempDir;
+
+use crate::BenchError;
+
+/// "CRNY": what tells the results from other databases.
+const APPLICATION: i64 = 0x4352_4e59;
+
+/// The version of the tables.
+const VERSION: i64 = 1;
+
+const TABLES: &str = "
+CREATE TABLE runs (
+    id INTEGER PRIMARY KEY,
+    identity TEXT NOT NULL UNIQUE DEFAULT (lower(hex(randomblob(16)))),
+    machine TEXT NOT NULL,
+    processor TEXT NOT NULL,
+    cpu_features TEXT NOT NULL,
+    cores INTEGER NOT NULL,
+    version TEXT NOT NULL,
+    commit_hash TEXT,
+    command TEXT NOT NULL,
+    workers INTEGER NOT NULL,
+    began TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%SZ', 'now')),
+    ended TEXT
+);
+CREATE TABLE scenarios (
+    scenario TEXT NOT NULL,
+    scenario_hash TEXT NOT NULL,
+    source TEXT NOT NULL,
+    goals INTEGER,
+    PRIMARY KEY (scenario, scenario_hash)
+);
+CREATE TABLE planners (
+    planner TEXT NOT NULL,
+    settings TEXT NOT NULL,
+    source TEXT NOT NULL,
+    PRIMARY KEY (planner, settings)
+);
+CREATE TABLE trials (
+    id INTEGER PRIMARY KEY,
+    run INTEGER NOT NULL REFERENCES runs (id),
+    scenario TEXT NOT NULL,
+    scenario_hash TEXT NOT NULL,
+    planner TEXT NOT NULL,
+    settings TEXT NOT NULL,
+    criterion TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    time_limit_s REAL NOT NULL,
+    iteration_limit INTEGER,
+    goal INTEGER,
+    outcome TEXT NOT NULL,
+    detail TEXT,
+    iterations INTEGER NOT NULL,
+    nodes INTEGER NOT NULL,
+    collision_checks INTEGER NOT NULL,
+    ik_attempts INTEGER NOT NULL,
+    goals_tried INTEGER NOT NULL,
+    planning_time_s REAL NOT NULL,
+    ik_time_s REAL NOT NULL,
+    collision_time_s REAL NOT NULL,
+    proof_time_s REAL NOT NULL,
+    nearest_time_s REAL NOT NULL,
+    path_length REAL,
+    clearance_m REAL,
+    grasp INTEGER,
+    grasp_score REAL,
+    also_solved INTEGER,
+    path BLOB
+);
+CREATE UNIQUE INDEX trial_identity ON trials (
+    scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s,
+    COALESCE(iteration_limit, -1), COALESCE(goal, -1)
+);";
+
+/// How long one program waits until another has written.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// No text and no path of a trial is longer, in bytes: four times what a program may print.
+const MOST_VALUE_BYTES: i32 = 256 << 20;
+
+/// Makes the file, unless there is one, as a whole or not at all: a disk that is full leaves none behind. An empty
+/// file is filled.
+pub fn begin(path: &Path) -> Result<(), BenchError> {
+    let write = |place: &Path| {
+        let written = Connection::open(place).and_then(|mut connection| write_tables(&mut connection));
+        written.map_err(|reason| fault(path, reason))
+    };
+    if let Ok(found) = fs::metadata(path) {
+        return if found.is_file() && found.len() == 0 { write(path) } else { Ok(()) };
+    }
+    let beside = folder_beside(path)?;
+    let partial = beside.path().join("results.db");
+    write(&partial)?;
+    match settle(&partial, path) {
+        // Another program was quicker, and its file is as good.
+        Err(BenchError::Unwritable { reason, .. }) if reason.kind() == ErrorKind::AlreadyExists => Ok(()),
+        settled => settled,
+    }
+}
+
+/// A folder beside a file in which another is made that will take its place; it goes with all that is left in it.
+pub fn folder_beside(path: &Path) -> Result<TempDir, BenchError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let made = tempfile::Builder::new().prefix(".results-").suffix(".partial").tempdir_in(folder);
+    made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
+}
+
+/// Puts a file that is whole in its place, unless there is one by now.
+pub fn settle(partial: &Path, path: &Path) -> Result<(), BenchError> {
+    let settled = match fs::hard_link(partial, path) {
+        // A file system without links; then two programs at the same instant may still disagree.
+        Err(reason) if reason.kind() != ErrorKind::AlreadyExists => fs::rename(partial, path),
+        settled => settled,
+    };
+    settled.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
+}
+
+/// Opens the file, if it is one of results: its tables are looked at before anything is asked of them, because a
+/// view in the place of a table can be made to never end, and because of damaged pages.
+pub fn open(path: &Path) -> Result<Connection, BenchError> {
+    let not_results = || BenchError::NotResults { path: path.to_owned() };
+    let fault = |reason| fault(path, reason);
+    if !path.is_file() {
+        return Err(not_results());
+    }
+    // Read and write, because a log that a killed run left behind is written back first.
+    let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(fault)?;
+    harden(&connection).map_err(fault)?;
+    let number = |name| connection.pragma_query_value(None, name, |row| row.get(0)).map_err(fault);
+    if number("application_id")? != APPLICATION {
+        return Err(not_results());
+    }
+    let actual = number("user_version")?;
+    if actual != VERSION {
+        return Err(BenchError::ResultsVersion { path: path.to_owned(), expected: VERSION, actual });
+    }
+    check_tables(path, &connection)?;
+    // A commit survives the end of the program; only the end of the machine may take the last ones with it.
+    connection.pragma_update(None, "journal_mode", "WAL").map_err(fault)?;
+    connection.pragma_update(None, "synchronous", "NORMAL").map_err(fault)?;
+    Ok(connection)
+}
+
+/// Nothing that a file brings along is run, and nothing huge is read.
+fn harden(connection: &Connection) -> rusqlite::Result<()> {
+    connection.busy_timeout(PATIENCE)?;
+    connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+    for forbidden in [
+        DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA,
+        DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER,
+        DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW,
+    ] {
+        connection.set_db_config(forbidden, false)?;
+    }
+    connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_VALUE_BYTES).map(drop)
+}
+
+/// In one transaction: results that are half begun are none.
+fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
+    let transaction = connection.transaction()?;
+    transaction.execute_batch(TABLES)?;
+    transaction.pragma_update(None, "application_id", APPLICATION)?;
+    transaction.pragma_update(None, "user_version", VERSION)?;
+    transaction.commit()
+}
+
+/// Whether the tables and their index are ours, word for word, and their pages whole. What else the file holds is
+/// never asked for anything.
+fn check_tables(path: &Path, connection: &Connection) -> Result<(), BenchError> {
+    let fault = |reason| fault(path, reason);
+    let found = definitions(connection).map_err(fault)?;
+    let own = Connection::open_in_memory().and_then(|own| own.execute_batch(TABLES).map(|()| own));
+    for (name, definition) in own.and_then(|own| definitions(&own)).map_err(fault)? {
+        if found.get(&name) != Some(&definition) {
+            return Err(BenchError::OtherTable { path: path.to_owned(), name });
+        }
+        if definition.starts_with("CREATE TABLE") {
+            let verdict = |row: &rusqlite::Row| row.get::<_, String>(0);
+            let sql = format!("PRAGMA quick_check('{name}')");
+            let problem = connection.query_row(&sql, [], verdict).map_err(fault)?;
+            if problem != "ok" {
+                return Err(BenchError::Damaged { path: path.to_owned(), problem });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every table, view, index and trigger by its name, as the SQL that makes it; those that come with a table have
+/// none.
+fn definitions(connection: &Connection) -> rusqlite::Result<BTreeMap<String, String>> {
+    let sql = "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL";
+    connection.prepare(sql)?.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()
+}
+
+fn fault(path: &Path, reason: rusqlite::Error) -> BenchError {
+    match reason.sqlite_error_code() {
+        Some(ErrorCode::NotADatabase) => BenchError::NotResults { path: path.to_owned() },
+        _ => BenchError::Database { path: path.to_owned(), reason },
+    }
+}

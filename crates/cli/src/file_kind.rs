@@ -1,0 +1,117 @@
+//! What stands in a file, told by its first bytes: the one place where a kind is recognised.
+
+/// A kind of file that a command writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// `cranny plan`.
+    Plan,
+    /// `cranny plan --rate`.
+    Trajectory,
+    /// One configuration a line, comma-separated.
+    Waypoints,
+    /// A line of 16 to 18 numbers for each grasp, mostly below a header.
+    Grasps,
+    /// A picture that does not move, or one that does.
+    Png,
+    /// A moving picture.
+    Gif,
+    /// A drawing.
+    Svg,
+    /// Binary glTF.
+    Glb,
+    /// The page of `cranny view` in one file.
+    ViewerPage,
+    /// The page of `cranny bench report`.
+    ReportPage,
+    /// The figures of a report.
+    ReportJson,
+    /// The paper's table.
+    LatexTable,
+    /// The same.
+    MarkdownTable,
+    /// The same.
+    CsvTable,
+    /// The benchmark log of OMPL.
+    OmplLog,
+    /// A scenario in one file.
+    Archive,
+}
+
+impl FileKind {
+    /// So many bytes of a file tell its kind.
+    pub const HEAD_BYTES: u64 = 4096;
+
+    /// What a message calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plan => "plan file",
+            Self::Trajectory => "trajectory",
+            Self::Waypoints => "file of way points",
+            Self::Grasps => "file of grasps",
+            Self::Png => "PNG picture",
+            Self::Gif => "GIF picture",
+            Self::Svg => "SVG drawing",
+            Self::Glb => "binary glTF",
+            Self::ViewerPage => "page of Cranny's viewer",
+            Self::ReportPage => "page of a benchmark report",
+            Self::ReportJson => "benchmark report in JSON",
+            Self::LatexTable => "LaTeX table of a benchmark report",
+            Self::MarkdownTable => "Markdown table of a benchmark report",
+            Self::CsvTable => "CSV table of a benchmark report",
+            Self::OmplLog => "OMPL benchmark log",
+            Self::Archive => "packed scenario",
+        }
+    }
+
+    /// Whether a file that begins like this is one. Of formats that many programs write (PNG, GIF, SVG, glTF) any
+    /// file is; of the others only what Cranny writes.
+    pub fn is_that_of(self, head: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(head);
+        let text = text.trim_start();
+        let is_object_with = |keys: &[&str]| {
+            text.starts_with('{') && keys.iter().all(|key| text.contains(&format!("\"{key}\"")))
+        };
+        let is_page_with = |mark: &str| {
+            let begin: String = text.chars().take(14).collect();
+            begin.eq_ignore_ascii_case("<!doctype html") && text.contains(mark)
+        };
+        match self {
+            Self::Plan => is_object_with(&["scenario", "planner"]),
+            Self::Trajectory => text.starts_with("time_s,"),
+            Self::Waypoints => numbers(text) > 0,
+            Self::Grasps => text.starts_with("t00,t01,") || (16..=18).contains(&numbers(text)),
+            Self::Png => head.starts_with(b"\x89PNG\r\n\x1a\n"),
+            Self::Gif => head.starts_with(b"GIF8"),
+            Self::Svg => (text.starts_with("<svg") || text.starts_with("<?xml")) && text.contains("<svg"),
+            Self::Glb => head.starts_with(b"glTF"),
+            Self::ViewerPage => is_page_with("<title>Cranny</title>"),
+            Self::ReportPage => is_page_with("<title>Benchmark report: "),
+            Self::ReportJson => is_object_with(&["results", "version", "trials", "runs"]),
+            Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
+            Self::MarkdownTable => text.starts_with("| scenario |"),
+            Self::CsvTable => text.starts_with("criterion,scenario,goals,"),
+            // `OMPL version 1.7`, or of another library, then the experiment.
+            Self::OmplLog => {
+                let mut lines = text.lines();
+                lines.next().is_some_and(|line| line.contains(" version "))
+                    && lines.next().is_some_and(|line| line.starts_with("Experiment "))
+            }
+            // A zip archive whose first file is the manifest: after the head of that entry, which is 30 bytes long.
+            Self::Archive => {
+                head.starts_with(b"PK\x03\x04")
+                    && head.get(30..).is_some_and(|rest| rest.starts_with(b"manifest.json"))
+            }
+        }
+    }
+}
+
+/// How many numbers the first line holds, separated by commas; none if there is anything else in it. The last
+/// field of grasps may be empty.
+fn numbers(text: &str) -> usize {
+    let line = text.lines().next().unwrap_or_default();
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let is_number = |field: &str| field.parse::<f64>().is_ok();
+    let is_table =
+        fields.iter().enumerate().all(|(at, field)| is_number(field) || (at >= 16 && field.is_empty()));
+    if is_table { fields.len() } else { 0 }
+}

@@ -1,0 +1,79 @@
+//! Paths that were called valid though a link is inside something, each for a reason of its own; and a contact that
+//! was none. Each folder is a scenario with the path of it.
+
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/false_proofs").join(name)
+}
+
+/// What `cranny verify` says of the way points in a file of a folder, and how it exits.
+fn verdict(name: &str, file: &str, flags: &[&str]) -> (Value, Option<i32>) {
+    let folder = folder(name);
+    let output = Command::cargo_bin("cranny")
+        .expect("the program")
+        .arg("verify")
+        .args([&folder, &folder.join(file)])
+        .args(flags)
+        .arg("--json")
+        .output()
+        .expect("it runs");
+    let verdict = serde_json::from_slice(&output.stdout);
+    (verdict.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr))), output.status.code())
+}
+
+fn violations(verdict: &Value) -> &[Value] {
+    verdict["violations"].as_array().expect("a list")
+}
+
+/// What touches, `first` in `second`, and how deep at least (m).
+fn touches(name: &str, first: &str, second: &str, depth_m: f64) {
+    let (verdict, code) = verdict(name, "p.csv", &[]);
+    assert_eq!((&verdict["valid"], code), (&Value::Bool(false), Some(1)), "{name}: {verdict}");
+    let contact = violations(&verdict).iter().find(|violation| violation["kind"] == "contact");
+    let contact = contact.unwrap_or_else(|| panic!("{name}: no contact in {verdict}"));
+    assert_eq!((&contact["first"], &contact["second"]), (&first.into(), &second.into()), "{name}");
+    let found_m = contact["depth_m"].as_f64().expect("a depth");
+    assert!(found_m >= depth_m, "{name}: {found_m} m deep, in truth {depth_m} m");
+}
+
+/// The leaf balls of a thin hull left parts of it uncovered; a speck lies in the hole.
+#[test]
+fn a_speck_in_a_thin_hull_is_found() {
+    touches("thin_hull_1", "b", "o", 69e-6);
+    touches("thin_hull_2", "b", "o", 50e-6);
+}
+
+/// The lanes took angles for smaller than 2π.
+#[test]
+fn an_arm_that_turned_a_thousand_times_is_where_it_is() {
+    touches("large_angle_1", "arm", "ball", 0.0218);
+    touches("large_angle_2", "arm", "ball", 0.3e-3);
+}
+
+/// The same behind a gear, at ordinary angles.
+#[test]
+fn an_arm_behind_a_gear_of_a_thousand_is_where_it_is() {
+    touches("geared_joint", "arm", "ball", 49e-6);
+}
+
+/// A pair of links that touched in all random configurations was left out, though it is free at the start.
+#[test]
+fn a_pair_that_is_free_at_the_start_is_checked() {
+    touches("always_touching", "c", "base", 0.01);
+    let (verdict, _) = verdict("always_touching", "p.csv", &[]);
+    assert_eq!(verdict["not_checked"], serde_json::json!([]));
+}
+
+/// A search for the distance that stalled was taken for an intersection: 3.56 mm deep, in truth 39.8 µm clear.
+#[test]
+fn a_sphere_that_is_clear_is_not_in_contact() {
+    let (verdict, _) = verdict("false_contact", "q.csv", &[]);
+    let contacts: Vec<_> = violations(&verdict).iter().filter(|v| v["kind"] != "start").collect();
+    assert!(contacts.is_empty(), "{verdict}");
+    let clearance_m = verdict["clearance_m"].as_f64().expect("a clearance");
+    assert!((25e-6..41e-6).contains(&clearance_m), "{clearance_m} m");
+}

@@ -1,0 +1,36 @@
+/// A text as a terminal may show it: control characters, and those that turn the direction of writing, as escapes.
+/// A name from a file may hold any of them. Line ends stay.
+pub fn visible(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if turns || (c.is_control() && c != '\n') { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    shown
+}
+
+/// The beginning of a text from a file, for a message: as much as a person would read.
+pub fn excerpt(text: &str) -> String {
+    const MOST: usize = 60;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_a_terminal_obeys_is_left() {
+        assert_eq!(visible("a\x1b[31mb\u{9b}c\r\u{202e}\ttd\n"), "a\\u{1b}[31mb\\u{9b}c\\r\\u{202e}\\ttd\n");
+        assert_eq!(visible("Ärger — 50 µm"), "Ärger — 50 µm");
+    }
+
+    #[test]
+    fn an_excerpt_is_short_and_cut_between_letters() {
+        assert_eq!(excerpt("0.5"), "0.5");
+        assert_eq!(excerpt(&"ä".repeat(1000)), "ä".repeat(60) + "…");
+    }
+}

@@ -1,0 +1,111 @@
+use std::sync::Arc;
+use std::time::Instant;
+
+use cranny_collision::{Cell, UncheckedReason};
+use serde::{Deserialize, Serialize};
+
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Validity};
+
+/// Two things that touch and are compared by no check and no proof, by name: "proven" is said of a path but for these.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NotChecked {
+    /// A link.
+    pub first: String,
+    /// Another link, or a body.
+    pub second: String,
+    /// How deep they are in each other: the least that was seen, in metres.
+    pub depth_m: f64,
+    /// Why they are not compared.
+    pub reason: NotCheckedReason,
+}
+
+/// Why two things are not compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum NotCheckedReason {
+    /// Two links that touch in every configuration that was looked at.
+    AlwaysTouching,
+    /// A link that no joint moves, on what it stands on.
+    NeverMoves,
+}
+
+impl NotChecked {
+    pub(crate) fn of(cell: &Cell) -> Vec<Self> {
+        let named = cell.unchecked().iter().map(|unchecked| Self {
+            first: cell.name(unchecked.first).to_owned(),
+            second: cell.name(unchecked.second).to_owned(),
+            depth_m: unchecked.depth_m,
+            reason: match unchecked.reason {
+                UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
+                UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
+            },
+        });
+        named.collect()
+    }
+}
+
+/// Runs a planner. If a node of its search shows a pair of links free that was not checked because it touched in
+/// every sample, the pair is checked from then on: `problem` becomes one that checks it, and the search begins anew.
+///
+/// # Errors
+/// Those of the planner.
+pub fn search(
+    planner: &dyn Planner,
+    problem: &mut Problem,
+    budget: &Budget,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<PlanReport, PlanError> {
+    let begin = Instant::now();
+    while let Validity::Exact(cell) = &problem.validity {
+        if !cell.unchecked().iter().any(|unchecked| unchecked.reason == UncheckedReason::AlwaysTouching) {
+            break;
+        }
+        let cell = cell.clone();
+        let before = begin.elapsed();
+        let budget = Budget { time: budget.time.saturating_sub(before), ..*budget };
+        let mut watch =
+            PairWatch { scratch: Box::new(cell.scratch()), cell: &cell, free: Vec::new(), observer };
+        let mut report = planner.plan(problem, &budget, seed, &mut watch)?;
+        let mut free = std::mem::take(&mut watch.free);
+        for q in &report.path {
+            free.extend(cell.unchecked_but_free_at(q, &mut watch.scratch));
+        }
+        if free.is_empty() {
+            report.statistics.planning_time_s += before.as_secs_f64();
+            return Ok(report);
+        }
+        problem.validity = Validity::Exact(Arc::new(cell.with_pairs(&free)));
+    }
+    let before = begin.elapsed();
+    let budget = Budget { time: budget.time.saturating_sub(before), ..*budget };
+    let mut report = planner.plan(problem, &budget, seed, observer)?;
+    report.statistics.planning_time_s += before.as_secs_f64();
+    Ok(report)
+}
+
+/// Looks at every node for pairs that are free though they are not checked.
+struct PairWatch<'a> {
+    cell: &'a Cell,
+    scratch: Box<cranny_collision::Scratch>,
+    free: Vec<(usize, usize)>,
+    observer: &'a mut dyn Observer,
+}
+
+impl Observer for PairWatch<'_> {
+    fn node_added(&mut self, tree: usize, q: &[f64], parent: Option<usize>) {
+        if self.free.is_empty() {
+            self.free = self.cell.unchecked_but_free_at(q, &mut self.scratch);
+        }
+        self.observer.node_added(tree, q, parent);
+    }
+
+    fn progress(&mut self, iterations: u64) {
+        self.observer.progress(iterations);
+    }
+
+    fn should_stop(&self) -> bool {
+        !self.free.is_empty() || self.observer.should_stop()
+    }
+}

@@ -1,0 +1,92 @@
+//! Joints that can stand several turns apart: paths do not wind.
+
+mod fixture;
+
+use std::sync::Arc;
+
+use cranny_collision::{Margins, World};
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_plan::{Budget, Goal, Outcome, Problem, ShortcutSettings, Unobserved, planner, shortcut, verify};
+use cranny_robot::{Robot, RobotOptions};
+use fixture::block;
+
+/// An arm of six joints that turn by 2π either way, as many arms of today do.
+fn arm() -> Arc<Robot> {
+    let mut urdf = String::from(r#"<robot name="six"><link name="l0"/>"#);
+    let joints = [
+        ("0 0 0.1", "0 0 1"),
+        ("0 0.1 0.1", "0 1 0"),
+        ("0.4 0 0", "0 1 0"),
+        ("0.4 0 0", "0 1 0"),
+        ("0 -0.1 0", "0 0 1"),
+        ("0 0 -0.1", "0 1 0"),
+    ];
+    for (index, (origin, axis)) in joints.into_iter().enumerate() {
+        let (parent, child) = (index, index + 1);
+        urdf += &format!(
+            r#"<link name="l{child}"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>
+<joint name="j{child}" type="revolute"><parent link="l{parent}"/><child link="l{child}"/><origin xyz="{origin}"/>
+<axis xyz="{axis}"/><limit lower="-6.2832" upper="6.2832" velocity="1" effort="1"/></joint>"#
+        );
+    }
+    urdf += r#"<link name="tip"/><joint name="t" type="fixed"><parent link="l6"/><child link="tip"/><origin xyz="0 0.08 0"/></joint></robot>"#;
+    Arc::new(Robot::from_urdf_text(&urdf, "six.urdf", None, &RobotOptions::default()).expect("a good URDF"))
+}
+
+const START: [f64; 6] = [0.0, -1.2, 1.6, -0.4, 0.3, 0.2];
+
+/// To hold what the arm holds at `q`, near an obstacle.
+fn problem(q: &[f64]) -> Problem {
+    let robot = arm();
+    let mut frames = robot.frames();
+    robot.forward_kinematics(q, &mut frames);
+    let grasp = Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None };
+    let world = World::new(vec![block("post", [0.45, 0.35, 0.5], [0.03, 0.03, 0.3])]).expect("a good pose");
+    let goal = Goal::Grasps(GraspSet::new(vec![grasp]).expect("a good pose"));
+    Problem::exact(robot, world, None, START.to_vec(), goal, Margins::default()).expect("a good problem")
+}
+
+/// From the least to the greatest value of a joint along a path.
+fn turned(path: &[Vec<f64>], joint: usize) -> f64 {
+    let values = || path.iter().map(|q| q[joint]);
+    values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+}
+
+/// Of ten seeds eight turned a joint by more than half a turn, though its goal was less than that away.
+#[test]
+fn no_goal_is_more_than_half_a_turn_away() {
+    let problem = problem(&[1.3, -0.6, 1.0, -0.6, 0.1, 0.4]);
+    for name in ["reach", "ik-rrt"] {
+        for seed in 0..10 {
+            let found =
+                planner(name).expect("a planner").plan(&problem, &Budget::default(), seed, &mut Unobserved);
+            let found = found.expect("a good problem");
+            assert_eq!(found.outcome, Outcome::Solved);
+            let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+            let path = shortcut(&problem, &found.path, settings).expect("proven").path;
+            assert!(verify(&problem, &path).expect("a path").valid);
+            let end = path.last().expect("a path");
+            for (joint, (end, start)) in end.iter().zip(START).enumerate() {
+                let half = std::f64::consts::PI + 1e-9;
+                assert!((end - start).abs() <= half, "{name} {seed}: joint {joint} ends at {end}");
+                assert!(turned(&path, joint) < 1.1 * half, "{name} {seed}: joint {joint} winds");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_path_that_winds_is_turned_back() {
+    let mut goal = START.to_vec();
+    goal[0] = 5.94;
+    let problem = problem(&goal);
+    let mut path: Vec<Vec<f64>> = vec![START.to_vec()];
+    for turn in [-1.5, -3.5, -5.0, -6.0, -3.0, 0.0, 2.0, 4.0, 5.94] {
+        let mut q = START.to_vec();
+        q[0] = turn;
+        path.push(q);
+    }
+    let path = shortcut(&problem, &path, ShortcutSettings::default()).expect("exact").path;
+    assert!(turned(&path, 0) < 0.5, "{path:?}");
+    assert!(verify(&problem, &path).expect("a path").valid);
+}

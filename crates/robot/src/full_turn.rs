@@ -1,0 +1,100 @@
+use std::f64::consts::TAU;
+
+use crate::{JointKind, JointLimits, Mover, Robot};
+
+impl Robot {
+    /// Whether a joint can stand a full turn from where it stands with all links in the same place: it turns, by more
+    /// than 2π from limit to limit, and whatever follows it turns a whole number of times as far.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn has_full_turn(&self, joint: usize) -> bool {
+        self.full_turns[joint]
+    }
+
+    /// Turns joints of `q` by whole turns, within their limits, to where they are nearest to `reference`: all links
+    /// stay where they are. Whether any was turned. Joints without a full turn stay as they are.
+    ///
+    /// # Panics
+    /// If either has not one value per joint.
+    pub fn turn_towards(&self, reference: &[f64], q: &mut [f64]) -> bool {
+        assert!(
+            reference.len() == self.dof() && q.len() == self.dof(),
+            "one value for each joint of the group"
+        );
+        let mut is_turned = false;
+        for (joint, value) in q.iter_mut().enumerate().filter(|(joint, _)| self.full_turns[*joint]) {
+            let turned = nearest_turn(*value, reference[joint], &self.limits[joint]);
+            is_turned |= (turned - *value).abs() > 0.0;
+            *value = turned;
+        }
+        is_turned
+    }
+}
+
+/// Per joint of the group: see [`Robot::has_full_turn`].
+pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<bool> {
+    let keeps_its_place = |joint: usize| {
+        let moved = movers.iter().flatten().filter(|mover| mover.joint == joint);
+        moved.fold(true, |all, mover| {
+            all && mover.kind == JointKind::Revolute && mover.multiplier.fract().abs() <= 0.0
+        })
+    };
+    let has_range = |limits: &JointLimits| limits.upper - limits.lower >= TAU;
+    limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
+}
+
+/// `value` and whole turns, within the limits as near to `reference` as can be.
+fn nearest_turn(value: f64, reference: f64, limits: &JointLimits) -> f64 {
+    let most = ((limits.upper - value) / TAU).floor();
+    let least = ((limits.lower - value) / TAU).ceil();
+    let turns = ((reference - value) / TAU).round().clamp(least.min(0.0), most.max(0.0));
+    let turned = value + turns * TAU;
+    if limits.contain(turned) { turned } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{JointUnit, RobotOptions};
+
+    fn limits(lower: f64, upper: f64) -> JointLimits {
+        JointLimits { lower, upper, velocity: 1.0, acceleration: None, jerk: None, unit: JointUnit::Radian }
+    }
+
+    #[test]
+    fn the_nearest_turn_is_within_the_limits() {
+        let limits = limits(-TAU, TAU);
+        for (value, reference, expected) in [
+            (5.94, 0.0, 5.94 - TAU),
+            (-5.0, 0.5, TAU - 5.0),
+            (0.3, 0.0, 0.3),
+            (3.0, -3.0, 3.0 - TAU),
+            // A turn farther would be nearer, but beyond the limit.
+            (0.5, 6.2, 0.5),
+            (0.5, -6.2, 0.5 - TAU),
+        ] {
+            assert!(
+                (nearest_turn(value, reference, &limits) - expected).abs() < 1e-12,
+                "{value} {reference}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_joint_that_gears_another_by_a_half_has_no_full_turn() {
+        let urdf = |gear: f64| {
+            format!(
+                r#"<robot name="g"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><limit velocity="1" effort="1"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/><mimic joint="j" multiplier="{gear}"/></joint>
+</robot>"#
+            )
+        };
+        let robot = |gear| {
+            Robot::from_urdf_text(&urdf(gear), "g.urdf", None, &RobotOptions::default()).expect("a good URDF")
+        };
+        assert!(robot(-2.0).has_full_turn(0));
+        assert!(!robot(0.5).has_full_turn(0));
+    }
+}

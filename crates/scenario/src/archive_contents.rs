@@ -1,0 +1,150 @@
+//! What a zip archive holds, read without trust: an archive may come from anywhere.
+
+use std::collections::{BTreeMap, HashSet};
+use std::io::{Cursor, Read as _};
+use std::path::Path;
+
+use cranny_file::{are_limits_lifted, excerpt};
+use zip::ZipArchive;
+
+use crate::ScenarioError;
+use crate::archive::fault;
+
+/// An archive that unpacks to more is refused: the largest scenario known to us has 20 MiB, most of it meshes.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// An archive that unpacks to this many times its size is refused: meshes and tables as text shrink to a fourth or
+/// a tenth, an attack to a thousandth.
+const MOST_SHRUNK: u64 = 100;
+
+/// What is smaller than this hurts nobody, however it shrank.
+const SMALL_BYTES: u64 = 16 << 20;
+
+/// The files of an archive by their path. Refused are, before anything is unpacked: names that no scenario needs
+/// (see [`check_names`]), links, more than [`MOST_BYTES`] or [`MOST_SHRUNK`]; while it is unpacked, what is larger
+/// than it says.
+pub(crate) fn contents(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    let broken = |reason: &dyn std::fmt::Display| {
+        fault(path, format!("is no whole zip archive ({reason}); was it cut short on its way?"))
+    };
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|reason| broken(&reason))?;
+    let directory = usize::try_from(archive.central_directory_start()).unwrap_or(usize::MAX);
+    let listed = names_listed(bytes.get(directory..).unwrap_or_default());
+    if listed.len() < archive.len() {
+        return Err(broken(&"its directory cannot be found"));
+    }
+    let files: Vec<&str> = listed.iter().map(String::as_str).filter(|name| !name.ends_with('/')).collect();
+    check_names(files.into_iter()).map_err(|problem| fault(path, problem))?;
+    let mut declared: u64 = 0;
+    for index in 0..archive.len() {
+        let entry = archive.by_index_raw(index).map_err(|reason| broken(&reason))?;
+        declared = declared.saturating_add(entry.size());
+        check_size(declared, bytes.len() as u64).map_err(|problem| fault(path, problem))?;
+    }
+    let mut contents = BTreeMap::new();
+    for index in 0..archive.len() {
+        let mut entry = archive.by_index(index).map_err(|reason| broken(&reason))?;
+        let name = entry.name().map_err(|reason| broken(&reason))?.into_owned();
+        if name.ends_with('/') {
+            continue;
+        }
+        check_names(std::iter::once(name.as_str())).map_err(|problem| fault(path, problem))?;
+        if entry.is_symlink() {
+            return Err(fault(path, format!("'{}' is a link; nothing is unpacked", excerpt(&name))));
+        }
+        let mut content = Vec::new();
+        let size = entry.size();
+        let read = entry.by_ref().take(size.saturating_add(1)).read_to_end(&mut content);
+        read.map_err(|reason| fault(path, format!("'{}' is broken: {reason}", excerpt(&name))))?;
+        if content.len() as u64 != size {
+            return Err(fault(path, format!("'{}' is not of the size that it says", excerpt(&name))));
+        }
+        contents.insert(name, content);
+    }
+    Ok(contents)
+}
+
+/// Whether an archive of `packed` bytes may unpack to so many.
+pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
+    if are_limits_lifted() || unpacked <= SMALL_BYTES {
+        return Ok(());
+    }
+    let mebibytes = |bytes: u64| bytes >> 20;
+    if unpacked > MOST_BYTES {
+        let (unpacked, most) = (mebibytes(unpacked), mebibytes(MOST_BYTES));
+        return Err(format!(
+            "unpacks to {unpacked} MiB or more, but at most {most} MiB are unpacked (--large-files lifts this limit)"
+        ));
+    }
+    if unpacked / MOST_SHRUNK > packed {
+        return Err(format!(
+            "unpacks to {} MiB or more, over {MOST_SHRUNK} times its own size, as no scenario does (--large-files \
+             lifts this limit)",
+            mebibytes(unpacked)
+        ));
+    }
+    Ok(())
+}
+
+/// Whether the files of an archive can be unpacked on any system, each to a place of its own in the folder; else
+/// what is wrong with the first that cannot. Hidden files are never packed, so none is unpacked.
+pub(crate) fn check_names<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), String> {
+    let mut taken = HashSet::new();
+    for name in names {
+        if name.is_empty()
+            || name.starts_with('/')
+            || name.split('/').any(|part| matches!(part, "" | "." | ".."))
+            || name.contains(['\\', ':', '\0'])
+        {
+            return Err(format!("'{}' would leave the folder; nothing is unpacked", excerpt(name)));
+        }
+        if let Some(part) = name.split('/').find(|part| !is_portable(part)) {
+            return Err(format!(
+                "'{}' is no name for a file on every system: '{}'",
+                excerpt(name),
+                excerpt(part)
+            ));
+        }
+        if name.split('/').any(|part| part.starts_with('.')) {
+            return Err(format!("'{}' is hidden, and a packed scenario has no hidden files", excerpt(name)));
+        }
+        if !taken.insert(name.to_lowercase()) {
+            return Err(format!(
+                "holds '{}' twice (capitals make no difference on every system)",
+                excerpt(name)
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Names of devices under Windows, with any ending.
+const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
+
+fn is_portable(part: &str) -> bool {
+    let stem = part.split('.').next().unwrap_or_default().trim_end().to_lowercase();
+    let is_digit = |number: &str| "0123456789¹²³".chars().any(|digit| number == digit.to_string());
+    let is_port = ["com", "lpt"].iter().any(|port| stem.strip_prefix(port).is_some_and(is_digit));
+    part.len() <= 255
+        && !part.ends_with(['.', ' '])
+        && !part.contains(['<', '>', '"', '|', '?', '*'])
+        && !part.contains(char::is_control)
+        && !DEVICES.contains(&stem.as_str())
+        && !is_port
+}
+
+/// The names that the directory of an archive lists, also those that it lists twice, of which the library gives the
+/// last one alone (APPNOTE 6.3.10, 4.3.12).
+fn names_listed(mut directory: &[u8]) -> Vec<String> {
+    const SIGNATURE: &[u8] = b"PK\x01\x02";
+    const HEADER: usize = 46;
+    let mut names = Vec::new();
+    while directory.len() >= HEADER && directory.starts_with(SIGNATURE) {
+        let length = |at: usize| usize::from(u16::from_le_bytes([directory[at], directory[at + 1]]));
+        let (name, rest) = (length(28), length(30) + length(32));
+        let Some(bytes) = directory.get(HEADER..HEADER + name) else { break };
+        names.push(String::from_utf8_lossy(bytes).into_owned());
+        directory = directory.get(HEADER + name + rest..).unwrap_or_default();
+    }
+    names
+}

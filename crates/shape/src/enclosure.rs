@@ -1,0 +1,221 @@
+use std::collections::HashSet;
+
+use cranny_spatial::Point;
+
+use crate::backwards::wound_backwards;
+use crate::mesh::signed_solid_angle;
+use crate::repair::merged;
+use crate::shell::{DEGENERATE, Facet, Shell, shells};
+use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
+
+/// A mesh whose inside is well defined, whatever its file said of it.
+pub(crate) struct Enclosure {
+    /// The triangles, normals outwards; of a mesh that needed no repair those of the file, in their order.
+    pub soup: TriangleSoup,
+    /// What they enclose.
+    pub bodies: Vec<EnclosedBody>,
+    pub repairs: MeshRepairs,
+}
+
+/// What a closed surface encloses, or the cavity that it is the wall of.
+#[derive(Clone, Debug)]
+pub(crate) struct EnclosedBody {
+    facets: Vec<Facet>,
+    aabb: Aabb,
+    /// In which body it is a cavity.
+    cavity_of: Option<usize>,
+}
+
+impl Enclosure {
+    /// What a soup encloses, each of its shells by itself, so that shells that overlap are all full.
+    ///
+    /// 1. The shells of the mesh; where it has holes, those with vertices closer than
+    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) taken for one; where bodies that share edges cross, those of the
+    ///    bodies one after the other.
+    /// 2. A shell is a cavity if all its faces look inwards, and another whose faces do not contains it without
+    ///    touching it. Any other is full.
+    /// 3. Faces of other shells are turned outwards, and doubled ones left out.
+    ///
+    /// # Errors
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
+    /// [`ShapeError::WoundBackwards`].
+    pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        crate::mesh::check_indices(soup)?;
+        // 1.
+        let (found, first, merged_vertices) = joined_shells(soup)?;
+        let mut is_turned = vec![false; soup.triangles.len()];
+        let mut is_left_out = vec![false; soup.triangles.len()];
+        let mut is_wall_inside = vec![true; soup.triangles.len()];
+        for shell in found.iter().filter(|shell| shell.is_alone) {
+            if let Some(p) = wound_backwards(soup, shell, &box_around(soup, &shell.facets)) {
+                return Err(ShapeError::WoundBackwards { x: p.x, y: p.y, z: p.z });
+            }
+        }
+        // 2.
+        let cavities = cavities(soup, &found);
+        // 3.
+        for (shell, cavity_of) in found.iter().zip(&cavities) {
+            // The outside of bodies that share faces looks at them from without.
+            let is_outside = shell.volume_m3 < 0.0;
+            if cavity_of.is_none() && (shell.is_alone || is_outside) {
+                for facet in &shell.facets {
+                    is_turned[facet.triangle as usize] = facet.is_inward != is_outside;
+                }
+            }
+            if shell.is_alone || is_outside {
+                for facet in &shell.facets {
+                    is_wall_inside[facet.triangle as usize] = false;
+                }
+            }
+        }
+        for (triangle, &first) in first.iter().enumerate().filter(|(_, first)| **first != DEGENERATE) {
+            is_left_out[triangle] = first as usize != triangle && !is_wall_inside[first as usize];
+        }
+        let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+        let repairs = MeshRepairs {
+            triangles: soup.triangles.len(),
+            merged_vertices,
+            flipped_triangles: count(&is_turned),
+            doubled_triangles: count(&is_left_out),
+        };
+        let mut kept = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
+        kept.triangles.reserve_exact(soup.triangles.len() - repairs.doubled_triangles);
+        let mut new_index = vec![0_u32; soup.triangles.len()];
+        for (triangle, &[a, b, c]) in soup.triangles.iter().enumerate() {
+            new_index[triangle] = u32::try_from(kept.triangles.len()).unwrap_or(u32::MAX);
+            if !is_left_out[triangle] {
+                kept.triangles.push(if is_turned[triangle] { [a, c, b] } else { [a, b, c] });
+            }
+        }
+        let body = |(shell, cavity_of): (Shell, Option<usize>)| {
+            let mut facets = shell.facets;
+            let aabb = box_around(soup, &facets);
+            for facet in &mut facets {
+                facet.is_inward ^= is_turned[facet.triangle as usize];
+                facet.triangle = new_index[facet.triangle as usize];
+            }
+            EnclosedBody { facets, aabb, cavity_of }
+        };
+        let bodies = found.into_iter().zip(cavities).map(body).collect();
+        Ok(Self { soup: kept, bodies, repairs })
+    }
+}
+
+impl EnclosedBody {
+    /// Whether a point is in one of the bodies, and in no cavity of it, by the winding number of each (Jacobson
+    /// et al. 2013).
+    pub fn any_contains(bodies: &[Self], corners: &[[Point; 3]], point: &Point) -> bool {
+        let is_in_cavity = |of: usize| {
+            bodies.iter().any(|body| body.cavity_of == Some(of) && body.surrounds(corners, point))
+        };
+        let mut full = bodies.iter().enumerate().filter(|(_, body)| body.cavity_of.is_none());
+        full.any(|(index, body)| body.surrounds(corners, point) && !is_in_cavity(index))
+    }
+
+    fn surrounds(&self, corners: &[[Point; 3]], point: &Point) -> bool {
+        let at = |triangle: u32| corners[triangle as usize];
+        self.aabb.contains(point) && winds_around(&self.facets, at, point)
+    }
+}
+
+/// Whether a closed surface winds around a point, whichever way.
+pub(crate) fn winds_around(facets: &[Facet], corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
+    let signed = |facet: &Facet| {
+        let solid_angle = signed_solid_angle(&corners(facet.triangle), point);
+        if facet.is_inward { -solid_angle } else { solid_angle }
+    };
+    facets.iter().map(signed).sum::<f64>().abs() > std::f64::consts::TAU
+}
+
+/// The shells, the first copy of each triangle, and how many vertices had to be merged to find them.
+fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), ShapeError> {
+    let (found, first, merged_vertices) = match shells(soup) {
+        Ok((found, first)) => (found, first, 0),
+        Err(ShapeError::Open { edges }) => {
+            let (vertices, place) = merged(&soup.vertices);
+            let merged_vertices = soup.vertices.len() - vertices.len();
+            let triangles = soup.triangles.iter().map(|triangle| triangle.map(|v| place[v as usize]));
+            let joined = TriangleSoup { triangles: triangles.collect(), vertices };
+            match shells(&joined) {
+                Ok((found, first)) => (found, first, merged_vertices),
+                // The holes of the mesh as it was given.
+                Err(ShapeError::Open { .. }) => return Err(ShapeError::Open { edges }),
+                Err(fault) => return Err(fault),
+            }
+        }
+        Err(fault) => {
+            let (found, first) = shells_of_runs(soup).ok_or(fault)?;
+            (found, first, 0)
+        }
+    };
+    if found.is_empty() { Err(ShapeError::Empty) } else { Ok((found, first, merged_vertices)) }
+}
+
+/// The shells of bodies that stand one after the other in the file, each found without the others; `None` if
+/// that does not part it into closed bodies.
+fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
+    let mut found = Vec::new();
+    let mut first_copies = Vec::with_capacity(soup.triangles.len());
+    // Edges with an odd number of faces, and the faces, of the body that is being looked at.
+    let (mut odd, mut known) = (HashSet::new(), HashSet::new());
+    let mut run = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
+    for &[a, b, c] in &soup.triangles {
+        run.triangles.push([a, b, c]);
+        let mut face = [a, b, c];
+        face.sort_unstable();
+        if face[0] != face[1] && face[1] != face[2] && known.insert(face) {
+            for edge in [[face[0], face[1]], [face[1], face[2]], [face[0], face[2]]] {
+                if !odd.remove(&edge) {
+                    odd.insert(edge);
+                }
+            }
+        }
+        if odd.is_empty() {
+            let begin = u32::try_from(first_copies.len()).ok()?;
+            let (mut of_run, first_of_run) = shells(&run).ok()?;
+            for facet in of_run.iter_mut().flat_map(|shell| &mut shell.facets) {
+                facet.triangle += begin;
+            }
+            found.extend(of_run);
+            let shifted = |first: u32| if first == DEGENERATE { DEGENERATE } else { first + begin };
+            first_copies.extend(first_of_run.into_iter().map(shifted));
+            run.triangles.clear();
+            known.clear();
+        }
+    }
+    odd.is_empty().then_some((found, first_copies))
+}
+
+/// For each shell in which other it is a cavity, if in any.
+fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<usize>> {
+    let all = |shell: &Shell, is_inward: bool| {
+        shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
+    };
+    let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
+    let outer: Vec<usize> = (0..shells.len()).filter(|&shell| all(&shells[shell], false)).collect();
+    let surface = |shell: &Shell| {
+        let triangles = shell.facets.iter().map(|facet| soup.triangles[facet.triangle as usize]);
+        Surface::of_checked(&TriangleSoup { vertices: soup.vertices.clone(), triangles: triangles.collect() })
+    };
+    let corners = |triangle: u32| soup.corners(triangle as usize);
+    let wall_of = |inner: usize| {
+        if !all(&shells[inner], true) {
+            return None;
+        }
+        let witness = corners(shells[inner].facets[0].triangle)[0];
+        let contains_all = |&outer: &usize| {
+            boxes[outer].contains(&boxes[inner].low())
+                && boxes[outer].contains(&boxes[inner].high())
+                && winds_around(&shells[outer].facets, corners, &witness)
+        };
+        let mut around = outer.iter().copied().filter(contains_all);
+        let here = cranny_spatial::Pose::identity();
+        around.find(|&outer| !surface(&shells[outer]).touches(&here, &surface(&shells[inner]), &here))
+    };
+    (0..shells.len()).map(wall_of).collect()
+}
+
+fn box_around(soup: &TriangleSoup, facets: &[Facet]) -> Aabb {
+    let corners = facets.iter().flat_map(|facet| soup.triangles[facet.triangle as usize]);
+    Aabb::around(corners.map(|vertex| &soup.vertices[vertex as usize]), 0.0)
+}

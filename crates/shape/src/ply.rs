@@ -1,0 +1,322 @@
+use cranny_spatial::Point;
+
+/// The corners of the triangles of a PLY file (Turk 1994), three at a time; polygons are cut into fans. Text and
+/// both binary forms; elements other than `vertex` and `face` are passed over.
+///
+/// # Errors
+/// What is wrong, with the line of a header or a text: a type or a form that is none, a count for which the file
+/// is too short, an index without a vertex.
+pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
+    let (header, body) = Header::read(bytes)?;
+    let mut body = Body { form: header.form, rest: body, line: header.lines };
+    let mut vertices = Vec::new();
+    let mut polygons = Polygons::default();
+    for element in &header.elements {
+        element.check_count(&body)?;
+        match element.name.as_str() {
+            "vertex" => vertices = read_vertices(element, &mut body)?,
+            "face" => polygons = Polygons::read(element, &mut body)?,
+            _ => element.read(&mut body, |_, _, _| {})?,
+        }
+    }
+    if !header.elements.iter().any(|element| element.name == "vertex") {
+        return Err("the file has no element 'vertex'".into());
+    }
+    polygons.corners(&vertices)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Text,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A type of number, with its bytes in the binary forms.
+#[derive(Clone, Copy, PartialEq)]
+enum Number {
+    Signed(usize),
+    Unsigned(usize),
+    Float(usize),
+}
+
+impl Number {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::Signed(1),
+            "uchar" | "uint8" => Self::Unsigned(1),
+            "short" | "int16" => Self::Signed(2),
+            "ushort" | "uint16" => Self::Unsigned(2),
+            "int" | "int32" => Self::Signed(4),
+            "uint" | "uint32" => Self::Unsigned(4),
+            "float" | "float32" => Self::Float(4),
+            "double" | "float64" => Self::Float(8),
+            _ => return None,
+        })
+    }
+
+    fn bytes(self) -> usize {
+        let (Self::Signed(bytes) | Self::Unsigned(bytes) | Self::Float(bytes)) = self;
+        bytes
+    }
+}
+
+struct Property {
+    name: String,
+    /// Of a list the type of its length.
+    length: Option<Number>,
+    number: Number,
+}
+
+struct Element {
+    name: String,
+    count: u64,
+    line: usize,
+    properties: Vec<Property>,
+}
+
+impl Element {
+    /// Refuses a count for which the rest of the file is too short, before anything is made for it.
+    fn check_count(&self, body: &Body) -> Result<(), String> {
+        let least = |property: &Property| match body.form {
+            // A digit and what parts it from the next.
+            Form::Text => 2,
+            _ => property.length.unwrap_or(property.number).bytes() as u64,
+        };
+        let each: u64 = self.properties.iter().map(least).sum();
+        if each == 0 && self.count > 0 {
+            return Err(format!("line {}: the elements '{}' have no properties", self.line, self.name));
+        }
+        // The last number of a text needs nothing behind it.
+        let rest = body.rest.len() as u64 + u64::from(body.form == Form::Text);
+        if self.count.checked_mul(each).is_none_or(|needed| needed > rest) {
+            return Err(format!(
+                "line {}: {} elements '{}' are announced, but only {} bytes are left for them (is the file cut \
+                 off?)",
+                self.line,
+                self.count,
+                self.name,
+                body.rest.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Calls `visit` with the index of each element, the index of each of its properties and its numbers.
+    fn read(&self, body: &mut Body, mut visit: impl FnMut(u64, usize, &[f64])) -> Result<(), String> {
+        let mut numbers = Vec::new();
+        for index in 0..self.count {
+            for (at, property) in self.properties.iter().enumerate() {
+                let length = match property.length {
+                    Some(kind) => body.index(kind)?,
+                    None => 1,
+                };
+                numbers.clear();
+                for _ in 0..length {
+                    numbers.push(body.number(property.number)?);
+                }
+                visit(index, at, &numbers);
+            }
+        }
+        Ok(())
+    }
+}
+
+struct Header {
+    form: Form,
+    elements: Vec<Element>,
+    lines: usize,
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
+        let mut header = Self { form: Form::Text, elements: Vec::new(), lines: 0 };
+        let (mut rest, mut has_form) = (bytes, false);
+        loop {
+            let end = rest.iter().position(|byte| *byte == b'\n');
+            let end = end.ok_or("the header has no 'end_header' (is the file cut off, or no PLY file?)")?;
+            header.lines += 1;
+            let at = header.lines;
+            let line = std::str::from_utf8(&rest[..end]).map_err(|_| format!("line {at} is no text"))?;
+            rest = &rest[end + 1..];
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            let unknown = || format!("line {at}: '{}' is no line of a PLY header", line.trim());
+            if at == 1 {
+                if words != ["ply"] {
+                    return Err("line 1: a PLY file begins with 'ply'".into());
+                }
+                continue;
+            }
+            match words[..] {
+                ["end_header"] => break,
+                [] | ["comment" | "obj_info", ..] => {}
+                ["format", form, "1.0"] => {
+                    has_form = true;
+                    header.form = match form {
+                        "ascii" => Form::Text,
+                        "binary_little_endian" => Form::LittleEndian,
+                        "binary_big_endian" => Form::BigEndian,
+                        _ => return Err(unknown()),
+                    };
+                }
+                ["element", name, count] => {
+                    let count = count.parse().map_err(|_| format!("line {at}: '{count}' is no count"))?;
+                    let (name, properties) = (name.to_owned(), Vec::new());
+                    header.elements.push(Element { name, count, line: at, properties });
+                }
+                ["property", ref property @ ..] => {
+                    let element = header.elements.last_mut().ok_or_else(unknown)?;
+                    element.properties.push(read_property(property).ok_or_else(unknown)?);
+                }
+                _ => return Err(unknown()),
+            }
+        }
+        if has_form { Ok((header, rest)) } else { Err("the header has no line 'format'".into()) }
+    }
+}
+
+fn read_property(words: &[&str]) -> Option<Property> {
+    let (length, number, name) = match *words {
+        ["list", length, number, name] => (Some(Number::named(length)?), number, name),
+        [number, name] => (None, number, name),
+        _ => return None,
+    };
+    let is_count = !matches!(length, Some(Number::Float(_)));
+    is_count.then_some(Property { name: name.to_owned(), length, number: Number::named(number)? })
+}
+
+/// What follows the header, as far as it is not read yet.
+struct Body<'a> {
+    form: Form,
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl Body<'_> {
+    fn number(&mut self, kind: Number) -> Result<f64, String> {
+        if self.form == Form::Text { self.word(kind) } else { self.binary(kind) }
+    }
+
+    /// A number that counts something.
+    fn index(&mut self, kind: Number) -> Result<u32, String> {
+        as_index(self.number(kind)?).map_err(|fault| {
+            if self.form == Form::Text { format!("line {}: {fault}", self.line + 1) } else { fault }
+        })
+    }
+
+    fn word(&mut self, kind: Number) -> Result<f64, String> {
+        let begin = self.rest.iter().position(|byte| !byte.is_ascii_whitespace());
+        let begin = begin.ok_or("the file ends before all that its header announces")?;
+        self.line += self.rest[..begin].split(|byte| *byte == b'\n').count() - 1;
+        let rest = &self.rest[begin..];
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let word = String::from_utf8_lossy(&rest[..end]);
+        self.rest = &rest[end..];
+        let number = match kind {
+            // Rounded once, to what the type can hold.
+            Number::Float(4) => word.parse::<f32>().ok().map(f64::from),
+            _ => word.parse().ok(),
+        };
+        number.ok_or_else(|| format!("line {}: '{word}' is no number", self.line + 1))
+    }
+
+    fn binary(&mut self, kind: Number) -> Result<f64, String> {
+        let (bytes, rest) = self
+            .rest
+            .split_at_checked(kind.bytes())
+            .ok_or("the file ends before all that its header announces")?;
+        self.rest = rest;
+        let mut little = [0; 8];
+        little[..bytes.len()].copy_from_slice(bytes);
+        if self.form == Form::BigEndian {
+            little[..bytes.len()].reverse();
+        }
+        let raw = u64::from_le_bytes(little);
+        let [b0, b1, b2, b3, ..] = little;
+        Ok(match kind {
+            Number::Float(4) => f32::from_le_bytes([b0, b1, b2, b3]).into(),
+            Number::Float(_) => f64::from_bits(raw),
+            Number::Unsigned(_) => f64::from(u32::from_le_bytes([b0, b1, b2, b3])),
+            Number::Signed(1) => f64::from(i8::from_le_bytes([b0])),
+            Number::Signed(2) => f64::from(i16::from_le_bytes([b0, b1])),
+            Number::Signed(_) => f64::from(i32::from_le_bytes([b0, b1, b2, b3])),
+        })
+    }
+}
+
+fn as_index(number: f64) -> Result<u32, String> {
+    if number >= 0.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0 {
+        // In the range of the type, as was just seen.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        Ok(number as u32)
+    } else {
+        Err(format!("{number} is no index"))
+    }
+}
+
+fn read_vertices(element: &Element, body: &mut Body) -> Result<Vec<Point>, String> {
+    let at = |name: &str| {
+        let is_it = |property: &Property| property.name == name && property.length.is_none();
+        let found = element.properties.iter().position(is_it);
+        found.ok_or_else(|| format!("line {}: a vertex has no property '{name}'", element.line))
+    };
+    let axes = [at("x")?, at("y")?, at("z")?];
+    let mut vertices: Vec<Point> = Vec::new();
+    element.read(body, |index, property, numbers| {
+        if vertices.len() as u64 == index {
+            vertices.push(Point::origin());
+        }
+        if let (Some(axis), Some(vertex)) = (axes.iter().position(|at| *at == property), vertices.last_mut())
+        {
+            vertex[axis] = numbers[0];
+        }
+    })?;
+    Ok(vertices)
+}
+
+/// Polygons as the file has them.
+#[derive(Default)]
+struct Polygons {
+    /// The indices of all, one polygon after the other.
+    indices: Vec<f64>,
+    /// Where each polygon ends in them.
+    ends: Vec<usize>,
+}
+
+impl Polygons {
+    fn read(element: &Element, body: &mut Body) -> Result<Self, String> {
+        let is_polygon = |property: &Property| {
+            ["vertex_indices", "vertex_index"].contains(&property.name.as_str()) && property.length.is_some()
+        };
+        let polygon = element.properties.iter().position(is_polygon);
+        if polygon.is_none() && element.count > 0 {
+            return Err(format!("line {}: a face has no list 'vertex_indices'", element.line));
+        }
+        let mut polygons = Self::default();
+        element.read(body, |_, property, numbers| {
+            if Some(property) == polygon {
+                polygons.indices.extend_from_slice(numbers);
+                polygons.ends.push(polygons.indices.len());
+            }
+        })?;
+        Ok(polygons)
+    }
+
+    fn corners(&self, vertices: &[Point]) -> Result<Vec<Point>, String> {
+        let mut corners = Vec::with_capacity(self.indices.len());
+        let mut begin = 0;
+        for (face, &end) in self.ends.iter().enumerate() {
+            let polygon = &self.indices[begin..end];
+            begin = end;
+            for i in 2..polygon.len() {
+                for number in [polygon[0], polygon[i - 1], polygon[i]] {
+                    let vertex = as_index(number)? as usize;
+                    corners.push(*vertices.get(vertex).ok_or_else(|| {
+                        format!("face {face} names vertex {vertex}, but there are only {}", vertices.len())
+                    })?);
+                }
+            }
+        }
+        Ok(corners)
+    }
+}

@@ -1,0 +1,63 @@
+//! Files are opened in one room, which refuses what hurts.
+
+use crate::checkout::SourceFile;
+use crate::problem::Problem;
+
+/// The one folder that may open them.
+const ADDRESS: &str = "crates/file/";
+
+/// What opens a file to read it, each in two pieces, so that this file does not find itself.
+const OPENERS: [&str; 3] =
+    [concat!("fs::", "read("), concat!("fs::", "read_to_string("), concat!("File::", "open(")];
+
+/// What the system says of itself stands in files that are none.
+const SYSTEM: &str = "\"/proc/";
+
+/// Sources of crates that open files by themselves; tests may.
+pub fn check(files: &[SourceFile]) -> Vec<Problem> {
+    let is_source = |file: &&SourceFile| {
+        let mut parts = file.path.split('/');
+        let is_of_crate = parts.next() == Some("crates") && parts.nth(1) == Some("src");
+        is_of_crate && file.has_extension("rs") && !file.path.starts_with(ADDRESS)
+    };
+    let opened = files.iter().filter(is_source).filter_map(|file| Some((file, opening_line(file.text()?)?)));
+    opened
+        .map(|(file, line)| {
+            Problem::new(
+                &file.path,
+                format!("opens a file by itself in line {line}"),
+                "read it with `cranny_file`, which refuses pipes, devices and what is too large",
+            )
+        })
+        .collect()
+}
+
+/// The first line before the tests that opens a file to read it, from 1.
+fn opening_line(text: &str) -> Option<usize> {
+    let lines = text.lines().take_while(|line| line.trim() != "#[cfg(test)]");
+    let opens = |line: &str| OPENERS.iter().any(|opener| line.contains(opener)) && !line.contains(SYSTEM);
+    lines.enumerate().find(|(_, line)| opens(line)).map(|(index, _)| index + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reader_of_its_own_fails_outside_the_room_for_it() {
+        for opener in OPENERS {
+            let text = format!("//! Robots.\nlet text = {opener}path)?;\n");
+            let file = |path| [SourceFile::of_text(path, &text)];
+            assert_eq!(check(&file("crates/robot/src/urdf.rs")).len(), 1, "{opener}");
+            assert_eq!(check(&file("crates/file/src/opener.rs")), [], "{opener}");
+            assert_eq!(check(&file("crates/robot/tests/urdf.rs")), [], "{opener}");
+        }
+    }
+
+    #[test]
+    fn tests_and_what_the_system_says_of_itself_are_fine() {
+        let [read, ..] = OPENERS;
+        let text = format!("let a = {read}{SYSTEM}cpuinfo\");\n#[cfg(test)]\nmod tests {{ {read}path); }}\n");
+        assert_eq!(check(&[SourceFile::of_text("crates/bench/src/a.rs", &text)]), []);
+    }
+}
