@@ -85,7 +85,7 @@ impl Made {
             return Ok((function.clone(), arguments.clone()));
         }
         let restore = py.import("cranny._cranny")?.getattr("_restored")?;
-        let whole = (function, arguments, fingerprint(thing)?, env!("CARGO_PKG_VERSION"));
+        let whole = (function, arguments, fingerprint(thing), env!("CARGO_PKG_VERSION"));
         Ok((restore, whole.into_pyobject(py)?))
     }
 }
@@ -104,7 +104,7 @@ pub fn restored<'py>(
         return Err(fault(format!("it was pickled by cranny {version}, and this is {OWN}: open it anew")));
     }
     let thing = function.call1(arguments)?;
-    if fingerprint(&thing)? != known {
+    if fingerprint(&thing) != known {
         let shown = thing.repr()?;
         return Err(fault(format!("the files of {shown} have changed since it was pickled: open it anew")));
     }
@@ -117,7 +117,7 @@ pub fn absolute(path: &Path) -> PyResult<PathBuf> {
 }
 
 /// What tells what files say from what they said: numbers, names and surfaces as one number.
-fn fingerprint(thing: &Bound<'_, PyAny>) -> PyResult<u64> {
+fn fingerprint(thing: &Bound<'_, PyAny>) -> u64 {
     let mut print = Fingerprint(DefaultHasher::new());
     if let Ok(robot) = thing.cast::<PyRobot>() {
         print.robot(&robot.get().robot);
@@ -144,7 +144,7 @@ fn fingerprint(thing: &Bound<'_, PyAny>) -> PyResult<u64> {
         print.numbers(&problem.start);
         problem.goals.iter().for_each(|q| print.numbers(q));
     }
-    Ok(print.0.finish())
+    print.0.finish()
 }
 
 struct Fingerprint(DefaultHasher);
@@ -152,7 +152,9 @@ struct Fingerprint(DefaultHasher);
 impl Fingerprint {
     fn numbers(&mut self, values: &[f64]) {
         values.len().hash(&mut self.0);
-        values.iter().for_each(|value| value.to_bits().hash(&mut self.0));
+        for value in values {
+            value.to_bits().hash(&mut self.0);
+        }
     }
 
     fn pose(&mut self, pose: &Pose) {

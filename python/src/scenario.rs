@@ -157,7 +157,7 @@ impl PyScenario {
     }
 
     /// The same scenario without the body of that name.
-    fn without_body<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Self> {
+    fn without_body(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_body(name).map_err(fault)?;
         Self::altered(slf, scenario, ("without_body", name))
     }
@@ -184,7 +184,7 @@ impl PyScenario {
     }
 
     /// The same scenario under another criterion, "exact" or "paper".
-    fn with_criterion<'py>(slf: &Bound<'py, Self>, criterion: &str) -> PyResult<Self> {
+    fn with_criterion(slf: &Bound<'_, Self>, criterion: &str) -> PyResult<Self> {
         let scenario = Scenario { criterion: criterion_of(criterion)?, ..(*slf.get().scenario).clone() };
         Self::altered(slf, scenario, ("with_criterion", criterion))
     }

@@ -91,10 +91,10 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
 /// read by every user of the machine, for as long as it runs; the address must not be among them.
 fn doorway(url: &str) -> io::Result<NamedTempFile> {
     let mut file = tempfile::Builder::new().prefix("cranny-").suffix(".html").tempfile()?;
-    write!(
+    writeln!(
         file,
         "<!doctype html><meta charset=\"utf-8\"><meta name=\"referrer\" content=\"no-referrer\">\
-         <meta http-equiv=\"refresh\" content=\"0; url={url}\"><title>Cranny</title><a href=\"{url}\">Cranny</a>\n"
+         <meta http-equiv=\"refresh\" content=\"0; url={url}\"><title>Cranny</title><a href=\"{url}\">Cranny</a>"
     )?;
     file.flush()?;
     Ok(file)

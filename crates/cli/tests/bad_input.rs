@@ -196,7 +196,7 @@ fn control_characters_of_names_are_made_visible() {
 fn large_files_are_refused_unless_they_are_wanted() {
     let folder = folder();
     scenario(folder.path(), &yaml(""), GRASP);
-    let large = format!("{}{}", yaml(""), format!("# {}\n", "a comment ".repeat(7_000_000)));
+    let large = format!("{}# {}\n", yaml(""), "a comment ".repeat(7_000_000));
     std::fs::write(folder.path().join("scenario.yaml"), large).expect("written");
     refused(folder.path(), &["info", "."], &["scenario.yaml", "64.0 MiB", "--large-files"]);
     let mut command = Command::cargo_bin("cranny").expect("the program");

@@ -2,6 +2,7 @@
 
 mod fixture;
 
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
@@ -23,7 +24,8 @@ fn arm() -> Arc<Robot> {
     ];
     for (index, (origin, axis)) in joints.into_iter().enumerate() {
         let (parent, child) = (index, index + 1);
-        urdf += &format!(
+        let _ = write!(
+            urdf,
             r#"<link name="l{child}"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>
 <joint name="j{child}" type="revolute"><parent link="l{parent}"/><child link="l{child}"/><origin xyz="{origin}"/>
 <axis xyz="{axis}"/><limit lower="-6.2832" upper="6.2832" velocity="1" effort="1"/></joint>"#

@@ -1,5 +1,7 @@
 //! Forward kinematics in lanes: as far from that in double precision as its bound says, for any robot.
 
+use std::fmt::Write as _;
+
 use cranny_robot::{LaneFrame, LaneKinematics, Robot, RobotOptions};
 use cranny_spatial::{LANES, LaneArray, Point, Stream, Vector, simd_level};
 use fearless_simd::dispatch;
@@ -26,7 +28,8 @@ fn random_chain(random: &mut Stream) -> Robot {
             _ => ("revolute", turn_rad, String::new()),
         };
         let parent = joint - 1;
-        urdf += &format!(
+        let _ = write!(
+            urdf,
             r#"<link name="l{joint}"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
 <joint name="j{joint}" type="{kind}"><parent link="l{parent}"/><child link="l{joint}"/>
 <origin xyz="{origin}" rpy="{turn}"/><axis xyz="{axis}"/>

@@ -1,6 +1,7 @@
 //! Scenarios with meshes whose windings cancel were opened as if there were nothing in them, and a path within an
 //! obstacle was proven. They are repaired, which is said, or refused.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -65,13 +66,13 @@ fn no_format_lets_windings_cancel() {
     for (index, triangle) in triangles.iter().enumerate() {
         stl += "facet normal 0 0 1\nouter loop\n";
         for corner in triangle {
-            stl += &format!("vertex {}\n", words(corner));
-            points += &format!("{}\n", words(corner));
+            let _ = writeln!(stl, "vertex {}", words(corner));
+            let _ = writeln!(points, "{}", words(corner));
         }
         stl += "endloop\nendfacet\n";
         let first = 3 * index;
-        faces += &format!("3 {} {} {}\n", first, first + 1, first + 2);
-        indices += &format!("{} {} {} ", first, first + 1, first + 2);
+        let _ = writeln!(faces, "3 {} {} {}", first, first + 1, first + 2);
+        let _ = write!(indices, "{} {} {} ", first, first + 1, first + 2);
     }
     stl += "endsolid s\n";
     let (count, corners) = (triangles.len(), 3 * triangles.len());
@@ -99,7 +100,7 @@ fn a_mesh_that_cannot_be_repaired_is_refused_with_its_file_and_a_hint() {
     // Without two of its faces, in both orientations.
     let open: Vec<&str> = text.lines().filter(|line| !["f 1 2 4", "f 4 2 1"].contains(line)).collect();
     let folder = with_mesh("m.obj", &open.join("\n"));
-    let faults = check(&folder.path().to_string_lossy());
+    let faults = check(&folder.path().to_string_lossy()).expect("a folder");
     let said = faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     assert!(said.contains("m.obj") && said.contains("hole") && said.contains("convex hull"), "{said}");
 }

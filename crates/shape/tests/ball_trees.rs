@@ -38,7 +38,9 @@ fn awkward_corners(random: &mut Stream) -> Vec<Point> {
     if random.index(2) == 0 {
         // Rounded as a file rounds.
         #[allow(clippy::cast_possible_truncation)]
-        corners.iter_mut().for_each(|corner| *corner = corner.map(|x| f64::from(x as f32)));
+        for corner in &mut corners {
+            *corner = corner.map(|x| f64::from(x as f32));
+        }
     }
     corners
 }

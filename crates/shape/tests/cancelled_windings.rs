@@ -87,7 +87,9 @@ fn doubled_and_turned_faces_do_not_cancel() {
     let mut apart = good.clone();
     for (index, triangle) in apart.iter_mut().enumerate() {
         // Vertices of no two triangles are equal, as in a mesh of a coarse text.
-        triangle.iter_mut().for_each(|corner| corner.x += 1e-8 * index as f64);
+        for corner in triangle.iter_mut() {
+            corner.x += 1e-8 * index as f64;
+        }
     }
     let [a, b, _] = good[0];
     for (said, mesh) in [

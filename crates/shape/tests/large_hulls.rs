@@ -33,7 +33,7 @@ fn points_inside_cost_a_hull_nothing_and_change_nothing() {
     let inside = (0..60_000).map(|_| Point::from(draw().normalize() * 0.08));
     let all: Vec<Point> = outside.iter().copied().chain(inside).collect();
     let (hull, expected) = (Solid::hull(&all).unwrap(), Solid::hull(&outside).unwrap());
-    assert_eq!(hull.bounding_points().unwrap().1, 0.0);
+    assert!(hull.bounding_points().unwrap().1 <= 0.0);
     holds_all(&hull, &all);
     let sorted = |solid: &Solid| {
         let mut points = solid.bounding_points().unwrap().0;
