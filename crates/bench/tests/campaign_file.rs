@@ -117,7 +117,7 @@ fn mistakes_are_named_with_file_and_line() {
         ("a setting out of range", WHOLE.replace("{p_goal: 0.05}", "{p_goal: 5}"), 4, "[0, 1]"),
         ("no planner at all", WHOLE.replace("    planner: ik-rrt\n", ""), 4, "one of `planner`"),
         ("an unknown criterion", WHOLE.replace("[exact, paper]", "[exact, papr]"), 11, "papr"),
-        ("a word for a number", WHOLE.replace("runs: 20", "runs: many"), 12, "invalid"),
+        ("a word for a number", WHOLE.replace("runs: 20", "runs: many"), 12, "whole number"),
         ("a truncated file", WHOLE.replace("time_limit_s: 900}", ""), 19, ""),
         ("a missing program", WHOLE.replace("[sh, planner.sh", "[./no/planner.sh, x"), 10, "no/planner.sh"),
         ("an empty file", String::new(), 1, ""),

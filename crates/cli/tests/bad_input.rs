@@ -163,7 +163,7 @@ fn way_points_and_flags_are_refused() {
     refuse(&["plan", "21"], &["did you mean 021?"]);
     // Nothing was checked, so this is no "no".
     refuse(&["scenario", "check", "999"], &["no built-in scenario '999'"]);
-    refuse(&["ik", "021", "--solutions", "0"], &["a count is a whole number, at least 1"]);
+    refuse(&["ik", "021", "--solutions", "0"], &["a whole number from 1 to 1000"]);
     refuse(&["plan", "021", "--planner", "magic"], &["magic", "ik-rrt"]);
     refuse(&["plan", "021", "--margin", "-1"], &["margin"]);
     refuse(&["plan", "021", "--margin=-1"], &["margin", "at least 0"]);

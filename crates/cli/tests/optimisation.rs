@@ -56,7 +56,7 @@ fn iterations_decide_the_path_and_each_improvement_is_a_line() {
 fn what_does_not_go_together_is_refused() {
     let folder = folder();
     for (flags, word) in [
-        (&["--optimise", "-1"][..], "positive"),
+        (&["--optimise", "-1"][..], "from 0 to"),
         (&["--optimise", "1", "--no-shortcut"], "cannot be used with"),
         (&["--optimise", "1", "--criterion", "paper"], "only a proven path"),
         (&["--optimise", "1", "--score-weight", "nan"], "no weight"),

@@ -217,7 +217,7 @@ fn faults_of_a_scene_name_file_and_line() {
     let cases = [
         ("[0.2, 0.4, 0.6]", "[0.2, 0.4]", "scene.yaml:18: object 'crate': 2 dimensions, but those of a box"),
         ("[0.2, 0.4, 0.6]", "[0.2, .nan, 0.6]", "scene.yaml:18: 'NaN' is not a finite number"),
-        ("[0.2, 0.4, 0.6]", "[0.2, 0, 0.6]", "scene.yaml:18: 'crate': each half extent"),
+        ("[0.2, 0.4, 0.6]", "[0.2, 0, 0.6]", "scene.yaml:18: 'crate': each side of a box"),
         (
             "[0.3, 0.05]",
             "[0.3, 0.05, 1]",

@@ -32,9 +32,12 @@ const DEEPEST: usize = 14;
 /// ([`crate::cut`]), for at most [`DEEPEST`] cuts.
 const SLACK_M: f64 = 1e-7;
 
-/// Cutting a piece takes time with the square of its corners. Of a hull with more, so many are chosen, and the
-/// balls grow by what the others stand out of their hull.
+/// Cutting a piece takes time with the square of its corners, so a hull with more is not cut as it is.
 const MOST_CORNERS: usize = 256;
+
+/// Of such a hull so many corners are chosen, and the balls grow by what the others stand out of their hull: some
+/// tenths of a millimetre.
+const CHOSEN_CORNERS: usize = 64;
 
 impl BallTree {
     /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
@@ -58,7 +61,8 @@ impl BallTree {
         // 1.
         let whole =
             || Some(Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] });
-        let Some((corners, standing_out_m)) = chosen(&points, MOST_CORNERS) else { return whole() };
+        let most = if points.len() > MOST_CORNERS { CHOSEN_CORNERS } else { MOST_CORNERS };
+        let Some((corners, standing_out_m)) = chosen(&points, most) else { return whole() };
         // All in one plane, or one point.
         let Ok(hull) = TriangleSoup::convex_hull(&corners) else { return whole() };
         let planes = hull.planes();

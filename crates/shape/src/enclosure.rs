@@ -173,6 +173,10 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
         if odd.is_empty() {
             let begin = u32::try_from(first_copies.len()).ok()?;
             let (mut of_run, first_of_run) = shells(&run).ok()?;
+            // A flat piece in two ways is closed too: what it is a piece of would be taken for nothing.
+            if of_run.iter().any(|shell| is_flat(&run, shell)) {
+                return None;
+            }
             for facet in of_run.iter_mut().flat_map(|shell| &mut shell.facets) {
                 facet.triangle += begin;
             }
@@ -213,6 +217,14 @@ fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<usize>> {
         around.find(|&outer| !surface(&shells[outer]).touches(&here, &surface(&shells[inner]), &here))
     };
     (0..shells.len()).map(wall_of).collect()
+}
+
+/// Whether a shell encloses no more than a sheet does.
+fn is_flat(soup: &TriangleSoup, shell: &Shell) -> bool {
+    /// A square with sides a thousand million times its thickness.
+    const SHEET: f64 = 1e-9;
+    let size_m = 2.0 * box_around(soup, &shell.facets).half_extents.max();
+    shell.volume_m3.abs() <= SHEET * size_m * size_m * size_m
 }
 
 fn box_around(soup: &TriangleSoup, facets: &[Facet]) -> Aabb {

@@ -199,12 +199,12 @@ fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &
         return None;
     }
     let contact = contact_support_map_support_map(&relative, &a.core, &b.core, radii)?;
-    // The depth along the normal that was found, read off both bodies: moved so far, they are apart.
+    // No deeper than along the normal that was found, read off both bodies: moved so far, they are apart.
     let direction = contact.normal1;
     let far_on_a = a.core.local_support_point(direction);
     let near_on_b = relative.rotation * b.core.local_support_point(relative.rotation.inverse() * -direction)
         + relative.translation;
-    let depth_m = radii + direction.dot(far_on_a - near_on_b);
+    let depth_m = radii + direction.dot(far_on_a - near_on_b).min(-contact.dist);
     let normal = parry::to_vector(direction);
     let on_a = parry::to_vector(contact.point1) + normal * a.radius_m;
     let middle: Vector = on_a - normal * (0.5 * depth_m);
