@@ -30,7 +30,7 @@ fn a_motion_past_a_plate_is_called_what_it_is() {
     let mut random = Stream::new(14, 0);
     let robot = ball();
     let (mut unresolved, mut contacts, mut proven) = (0, 0, 0);
-    for _ in 0..1500 {
+    for _ in 0..500 {
         let gap_m = random.uniform_between(-CONTACT_M, 3.0 * CONTACT_M);
         // A plate in any attitude; the ball passes over it, parallel to its upper side.
         let attitude = random.rotation();
@@ -67,5 +67,5 @@ fn a_motion_past_a_plate_is_called_what_it_is() {
             "{gap_m}"
         );
     }
-    assert!(proven > 300 && contacts > 300, "{proven} {contacts} {unresolved}");
+    assert!(proven > 100 && contacts > 100, "{proven} {contacts} {unresolved}");
 }
