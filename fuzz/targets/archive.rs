@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "archive");
+cranny_fuzz::fuzz_reader!("archive");

@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(bench, "campaign");
+cranny_fuzz::fuzz_reader!("campaign");

@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(bench, "exec_answer");
+cranny_fuzz::fuzz_reader!("exec_answer");

@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "grasps_csv");
+cranny_fuzz::fuzz_reader!("grasps_csv");

@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "moveit_request");
+cranny_fuzz::fuzz_reader!("moveit_request");

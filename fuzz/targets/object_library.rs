@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "object_library");
+cranny_fuzz::fuzz_reader!("object_library");

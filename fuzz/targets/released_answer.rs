@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(bench, "released_answer");
+cranny_fuzz::fuzz_reader!("released_answer");

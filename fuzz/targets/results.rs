@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(bench, "results");
+cranny_fuzz::fuzz_reader!("results");

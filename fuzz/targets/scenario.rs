@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "scenario");
+cranny_fuzz::fuzz_reader!("scenario");

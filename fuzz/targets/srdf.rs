@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "srdf");
+cranny_fuzz::fuzz_reader!("srdf");

@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "urdf");
+cranny_fuzz::fuzz_reader!("urdf");

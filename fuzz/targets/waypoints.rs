@@ -1,3 +1,3 @@
 #![no_main]
 
-cranny_fuzz::fuzz_reader!(scenario, "waypoints");
+cranny_fuzz::fuzz_reader!("waypoints");

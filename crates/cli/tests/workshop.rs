@@ -110,7 +110,7 @@ fn grasps_are_sampled_for_the_target_of_a_scenario() {
     assert_eq!(filtered["free"].as_u64(), Some(40), "{filtered}");
     refused(folder, &["grasps", "sample", "021", "--pose", "0"], &["--pose", "scenario"]);
     // A scenario of another robot: where its gripper opens to, no file says.
-    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenario/tests/file_readers/sound/robot/arm.urdf");
+    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/file_readers/sound/robot/arm.urdf");
     done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
     done(folder, &["scenario", "pack", "cell"]);
     assert_eq!(json(folder, &["info", "cell.zip"])["robot"], json(folder, &["info", "cell"])["robot"]);

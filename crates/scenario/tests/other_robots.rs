@@ -10,7 +10,7 @@ use cranny_scenario::{
 
 /// A small arm with its SRDF, limits and mesh, and a scenario beside it.
 fn sound(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/file_readers/sound").join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/file_readers/sound").join(file)
 }
 
 fn open(what: &Path) -> Scenario {

@@ -66,8 +66,8 @@ fn above_plane(solid: &Solid, common_from_solid: &Pose, common_from_plane: &Pose
     let down_in_solid = plane_from_solid.rotation.inverse_transform_vector(&-Vector::z());
     let lowest_in_solid = match solid.kind() {
         Kind::Mesh(mesh) => {
-            let height = |vertex: &&Point| vertex.coords.dot(&down_in_solid);
-            mesh.vertices().max_by(|m, n| height(m).total_cmp(&height(n))).copied()
+            let height = |vertex: &Point| vertex.coords.dot(&down_in_solid);
+            mesh.vertices().max_by(|m, n| height(m).total_cmp(&height(n)))
         }
         _ => solid.support_point(&down_in_solid),
     };

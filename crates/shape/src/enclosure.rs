@@ -1,29 +1,29 @@
+use std::cell::OnceCell;
 use std::collections::HashSet;
 
 use cranny_spatial::Point;
 
 use crate::backwards::wound_backwards;
-use crate::mesh::signed_solid_angle;
+use crate::mesh::TriangleTree;
 use crate::repair::merged;
 use crate::shell::{DEGENERATE, Facet, Shell, shells};
+use crate::walls::Walls;
 use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
 
 /// A mesh whose inside is well defined, whatever its file said of it.
 pub(crate) struct Enclosure {
     /// The triangles, normals outwards; of a mesh that needed no repair those of the file, in their order.
     pub soup: TriangleSoup,
-    /// What they enclose.
-    pub bodies: Vec<EnclosedBody>,
+    pub inside: Inside,
     pub repairs: MeshRepairs,
 }
 
-/// What a closed surface encloses, or the cavity that it is the wall of.
+/// What the triangles of a mesh enclose.
 #[derive(Clone, Debug)]
-pub(crate) struct EnclosedBody {
-    facets: Vec<Facet>,
-    aabb: Aabb,
-    /// In which body it is a cavity.
-    cavity_of: Option<usize>,
+pub(crate) struct Inside {
+    walls: Walls,
+    /// For each closed surface in which other it is the wall of a cavity.
+    cavity_of: Vec<Option<u32>>,
 }
 
 impl Enclosure {
@@ -87,44 +87,26 @@ impl Enclosure {
                 kept.triangles.push(if is_turned[triangle] { [a, c, b] } else { [a, b, c] });
             }
         }
-        let body = |(shell, cavity_of): (Shell, Option<usize>)| {
-            let mut facets = shell.facets;
-            let aabb = box_around(soup, &facets);
-            for facet in &mut facets {
-                facet.is_inward ^= is_turned[facet.triangle as usize];
-                facet.triangle = new_index[facet.triangle as usize];
-            }
-            EnclosedBody { facets, aabb, cavity_of }
+        let facets = |shell: Shell| {
+            let moved = |facet: Facet| Facet {
+                triangle: new_index[facet.triangle as usize],
+                is_inward: facet.is_inward != is_turned[facet.triangle as usize],
+            };
+            shell.facets.into_iter().map(moved).collect::<Vec<_>>()
         };
-        let bodies = found.into_iter().zip(cavities).map(body).collect();
-        Ok(Self { soup: kept, bodies, repairs })
+        let facets: Vec<Vec<Facet>> = found.into_iter().map(facets).collect();
+        let walls = Walls::new(kept.triangles.len(), facets.iter().map(Vec::as_slice));
+        Ok(Self { soup: kept, inside: Inside { walls, cavity_of: cavities }, repairs })
     }
 }
 
-impl EnclosedBody {
-    /// Whether a point is in one of the bodies, and in no cavity of it, by the winding number of each (Jacobson
-    /// et al. 2013).
-    pub fn any_contains(bodies: &[Self], corners: &[[Point; 3]], point: &Point) -> bool {
-        let is_in_cavity = |of: usize| {
-            bodies.iter().any(|body| body.cavity_of == Some(of) && body.surrounds(corners, point))
-        };
-        let mut full = bodies.iter().enumerate().filter(|(_, body)| body.cavity_of.is_none());
-        full.any(|(index, body)| body.surrounds(corners, point) && !is_in_cavity(index))
+impl Inside {
+    /// Whether a point is in one of the bodies, and in no cavity of it.
+    pub fn contains(&self, tree: &TriangleTree, corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
+        let around = self.walls.around(tree, corners, point, None);
+        let is_cavity_of = |body: u32| around.iter().any(|shell| self.cavity_of[*shell as usize] == Some(body));
+        around.iter().any(|body| self.cavity_of[*body as usize].is_none() && !is_cavity_of(*body))
     }
-
-    fn surrounds(&self, corners: &[[Point; 3]], point: &Point) -> bool {
-        let at = |triangle: u32| corners[triangle as usize];
-        self.aabb.contains(point) && winds_around(&self.facets, at, point)
-    }
-}
-
-/// Whether a closed surface winds around a point, whichever way.
-pub(crate) fn winds_around(facets: &[Facet], corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
-    let signed = |facet: &Facet| {
-        let solid_angle = signed_solid_angle(&corners(facet.triangle), point);
-        if facet.is_inward { -solid_angle } else { solid_angle }
-    };
-    facets.iter().map(signed).sum::<f64>().abs() > std::f64::consts::TAU
 }
 
 /// The shells, the first copy of each triangle, and how many vertices had to be merged to find them.
@@ -191,32 +173,58 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
 }
 
 /// For each shell in which other it is a cavity, if in any.
-fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<usize>> {
+fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
     let all = |shell: &Shell, is_inward: bool| {
         shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
     };
+    let is_outer: Vec<bool> = shells.iter().map(|shell| all(shell, false)).collect();
+    let mut cavity_of = vec![None; shells.len()];
+    if shells.len() < 2 || !shells.iter().any(|shell| all(shell, true)) {
+        return cavity_of;
+    }
     let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
-    let outer: Vec<usize> = (0..shells.len()).filter(|&shell| all(&shells[shell], false)).collect();
-    let surface = |shell: &Shell| {
-        let triangles = shell.facets.iter().map(|facet| soup.triangles[facet.triangle as usize]);
-        Surface::of_checked(&TriangleSoup { vertices: soup.vertices.clone(), triangles: triangles.collect() })
+    let nest = Nest::new(soup, shells);
+    let built: Vec<OnceCell<Surface>> = vec![OnceCell::new(); shells.len()];
+    let surface = |shell: usize| {
+        let corners = |facet: &Facet| soup.corners(facet.triangle as usize);
+        built[shell].get_or_init(|| Surface::of_corners(shells[shell].facets.iter().map(corners).collect()))
     };
-    let corners = |triangle: u32| soup.corners(triangle as usize);
-    let wall_of = |inner: usize| {
-        if !all(&shells[inner], true) {
-            return None;
-        }
-        let witness = corners(shells[inner].facets[0].triangle)[0];
-        let contains_all = |&outer: &usize| {
-            boxes[outer].contains(&boxes[inner].low())
-                && boxes[outer].contains(&boxes[inner].high())
-                && winds_around(&shells[outer].facets, corners, &witness)
+    for (inner, _) in shells.iter().enumerate().filter(|(_, shell)| all(shell, true)) {
+        let mut around = nest.around(inner);
+        around.sort_unstable();
+        let contains_box = |&outer: &u32| {
+            let outer = &boxes[outer as usize];
+            outer.contains(&boxes[inner].low()) && outer.contains(&boxes[inner].high())
         };
-        let mut around = outer.iter().copied().filter(contains_all);
         let here = cranny_spatial::Pose::identity();
-        around.find(|&outer| !surface(&shells[outer]).touches(&here, &surface(&shells[inner]), &here))
-    };
-    (0..shells.len()).map(wall_of).collect()
+        let mut around = around.into_iter().filter(|&outer| is_outer[outer as usize]).filter(contains_box);
+        cavity_of[inner] =
+            around.find(|&outer| !surface(outer as usize).touches(&here, surface(inner), &here));
+    }
+    cavity_of
+}
+
+/// Closed surfaces, each of which may be around others.
+pub(crate) struct Nest<'a> {
+    soup: &'a TriangleSoup,
+    shells: &'a [Shell],
+    tree: TriangleTree,
+    walls: Walls,
+}
+
+impl<'a> Nest<'a> {
+    pub fn new(soup: &'a TriangleSoup, shells: &'a [Shell]) -> Self {
+        let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        let walls = Walls::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
+        Self { soup, shells, tree: TriangleTree::new(&corners), walls }
+    }
+
+    /// The shells around a shell, by one of its corners.
+    pub fn around(&self, shell: usize) -> Vec<u32> {
+        let corners = |triangle: u32| self.soup.corners(triangle as usize);
+        let witness = corners(self.shells[shell].facets[0].triangle)[0];
+        self.walls.around(&self.tree, corners, &witness, u32::try_from(shell).ok())
+    }
 }
 
 /// Whether a shell encloses no more than a sheet does.

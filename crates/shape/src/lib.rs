@@ -50,6 +50,7 @@ mod stable_pose;
 mod stl;
 mod surface;
 mod tessellation;
+mod walls;
 
 pub use area::{AreaDistribution, SurfacePoint};
 pub use ball_tree::{BallNode, BallTree};

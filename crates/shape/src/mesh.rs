@@ -1,13 +1,13 @@
 use std::collections::HashMap;
 
 use cranny_spatial::{Point, Vector};
-use parry3d_f64::bounding_volume::Aabb as ParryAabb;
+use parry3d_f64::bounding_volume::{Aabb as ParryAabb, BoundingVolume};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
-use parry3d_f64::query::Ray;
+use parry3d_f64::query::{Ray, RayCast};
 
 use crate::convex::{Convex, Core};
 use crate::disjoint_sets::DisjointSets;
-use crate::enclosure::{EnclosedBody, Enclosure};
+use crate::enclosure::{Enclosure, Inside};
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.
@@ -15,10 +15,8 @@ use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 pub(crate) struct Mesh {
     triangles: Vec<Convex>,
     balls: Vec<Ball>,
-    corners: Vec<[Point; 3]>,
     tree: TriangleTree,
-    aabb: Aabb,
-    bodies: Vec<EnclosedBody>,
+    inside: Inside,
     witnesses: Vec<Point>,
     repairs: MeshRepairs,
 }
@@ -27,14 +25,13 @@ impl Mesh {
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`].
     pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
-        let Enclosure { soup, bodies, repairs } = Enclosure::of(soup)?;
+        let Enclosure { soup, inside, repairs } = Enclosure::of(soup)?;
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let triangles = corners.iter().map(triangle).collect();
         let balls = corners.iter().map(|t| Bounds::around(&t.map(|corner| (corner, 0.0))).ball).collect();
         let tree = TriangleTree::new(&corners);
-        let aabb = Aabb::around(corners.iter().flatten(), 0.0);
         let witnesses = one_vertex_per_body(&soup);
-        Ok(Self { triangles, balls, corners, tree, aabb, bodies, witnesses, repairs })
+        Ok(Self { triangles, balls, tree, inside, witnesses, repairs })
     }
 
     /// What was done to the file's triangles.
@@ -57,8 +54,9 @@ impl Mesh {
         &self.balls
     }
 
-    pub fn vertices(&self) -> impl Iterator<Item = &Point> {
-        self.corners.iter().flatten()
+    /// The corners of all triangles.
+    pub fn vertices(&self) -> impl Iterator<Item = Point> {
+        self.triangles.iter().flat_map(corners)
     }
 
     /// The triangles whose boxes meet `region`, which is given in the mesh's frame.
@@ -68,7 +66,7 @@ impl Mesh {
 
     /// Whether the volume contains `point` (mesh frame): bodies that touch or overlap are all full.
     pub fn contains(&self, point: &Point) -> bool {
-        self.aabb.contains(point) && EnclosedBody::any_contains(&self.bodies, &self.corners, point)
+        self.inside.contains(&self.tree, |triangle| corners(&self.triangles[triangle as usize]), point)
     }
 }
 
@@ -83,6 +81,13 @@ pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
 
 fn triangle(corners: &[Point; 3]) -> Convex {
     Convex::sharp(Core::Triangle(corners.map(|corner| parry::point(&corner))))
+}
+
+fn corners(triangle: &Convex) -> [Point; 3] {
+    match triangle.core {
+        Core::Triangle(corners) => corners.map(|p| Point::new(p.x, p.y, p.z)),
+        _ => unreachable!("a mesh is made of triangles"),
+    }
 }
 
 pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
@@ -141,6 +146,22 @@ impl TriangleTree {
     pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
         let region = BvhNode::leaf(parry_box(region), 0);
         self.tree.leaves(move |node| node.intersects(&region))
+    }
+
+    /// The triangles whose boxes a segment meets, and perhaps some by whose boxes it passes within rounding.
+    pub fn along_segment(&self, from: &Point, to: &Point) -> impl Iterator<Item = u32> {
+        let ray = Ray::new(parry::point(from), parry::vector(&(to - from)));
+        let rounding_m = 1e-12 * from.coords.amax().max(to.coords.amax());
+        let grown = move |node: &BvhNode| node.aabb().loosened(rounding_m);
+        self.tree.leaves(move |node| grown(node).cast_local_ray(&ray, 1.0, true).is_some())
+    }
+
+    /// A distance from the point beyond which there is no triangle, in metres; `None` if none is as near as the box
+    /// around all.
+    pub fn reach_from(&self, point: &Point) -> Option<f64> {
+        let around = self.tree.root_aabb();
+        let size_m = (around.maxs - around.mins).length();
+        around.contains_local_point(parry::point(point)).then_some(2.0 * size_m)
     }
 
     /// Calls `visit` with each triangle whose box a ray meets within `reach_m`, in a fixed order.

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use cranny_spatial::Point;
 
-use crate::enclosure::winds_around;
+use crate::enclosure::Nest;
 use crate::mesh::check_indices;
 use crate::self_crossing::shallow_crossings;
 use crate::shell::shells;
@@ -132,13 +132,9 @@ fn orient(soup: &mut TriangleSoup) -> Result<usize, ShapeError> {
         return Err(ShapeError::OneSided { faces: shared });
     }
     let mut turned = Vec::new();
+    let nest = Nest::new(soup, &bodies);
     for (index, body) in bodies.iter().enumerate() {
-        let witness = soup.corners(body.facets[0].triangle as usize)[0];
-        let around = bodies.iter().enumerate().filter(|(other, shell)| {
-            *other != index
-                && winds_around(&shell.facets, |triangle| soup.corners(triangle as usize), &witness)
-        });
-        let is_cavity = around.count() % 2 == 1;
+        let is_cavity = nest.around(index).len() % 2 == 1;
         turned.extend(body.facets.iter().filter(|facet| facet.is_inward != is_cavity).map(|f| f.triangle));
     }
     for &triangle in &turned {

@@ -176,7 +176,7 @@ impl Solid {
     pub fn bounding_points(&self) -> Option<(Vec<Point>, f64)> {
         match &self.kind {
             Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
-            Kind::Mesh(mesh) => Some((mesh.vertices().copied().collect(), 0.0)),
+            Kind::Mesh(mesh) => Some((mesh.vertices().collect(), 0.0)),
             Kind::HalfSpace => None,
         }
     }

@@ -35,7 +35,10 @@ impl Surface {
     }
 
     pub(crate) fn of_checked(soup: &TriangleSoup) -> Self {
-        let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        Self::of_corners((0..soup.triangles.len()).map(|t| soup.corners(t)).collect())
+    }
+
+    pub(crate) fn of_corners(corners: Vec<[Point; 3]>) -> Self {
         let aabb = Aabb::around(corners.iter().flatten(), 0.0);
         let boxes = corners.iter().map(|triangle| Aabb::around(triangle, 0.0)).collect();
         let normal =

@@ -27,7 +27,7 @@ impl Solid {
             }
             Outline::Other => {
                 if let Kind::Mesh(mesh) = self.kind() {
-                    return TriangleSoup::from_corners(mesh.vertices().copied()).ok();
+                    return TriangleSoup::from_corners(mesh.vertices()).ok();
                 }
                 let (points, _) = self.bounding_points()?;
                 TriangleSoup::convex_hull(&points).ok()

@@ -1,9 +1,14 @@
-//! The ways in for files from outside. The fuzz targets (`fuzz/`) and `any_bytes.rs` both feed them with what
-//! is no sound file; a reader may refuse it, but must come back.
+//! The ways in for what comes from outside: files, the answers of other people's programs, questions to a page. The
+//! fuzz targets (`fuzz/`) and `any_bytes.rs` both feed them with what is not sound; a reader may refuse it, but must
+//! come back.
+
+mod asked_page;
+mod stored_results;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use cranny_bench::{Campaign, read_output, read_released};
 use cranny_grasp::check_csv;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
@@ -28,7 +33,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All of them.
-pub const FILE_READERS: [FileReader; 20] = [
+pub const FILE_READERS: [FileReader; 25] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
@@ -66,6 +71,15 @@ pub const FILE_READERS: [FileReader; 20] = [
         let _ = ObjectType::read_folder(&folder.join("object"));
     }),
     reader("folder", "folder.txt", read_folder),
+    reader("campaign", "campaign.yaml", |folder| {
+        let _ = Campaign::read(&folder.join("campaign.yaml"));
+    }),
+    reader("exec_answer", "answer.json", |folder| {
+        let _ = read_output(&fs::read(folder.join("answer.json")).unwrap_or_default(), 2);
+    }),
+    reader("released_answer", "trial.txt", read_released_answer),
+    reader("results", "results.changes", stored_results::read),
+    reader("question", "question.json", asked_page::ask),
 ];
 
 /// A whole folder: each of its files begins with a line `=== name`.
@@ -88,6 +102,17 @@ fn read_folder(folder: &Path) {
     let _ = check_folder(&whole);
     let _ = pack(&whole, &folder.join("whole.zip"), &Credits::default());
     let _ = fs::remove_dir_all(&whole);
+}
+
+/// The summary, and after a line `===` the way points.
+fn read_released_answer(folder: &Path) {
+    let both = fs::read(folder.join("trial.txt")).unwrap_or_default();
+    let separator = b"===\n";
+    let at = both.windows(separator.len()).position(|window| window == separator);
+    let (summary, path) = at.map_or((&both[..], &b""[..]), |at| (&both[..at], &both[at + separator.len()..]));
+    fs::write(folder.join("answer.txt"), summary).expect("a file to read");
+    fs::write(folder.join("answer.try"), path).expect("a file to read");
+    let _ = read_released(&folder.join("answer"), 2);
 }
 
 fn read_robot(folder: &Path) {

@@ -1,0 +1,43 @@
+use std::fs;
+use std::future::pending;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::{OnceLock, mpsc};
+use std::thread;
+
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_view::{PageData, PageLimits, PageServer, PageSettings, page_cell};
+
+/// Asks the page of a built-in scenario what the file holds, over the connection that a browser would use. The server
+/// runs until the program ends.
+pub fn ask(folder: &Path) {
+    static ADDRESS: OnceLock<String> = OnceLock::new();
+    let url = ADDRESS.get_or_init(serve);
+    let question = fs::read(folder.join("question.json")).unwrap_or_default();
+    let (host, token) = url.split_once('/').expect("an address and a token");
+    let head = format!(
+        "POST /{token}verdict HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n",
+        question.len()
+    );
+    let mut stream = TcpStream::connect(host).expect("it listens");
+    // What is too long is refused before all of it is read.
+    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&question));
+    let mut answer = Vec::new();
+    if stream.read_to_end(&mut answer).is_ok() {
+        assert!(answer.starts_with(b"HTTP/1.1 "), "{}", String::from_utf8_lossy(&answer));
+    }
+}
+
+/// Starts the server and returns where it is: `host:port/token/`.
+fn serve() -> String {
+    let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
+    let cell = page_cell(&scenario).expect("a cell");
+    let page = PageData::of(&scenario, &[], &cell, PageSettings::default()).expect("a page");
+    let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
+    let url = server.url();
+    let (tell, ready) = mpsc::channel();
+    thread::spawn(move || server.serve(&page, cell, pending(), || tell.send(()).expect("somebody waits")));
+    ready.recv().expect("it is ready");
+    url.strip_prefix("http://").expect("an address").to_owned()
+}
