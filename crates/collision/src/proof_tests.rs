@@ -181,3 +181,33 @@ fn an_end_outside_the_limits_is_named() {
     let motion = cell.motion_is_free(&[0.0; 4], &[0.0, 0.0, 2.6, 0.0], &mut cell.scratch());
     assert_eq!(motion, Motion::OutOfLimits { joint: 2 });
 }
+
+/// What is measured does not rest on what a proof rests on: tables of another world let the proof through, and the
+/// measurement contradicts it.
+#[test]
+fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
+    let robot = arm();
+    let mut random = Stream::new(11, 0);
+    let mut contradicted = 0;
+    for _ in 0..200 {
+        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let at = random.uniform_between(0.2, 0.8);
+        let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
+        let mut elsewhere = plate.clone();
+        elsewhere.parts[0].world_from_solid.translation.x += 50.0;
+        let sound = cell(&robot, vec![elsewhere], 0.0);
+        let mut wrong = cell(&robot, vec![plate], 0.0);
+        let mut scratch = wrong.scratch();
+        if sound.motion_is_free(&a, &b, &mut sound.scratch()) != Motion::Proven || !wrong.contacts(&a, &mut scratch).is_empty() {
+            continue;
+        }
+        wrong.lanes = sound.lanes;
+        if wrong.motion_is_free(&a, &b, &mut scratch) == Motion::Proven {
+            let (place, contact) = wrong.measure_motion(&a, &b, &mut scratch).contradiction.expect("the plate");
+            assert!(wrong.contacts(&between(&a, &b, place), &mut scratch).contains(&contact));
+            assert!(contact.clearance_m < cranny_spatial::CONTACT_M);
+            contradicted += 1;
+        }
+    }
+    assert!(contradicted > 20, "{contradicted}");
+}
