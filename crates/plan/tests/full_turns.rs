@@ -7,12 +7,17 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{Budget, Goal, Outcome, Problem, ShortcutSettings, Unobserved, planner, shortcut, verify};
+use cranny_plan::{Budget, Goal, Outcome, Problem, ShortcutSettings, Unobserved, audit, planner, shortcut};
 use cranny_robot::{Robot, RobotOptions};
 use fixture::block;
 
 /// An arm of six joints that turn by 2π either way, as many arms of today do.
 fn arm() -> Arc<Robot> {
+    arm_of(r#"type="revolute""#, r#"lower="-6.2832" upper="6.2832""#)
+}
+
+/// An arm of six joints of this type and these limits.
+fn arm_of(kind: &str, range: &str) -> Arc<Robot> {
     let mut urdf = String::from(r#"<robot name="six"><link name="l0"/>"#);
     let joints = [
         ("0 0 0.1", "0 0 1"),
@@ -27,8 +32,8 @@ fn arm() -> Arc<Robot> {
         let _ = write!(
             urdf,
             r#"<link name="l{child}"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>
-<joint name="j{child}" type="revolute"><parent link="l{parent}"/><child link="l{child}"/><origin xyz="{origin}"/>
-<axis xyz="{axis}"/><limit lower="-6.2832" upper="6.2832" velocity="1" effort="1"/></joint>"#
+<joint name="j{child}" {kind}><parent link="l{parent}"/><child link="l{child}"/><origin xyz="{origin}"/>
+<axis xyz="{axis}"/><limit {range} velocity="1" effort="1"/></joint>"#
         );
     }
     urdf += r#"<link name="tip"/><joint name="t" type="fixed"><parent link="l6"/><child link="tip"/><origin xyz="0 0.08 0"/></joint></robot>"#;
@@ -39,13 +44,16 @@ const START: [f64; 6] = [0.0, -1.2, 1.6, -0.4, 0.3, 0.2];
 
 /// To hold what the arm holds at `q`, near an obstacle.
 fn problem(q: &[f64]) -> Problem {
-    let robot = arm();
+    problem_of(arm(), START, q)
+}
+
+fn problem_of(robot: Arc<Robot>, start: [f64; 6], q: &[f64]) -> Problem {
     let mut frames = robot.frames();
     robot.forward_kinematics(q, &mut frames);
     let grasp = Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None };
     let world = World::new(vec![block("post", [0.45, 0.35, 0.5], [0.03, 0.03, 0.3])]).expect("a good pose");
     let goal = Goal::Grasps(GraspSet::new(vec![grasp]).expect("a good pose"));
-    Problem::exact(robot, world, None, START.to_vec(), goal, Margins::default()).expect("a good problem")
+    Problem::exact(robot, world, None, start.to_vec(), goal, Margins::default()).expect("a good problem")
 }
 
 /// From the least to the greatest value of a joint along a path.
@@ -66,7 +74,7 @@ fn no_goal_is_more_than_half_a_turn_away() {
             assert_eq!(found.outcome, Outcome::Solved);
             let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
             let path = shortcut(&problem, &found.path, settings).expect("proven").path;
-            assert!(verify(&problem, &path).expect("a path").valid);
+            assert!(audit(&problem, &path).expect("a path").valid);
             let end = path.last().expect("a path");
             for (joint, (end, start)) in end.iter().zip(START).enumerate() {
                 let half = std::f64::consts::PI + 1e-9;
@@ -90,5 +98,28 @@ fn a_path_that_winds_is_turned_back() {
     }
     let path = shortcut(&problem, &path, ShortcutSettings::default()).expect("exact").path;
     assert!(turned(&path, 0) < 0.5, "{path:?}");
-    assert!(verify(&problem, &path).expect("a path").valid);
+    assert!(audit(&problem, &path).expect("a path").valid);
+}
+
+/// A joint without limits goes on past a full turn where that is the short way.
+#[test]
+fn continuous_joints_wrap() {
+    let mut start = START;
+    start[0] = 6.2;
+    start[4] = -6.1;
+    let problem = problem_of(arm_of(r#"type="continuous""#, ""), start, &[1.3, -0.6, 1.0, -0.6, -0.2, 0.4]);
+    let mut beyond = 0;
+    for seed in 0..10 {
+        let found = planner("reach").expect("a planner");
+        let found = found.plan(&problem, &Budget::default(), seed, &mut Unobserved).expect("a good problem");
+        assert_eq!(found.outcome, Outcome::Solved);
+        let path = shortcut(&problem, &found.path, ShortcutSettings::default()).expect("proven").path;
+        assert!(audit(&problem, &path).expect("a path").valid);
+        let (first, last) = (&path[0], &path[path.len() - 1]);
+        assert!(
+            last.iter().zip(first).all(|(end, start)| (end - start).abs() <= std::f64::consts::PI + 1e-9)
+        );
+        beyond += usize::from(path.iter().flatten().any(|value| value.abs() > std::f64::consts::TAU));
+    }
+    assert!(beyond > 3, "{beyond} of 10 paths go past a full turn");
 }

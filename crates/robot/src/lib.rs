@@ -26,12 +26,13 @@
 //!
 //! ## Limits
 //! At most [`MAX_LINKS`] links and joints. Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
-//! are revolute joints with limits of ±2π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, textures,
+//! are revolute joints with limits of ±3π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, textures,
 //! transmissions, safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and
 //! sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
 //! Inverse kinematics is numerical: it may miss a solution that exists, and proves nothing by finding none.
 
 mod assembly;
+mod derived;
 mod error;
 mod frame_error;
 mod full_turn;

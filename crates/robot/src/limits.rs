@@ -1,13 +1,14 @@
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
 use crate::{Location, RobotError};
 
-/// The limits of a continuous joint are minus and plus this, in radians: one full turn either way, so that
-/// from any start in ±π every motion of up to half a turn stays inside, and cables are not wound up for ever.
-pub const CONTINUOUS_LIMIT_RAD: f64 = std::f64::consts::TAU;
+/// The limits of a continuous joint are minus and plus this, in radians: one and a half turns either way, so that from
+/// any start within a full turn the nearest way to every other angle stays inside, and cables are not wound up for ever.
+pub const CONTINUOUS_LIMIT_RAD: f64 = 3.0 * std::f64::consts::PI;
 
 /// What a joint of the group may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,22 @@ pub enum JointUnit {
     Metre,
     /// A revolute joint.
     Radian,
+}
+
+impl JointUnit {
+    /// Its symbol: "m" or "rad".
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Radian => "rad",
+        }
+    }
+}
+
+impl fmt::Display for JointUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.symbol())
+    }
 }
 
 /// A joint value outside its limits.
