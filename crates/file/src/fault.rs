@@ -1,5 +1,8 @@
 use std::io;
 
+/// What lifts a limit, for messages: on the command line, and in Python.
+pub const LIFTED_BY: &str = "--large-files, or lift_file_limits() in Python,";
+
 /// Why a file is not read. It comes as the reason of an [`io::Error`], so that each reader says it with the name of
 /// the file in its own error.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -22,7 +25,7 @@ pub enum FileFault {
     },
     /// The file is larger than what its kind may be.
     #[error(
-        "{what} may hold at most {}, but this one holds {} (--large-files lifts this limit)",
+        "{what} may hold at most {}, but this one holds {} ({LIFTED_BY} lifts this limit)",
         mebibytes(*most),
         size.map_or_else(|| "more".to_owned(), mebibytes)
     )]

@@ -18,6 +18,6 @@ mod opener;
 mod text;
 
 pub use excerpt::{excerpt, visible};
-pub use fault::FileFault;
+pub use fault::{FileFault, LIFTED_BY};
 pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
 pub use text::{TextFault, json, yaml};

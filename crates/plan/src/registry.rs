@@ -37,6 +37,7 @@ pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn
                 known,
             });
         };
+        check_kind(name, setting, place, value)?;
         check_range(name, setting, value)?;
         place.clone_from(value);
     }
@@ -50,6 +51,24 @@ pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn
 fn read<T: DeserializeOwned>(planner: &str, settings: Map<String, Value>) -> Result<T, PlanError> {
     serde_json::from_value(Value::Object(settings))
         .map_err(|reason| PlanError::Setting { planner: planner.to_owned(), problem: reason.to_string() })
+}
+
+/// A setting is of the kind of its default.
+fn check_kind(planner: &str, setting: &str, default: &Value, value: &Value) -> Result<(), PlanError> {
+    let kind = |value: &Value| match value {
+        Value::Number(number) if number.is_u64() => "a whole number, at least 0",
+        Value::Number(_) => "a number",
+        Value::Bool(_) => "true or false",
+        Value::String(_) => "a name",
+        Value::Null | Value::Array(_) | Value::Object(_) => "",
+    };
+    let expected = kind(default);
+    // A number may be whole.
+    if expected == kind(value) || (expected == "a number" && value.is_number()) || expected.is_empty() {
+        return Ok(());
+    }
+    let problem = format!("'{setting}' is {value}, but must be {expected}");
+    Err(PlanError::Setting { planner: planner.to_owned(), problem })
 }
 
 /// Probabilities (`p_…`) lie in [0, 1]; whatever else is a number is above 0, and a growth has but so many looks.
@@ -114,7 +133,13 @@ mod tests {
         assert!(message.contains("'p_goal' is 1.5") && message.contains("[0, 1]"), "{message}");
         assert!(fault("reach", serde_json::json!({"looks": 17})).contains("at most 16"));
         assert!(fault("reach", serde_json::json!({"step": 0})).contains("above 0"));
-        assert!(fault("j-plus-rrt", serde_json::json!({"step_m": "far"})).contains("invalid type"));
+        assert!(
+            fault("j-plus-rrt", serde_json::json!({"step_m": "far"}))
+                .contains("\"far\", but must be a number")
+        );
+        assert!(
+            fault("reach", serde_json::json!({"looks": 2.5})).contains("2.5, but must be a whole number")
+        );
         assert!(fault("j-plus-rrt", serde_json::json!({"choice": "best"})).contains("by-score"));
         assert!(fault("nobody", serde_json::json!({})).contains("nobody"));
     }
