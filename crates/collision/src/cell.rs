@@ -9,10 +9,10 @@ use crate::clearance::Margins;
 use crate::contact::{Collider, Contact};
 use crate::lane_scratch::LaneScratch;
 use crate::lanes::Lanes;
-use crate::link_body::{LinkBody, group_separation};
+use crate::link_body::{LinkBody, group_reaches, group_separation};
 use crate::motion::WorkList;
 use crate::part_tree::PartTree;
-use crate::self_pairs::SelfPairs;
+use crate::robot_body::RobotBody;
 use crate::travel::{Travel, shared_joints};
 use crate::unchecked::Unchecked;
 use crate::world::{Part, World};
@@ -23,7 +23,7 @@ pub struct Cell {
     robot: Arc<Robot>,
     world: World,
     margins: Margins,
-    pub(crate) bodies: Vec<LinkBody>,
+    pub(crate) bodies: Arc<[LinkBody]>,
     parts: Vec<(usize, Part)>,
     tree: PartTree,
     /// First those of links with parts, then those of links with links.
@@ -106,7 +106,8 @@ impl Cell {
         margins: Margins,
         asked_for: Vec<(usize, usize)>,
     ) -> Self {
-        let bodies = LinkBody::all(&robot);
+        let body = RobotBody::of(&robot);
+        let bodies = body.links.clone();
         let parts: Vec<(usize, Part)> = world
             .bodies()
             .iter()
@@ -129,13 +130,13 @@ impl Cell {
             let required_m = pairs[begin..].iter().map(|pair| pair.required_m).fold(0.0, f64::max);
             part_pairs.push(PartPairs { body: first, begin, required_m });
         }
-        let SelfPairs { checked, always_touching } = SelfPairs::of(&robot, &bodies, &asked_for);
+        let (checked, always_touching) = body.self_pairs.split(&bodies, &asked_for);
         for (first, second) in checked {
             let shared_joints = shared_joints(&robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
             pairs.push(Pair { first, second, required_m: margins.between_links() });
         }
-        let lanes = Lanes::new(&robot, &bodies, &parts, &tree, &pairs);
+        let lanes = Lanes::new(&robot, &body, &parts, &tree, &pairs);
         let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
         unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, &parts));
         Self { robot, world, margins, bodies, parts, tree, pairs, part_pairs, unchecked, asked_for, lanes }
@@ -289,7 +290,7 @@ impl Cell {
                 clearance_m: gap.lower_m,
                 required_m: pair.required_m,
                 depth_m: 0.0,
-                point: world_from_link * body.bounds.ball.center,
+                point: None,
             })
         })
     }
@@ -372,7 +373,7 @@ impl Cell {
             clearance_m,
             required_m: pair.required_m,
             depth_m: deepest.map_or(0.0, |o| o.depth_m),
-            point: deepest.map_or(frames.link(first.link) * first.bounds.ball.center, |o| o.point),
+            point: deepest.map(|o| o.point),
         }
     }
 
@@ -385,7 +386,19 @@ impl Cell {
 
     pub(crate) fn keeps_distance(&self, pair: &Pair, frames: &LinkFrames) -> bool {
         self.quick_bound(pair, frames, pair.required_m) > pair.required_m
-            || self.distance(pair, frames, pair.required_m).lower_m >= pair.required_m
+            || self.reaches(pair, frames, pair.required_m)
+    }
+
+    /// Whether the pair's distance is certified to reach `distance_m`.
+    fn reaches(&self, pair: &Pair, frames: &LinkFrames, distance_m: f64) -> bool {
+        let first = self.placed(pair.first, frames);
+        match pair.second {
+            Other::Link { body, .. } => group_reaches(first, &self.placed(body, frames), distance_m),
+            Other::Part(index) => {
+                let part = &self.parts[index].1;
+                group_reaches(first, &std::iter::once((part.world_from_solid, &part.solid)), distance_m)
+            }
+        }
     }
 
     /// A lower bound of the pair's distance (m) from two balls, and two boxes where the balls do not show

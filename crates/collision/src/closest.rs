@@ -13,8 +13,9 @@ pub struct Closest {
     pub second: Collider,
     /// Their distance in metres, certified from below; negative for how deep they overlap.
     pub distance_m: f64,
-    /// The nearest points of the two, in the planning frame; the same point twice in the overlap.
-    pub points: [Point; 2],
+    /// The nearest points of the two, in the planning frame; the same point twice in the overlap. `None` where they
+    /// touch without one.
+    pub points: Option<[Point; 2]>,
 }
 
 impl Cell {
@@ -44,9 +45,7 @@ impl Cell {
         let pair = nearest?;
         let first = Collider::Link(self.bodies[pair.first].link);
         let second = self.other(pair);
-        let middle =
-            || scratch.frames.link(self.bodies[pair.first].link) * self.bodies[pair.first].bounds.ball.center;
-        let points = self.nearest_points(pair, scratch).unwrap_or_else(|| [middle(); 2]);
+        let points = self.nearest_points(pair, scratch);
         Some(Closest { first, second, distance_m: least_m, points })
     }
 
@@ -54,7 +53,7 @@ impl Cell {
         let contacts = self.contacts(q, scratch);
         let Contact { first, second, depth_m, point, .. } =
             contacts.into_iter().max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))?;
-        Some(Closest { first, second, distance_m: 0.0 - depth_m, points: [point; 2] })
+        Some(Closest { first, second, distance_m: 0.0 - depth_m, points: point.map(|point| [point; 2]) })
     }
 
     fn nearest_points(&self, pair: &Pair, scratch: &Scratch) -> Option<[Point; 2]> {

@@ -22,6 +22,6 @@ pub struct Contact {
     pub required_m: f64,
     /// How deep they overlap, in metres; 0 where they only come too close.
     pub depth_m: f64,
-    /// Where, in the planning frame: a point in the overlap, or the middle of the link.
-    pub point: Point,
+    /// A point in the overlap, in the planning frame; `None` where they only come too close.
+    pub point: Option<Point>,
 }

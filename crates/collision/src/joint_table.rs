@@ -1,9 +1,11 @@
+use std::sync::Arc;
+
 use cranny_robot::{JointLimits, LinkFrames, Robot};
 use cranny_shape::overlap;
 use cranny_spatial::ROUNDING_M;
 
 use crate::cell::{Other, Pair};
-use crate::link_body::{LinkBody, group_separation};
+use crate::link_body::{LinkBody, group_reaches};
 use crate::single_lane::Verdict;
 use crate::travel::Travel;
 
@@ -20,7 +22,7 @@ pub(crate) struct JointTable {
     pub lower: [f32; 2],
     pub per_unit: [f32; 2],
     /// Per cell [`CONTACT`], or one bit for each pair that is in doubt there.
-    cells: Vec<u8>,
+    cells: Arc<[u8]>,
 }
 
 /// Some pair is certainly in contact everywhere in the cell.
@@ -49,6 +51,11 @@ fn overhang(limits: &JointLimits) -> f64 {
 }
 
 impl JointTable {
+    /// The table of pairs that are counted from `begin` on.
+    pub fn counted_from(&self, begin: u32) -> Self {
+        Self { pairs: self.pairs.iter().map(|pair| begin + pair).collect(), ..self.clone() }
+    }
+
     /// The tables of all such pairs.
     pub fn all(robot: &Robot, bodies: &[LinkBody], pairs: &[Pair]) -> Vec<Self> {
         let mut tables: Vec<Self> = Vec::new();
@@ -70,8 +77,10 @@ impl JointTable {
             slope: vec![0.0; robot.dof()],
         };
         for table in &mut tables {
-            let all = table.all_pairs();
-            builder.fill(table, [0, 0], SIDE, all);
+            builder.robot.forward_kinematics(&builder.q, &mut builder.frames);
+            let mut cells = vec![!CONTACT; SIDE * SIDE];
+            builder.fill(table, &mut cells, [0, 0], SIDE, table.all_pairs());
+            table.cells = cells.into();
         }
         tables
     }
@@ -116,7 +125,7 @@ impl JointTable {
             pairs: vec![pair],
             lower: limits.map(|limits| limits.lower as f32),
             per_unit: limits.map(|limits| (SIDE as f64 / (limits.upper - limits.lower)) as f32),
-            cells: vec![!CONTACT; SIDE * SIDE],
+            cells: Arc::default(),
         }
     }
 }
@@ -154,7 +163,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Decides the square of cells from `corner`: as a whole if that can be, else by quarters. `doubtful` are
     /// the pairs that were in doubt in the square around it.
-    fn fill(&mut self, table: &mut JointTable, corner: [usize; 2], side: usize, doubtful: u8) {
+    fn fill(&mut self, table: &JointTable, cells: &mut [u8], corner: [usize; 2], side: usize, doubtful: u8) {
         // A pose that depends on one joint is looked up on the diagonal only.
         if table.joints[0] == table.joints[1] && corner[0] != corner[1] {
             return;
@@ -163,12 +172,12 @@ impl Builder<'_> {
         if verdict != 0 && verdict != CONTACT && side > 1 {
             let half = side / 2;
             for (x, y) in [(0, 0), (0, half), (half, 0), (half, half)] {
-                self.fill(table, [corner[0] + x, corner[1] + y], half, verdict);
+                self.fill(table, cells, [corner[0] + x, corner[1] + y], half, verdict);
             }
             return;
         }
         for x in corner[0]..corner[0] + side {
-            table.cells[x * SIDE + corner[1]..][..side].fill(verdict);
+            cells[x * SIDE + corner[1]..][..side].fill(verdict);
         }
     }
 
@@ -180,7 +189,7 @@ impl Builder<'_> {
             self.q[joint] = limits.lower + cell * (corner as f64 + 0.5 * side as f64);
             self.slope[joint] = cell * (0.5 * side as f64 + overhang(limits));
         }
-        self.robot.forward_kinematics(&self.q, &mut self.frames);
+        self.robot.update_kinematics(&self.q, &table.joints, &mut self.frames);
         let mut left = 0;
         for (bit, &index) in table.pairs.iter().enumerate().filter(|(bit, _)| doubtful >> bit & 1 == 1) {
             match self.pair(&self.pairs[index as usize]) {
@@ -200,23 +209,29 @@ impl Builder<'_> {
             self.travel.update_body(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
-        let (frames, bodies) = (&self.frames, self.bodies);
-        let placed = |body: usize| bodies[body].placed(frames);
+        let [first, second] = [&self.bodies[pair.first], &self.bodies[body]];
         let enough_m = pair.required_m + travel_m;
-        let gap = group_separation(placed(pair.first), &placed(body), enough_m);
-        if gap.lower_m >= enough_m {
+        let [frame, other_frame] = [first, second].map(|body| self.frames.link(body.link));
+        if first.bounds.distance_bound(frame, &second.bounds, other_frame, enough_m) > enough_m {
+            return Verdict::Free;
+        }
+        let others: Vec<_> = second.placed(&self.frames).collect();
+        if group_reaches(first.placed(&self.frames), &others.iter().copied(), enough_m) {
             return Verdict::Free;
         }
         let is_deep = |(pose_a, a): (cranny_spatial::Pose, &cranny_shape::Solid)| {
-            placed(body).any(|(pose_b, b)| {
+            others.iter().any(|(pose_b, b)| {
                 let is_convex =
                     |solid: &cranny_shape::Solid| solid.support_point(&cranny_spatial::Vector::x()).is_some();
-                is_convex(a)
+                // No deeper than the balls around them.
+                let between_m = (pose_a * a.ball().center - pose_b * b.ball().center).norm();
+                let is_far = a.ball().radius_m + b.ball().radius_m - between_m <= travel_m;
+                !is_far
+                    && is_convex(a)
                     && is_convex(b)
-                    && overlap(a, &pose_a, b, &pose_b).is_some_and(|overlap| overlap.depth_m > travel_m)
+                    && overlap(a, &pose_a, b, pose_b).is_some_and(|overlap| overlap.depth_m > travel_m)
             })
         };
-        let is_contact = gap.upper_m <= 0.0 && placed(pair.first).any(is_deep);
-        if is_contact { Verdict::Contact } else { Verdict::Doubt }
+        if first.placed(&self.frames).any(is_deep) { Verdict::Contact } else { Verdict::Doubt }
     }
 }

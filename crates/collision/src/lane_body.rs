@@ -1,5 +1,5 @@
 use cranny_robot::LaneKinematics;
-use cranny_shape::{Ball, BallTree, Outline, Solid, inner_balls};
+use cranny_shape::{Ball, BallTree, CoarseHull, Outline, Solid, inner_balls};
 use cranny_spatial::Pose;
 
 use crate::ball_pack::BallPack;
@@ -56,8 +56,14 @@ impl LaneBody {
     pub fn new(kinematics: &LaneKinematics, body: &LinkBody) -> Self {
         let placement = kinematics.placement(body.link);
         let place = |link_from_shape: &Pose| placement.frame_from_link * link_from_shape;
-        let trees = body.shapes.iter().filter_map(|(link_from_shape, solid)| {
-            Some((place(link_from_shape), BallTree::around(solid, BULGE_M)?))
+        let coarse: Vec<Option<CoarseHull>> =
+            body.shapes.iter().map(|(_, solid)| LaneHull::coarse(solid)).collect();
+        let trees = body.shapes.iter().zip(&coarse).filter_map(|((link_from_shape, solid), coarse)| {
+            let tree = match coarse {
+                Some(coarse) => BallTree::around_coarse(solid, coarse, BULGE_M),
+                None => BallTree::around(solid, BULGE_M)?,
+            };
+            Some((place(link_from_shape), tree))
         });
         let tree = BallTree::joined(trees.collect());
         let outer: Vec<LaneNode> = tree
@@ -82,8 +88,10 @@ impl LaneBody {
         let is_balls = balls.is_some();
         let mut inner = balls.unwrap_or_else(|| inner_of(body, place));
         inner.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-        let hull = |(link_from_shape, solid): &(Pose, Solid)| LaneHull::of(&place(link_from_shape), solid);
-        let hulls: Vec<LaneHull> = match body.shapes.iter().map(hull).collect() {
+        let hull = |((link_from_shape, solid), coarse): (&(Pose, Solid), &Option<CoarseHull>)| {
+            Some(LaneHull::of(&place(link_from_shape), solid, coarse.as_ref()?))
+        };
+        let hulls: Vec<LaneHull> = match body.shapes.iter().zip(&coarse).map(hull).collect() {
             Some(hulls) if !is_balls => hulls,
             _ => Vec::new(),
         };

@@ -39,21 +39,26 @@ const NARROWEST: f32 = 0.02;
 type Vec3 = [f32; 3];
 
 impl LaneHull {
-    /// The coarse hull of a solid at this pose; `None` where the solid has none.
-    pub fn of(frame_from_solid: &Pose, solid: &Solid) -> Option<Self> {
-        let CoarseHull { corners, radius_m, bulge_m } = CoarseHull::of(solid, MOST_CORNERS)?;
+    /// The coarse hull of a solid; `None` where the solid has none.
+    pub fn coarse(solid: &Solid) -> Option<CoarseHull> {
+        CoarseHull::of(solid, MOST_CORNERS)
+    }
+
+    /// A solid at this pose, by its coarse hull.
+    pub fn of(frame_from_solid: &Pose, solid: &Solid, coarse: &CoarseHull) -> Self {
+        let CoarseHull { corners, radius_m, bulge_m } = coarse;
         let corners: Vec<Vec3> =
             corners.iter().map(|corner| lanes(&(frame_from_solid * corner).coords)).collect();
         let chunk = |chunk: &[Vec3]| -> [LaneArray; 3] {
             let corner = |lane: usize| chunk.get(lane).copied().unwrap_or(corners[0]);
             std::array::from_fn(|axis| std::array::from_fn(|lane| corner(lane)[axis]))
         };
-        Some(Self {
+        Self {
             chunks: corners.chunks(LANES).map(chunk).collect(),
             cuboid: solid.as_cuboid().map(|_| LaneSolid::of(frame_from_solid, solid)),
-            radius: narrow(radius_m),
-            bulge: narrow(bulge_m),
-        })
+            radius: narrow(*radius_m),
+            bulge: narrow(*bulge_m),
+        }
     }
 
     /// How far it may stand out of the solid, in metres.
@@ -344,7 +349,7 @@ mod tests {
                 let poses: [Pose; 2] = std::array::from_fn(|_| {
                     Pose::new(Vector::new(draw(0.3), draw(0.3), draw(0.3)), Vector::new(draw(3.0), draw(3.0), draw(3.0)))
                 });
-                let [a, b] = [0, 1].map(|i| LaneHull::of(&poses[i], &solids[i]).expect("a hull"));
+                let [a, b] = [0, 1].map(|i| LaneHull::of(&poses[i], &solids[i], &LaneHull::coarse(&solids[i]).expect("a hull")));
                 let truth = separation(&solids[0], &poses[0], &solids[1], &poses[1], f64::MAX);
                 let bars = Bars { free_m: narrow(margin_m) + SLACK_M, contact_m: narrow(margin_m) - SLACK_M };
                 let apart = lanes(&(poses[0].translation.vector - poses[1].translation.vector));

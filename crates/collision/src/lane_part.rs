@@ -133,7 +133,7 @@ impl LanePart {
     pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
         Self {
             solid: LaneSolid::of(world_from_solid, solid),
-            hull: LaneHull::of(world_from_solid, solid),
+            hull: LaneHull::coarse(solid).map(|coarse| LaneHull::of(world_from_solid, solid, &coarse)),
             around: LaneAround::of(world_from_solid, solid),
             is_exact: solid.outline() != Outline::Other,
             slack_m: rounding_m(world_from_solid, solid),

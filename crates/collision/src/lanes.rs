@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use cranny_robot::{LaneFrame, LaneKinematics, Robot};
 use cranny_spatial::LANES;
 use fearless_simd::prelude::*;
@@ -10,9 +12,8 @@ use crate::lane_body::LaneBody;
 use crate::lane_part::{LaneAround, LanePart, RELATIVE_ROUNDING};
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
-use crate::link_body::LinkBody;
-use crate::link_sweep::swept_ball;
 use crate::part_tree::PartTree;
+use crate::robot_body::RobotBody;
 use crate::world::Part;
 
 /// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
@@ -24,8 +25,8 @@ use crate::world::Part;
 /// check decides.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
-    kinematics: LaneKinematics,
-    pub(crate) bodies: Vec<LaneBody>,
+    kinematics: Arc<LaneKinematics>,
+    pub(crate) bodies: Arc<[LaneBody]>,
     pub(crate) parts: Vec<LanePart>,
     /// What leads to the parts that are near.
     pub(crate) branches: Vec<LaneBranch>,
@@ -111,17 +112,20 @@ impl Lanes {
     /// `pairs` has the parts that a link is checked against in the order of `tree`.
     pub fn new(
         robot: &Robot,
-        bodies: &[LinkBody],
+        body: &RobotBody,
         parts: &[(usize, Part)],
         tree: &PartTree,
         pairs: &[Pair],
     ) -> Self {
-        let kinematics = LaneKinematics::new(robot);
-        let lane_bodies: Vec<LaneBody> = bodies.iter().map(|body| LaneBody::new(&kinematics, body)).collect();
+        let lane_bodies = body.lanes.clone();
         let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
-        let mut part_pairs = vec![Vec::new(); bodies.len()];
+        let mut part_pairs = vec![Vec::new(); lane_bodies.len()];
         let mut link_pairs = Vec::new();
-        let tables = JointTable::all(robot, bodies, pairs);
+        let first_of_links = pairs.iter().position(|pair| matches!(pair.second, Other::Link { .. }));
+        let first_of_links = first_of_links.unwrap_or(pairs.len());
+        let tables = body.tables(robot, &pairs[first_of_links..]);
+        let tables: Vec<JointTable> =
+            tables.iter().map(|table| table.counted_from(as_index(first_of_links))).collect();
         let mut blurs_m = Vec::with_capacity(pairs.len());
         let mut tabled = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
@@ -147,10 +151,10 @@ impl Lanes {
         let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = link_pairs.into_iter().unzip();
         let mut link_slots: Vec<usize> = (0..link_pairs.len()).collect();
         link_slots.sort_unstable_by_key(|slot| link_pairs[*slot].pair);
-        for (body, pairs) in std::iter::zip(bodies, &mut part_pairs) {
-            let Some(sweep) = swept_ball(robot, body) else { continue };
+        for (sweep, pairs) in std::iter::zip(&body.swept, &mut part_pairs) {
+            let Some(sweep) = sweep else { continue };
             for LanePair { other, free_m, .. } in pairs {
-                if !lane_parts[*other as usize].is_near(&sweep, *free_m) {
+                if !lane_parts[*other as usize].is_near(sweep, *free_m) {
                     *free_m = f32::NEG_INFINITY;
                 }
             }
@@ -158,7 +162,7 @@ impl Lanes {
         let farthest =
             |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(f32::NEG_INFINITY, f32::max);
         Self {
-            kinematics,
+            kinematics: body.kinematics.clone(),
             farthest_free_m: part_pairs.iter().map(farthest).collect(),
             arounds: tree.parts().iter().map(|part| lane_parts[*part].around).collect(),
             bodies: lane_bodies,

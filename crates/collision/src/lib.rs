@@ -37,6 +37,7 @@ mod link_sweep;
 mod motion;
 mod part_tree;
 mod released;
+mod robot_body;
 mod self_pairs;
 mod single_lane;
 mod travel;

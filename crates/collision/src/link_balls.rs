@@ -10,7 +10,7 @@ impl Cell {
     pub fn link_balls(&self) -> Vec<Vec<Ball>> {
         let kinematics = LaneKinematics::new(self.robot());
         let mut by_link = vec![Vec::new(); self.robot().links().len()];
-        for (body, lane_body) in self.bodies.iter().zip(&self.lanes.bodies) {
+        for (body, lane_body) in self.bodies.iter().zip(self.lanes.bodies.iter()) {
             let link_from_frame = kinematics.placement(body.link).frame_from_link.inverse();
             let leaves = lane_body.outer.iter().filter(|node| node.children == [0; 2]);
             let placed = leaves.map(|node| {

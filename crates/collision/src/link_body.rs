@@ -1,5 +1,5 @@
 use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Bounds, Solid, quick_lower_bound};
+use cranny_shape::{Bounds, Solid, quick_lower_bound, reaches};
 use cranny_spatial::{Point, Pose};
 
 use crate::Part;
@@ -77,4 +77,18 @@ pub(crate) fn group_separation<'a>(
         }
     }
     best
+}
+
+/// Whether the distance of two groups of solids is certified to reach `distance_m`, above 0.
+pub(crate) fn group_reaches<'a>(
+    first: impl Iterator<Item = (Pose, &'a Solid)>,
+    second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
+    distance_m: f64,
+) -> bool {
+    first.into_iter().all(|(pose_a, a)| {
+        second.clone().all(|(pose_b, b)| {
+            quick_lower_bound(a, &pose_a, b, &pose_b, distance_m) > distance_m
+                || reaches(a, &pose_a, b, &pose_b, distance_m)
+        })
+    })
 }

@@ -60,6 +60,10 @@ const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 /// The same where two things come closer than [`CLOSE_M`], in metres.
 const FINE_TOLERANCE_M: f64 = 1e-6;
 
+/// Where a link can move farther within an interval, in metres, the exact distance in its middle excludes next to
+/// nothing that the boxes do not.
+const FAR_TRAVEL_M: f64 = 0.2;
+
 /// Where contact would lie within the coarse tolerance, in metres.
 const CLOSE_M: f64 = CONTACT_M + 2.0 * CLEARANCE_TOLERANCE_M;
 
@@ -331,6 +335,11 @@ impl Cell {
                 let travel = travel_of(pair, scratch) + ROUNDING_M;
                 let bar = |least: f64| least - tolerance_m(least) + travel;
                 if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
+                    continue;
+                }
+                // Boxes are nearly as good as the exact distance where things move by more than their size.
+                if travel > FAR_TRAVEL_M {
+                    doubtful.push(index);
                     continue;
                 }
                 let gap = self.distance(pair, &scratch.frames, least.max(bar(least)).max(pair.required_m));

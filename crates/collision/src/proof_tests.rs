@@ -198,12 +198,15 @@ fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
         let sound = cell(&robot, vec![elsewhere], 0.0);
         let mut wrong = cell(&robot, vec![plate], 0.0);
         let mut scratch = wrong.scratch();
-        if sound.motion_is_free(&a, &b, &mut sound.scratch()) != Motion::Proven || !wrong.contacts(&a, &mut scratch).is_empty() {
+        if sound.motion_is_free(&a, &b, &mut sound.scratch()) != Motion::Proven
+            || !wrong.contacts(&a, &mut scratch).is_empty()
+        {
             continue;
         }
         wrong.lanes = sound.lanes;
         if wrong.motion_is_free(&a, &b, &mut scratch) == Motion::Proven {
-            let (place, contact) = wrong.measure_motion(&a, &b, &mut scratch).contradiction.expect("the plate");
+            let (place, contact) =
+                wrong.measure_motion(&a, &b, &mut scratch).contradiction.expect("the plate");
             assert!(wrong.contacts(&between(&a, &b, place), &mut scratch).contains(&contact));
             assert!(contact.clearance_m < cranny_spatial::CONTACT_M);
             contradicted += 1;

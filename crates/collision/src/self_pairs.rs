@@ -4,22 +4,19 @@ use cranny_spatial::{CONTACT_M, Stream};
 
 use crate::link_body::{LinkBody, group_separation};
 
-/// Which links are compared with which, as indices into the link bodies.
-pub(crate) struct SelfPairs {
-    pub checked: Vec<(usize, usize)>,
-    /// Pairs in contact in every one of [`SAMPLES`] random configurations, and the least depth that was seen (m).
-    pub always_touching: Vec<((usize, usize), f64)>,
-}
+/// Which links can be compared with which, as indices into the link bodies, and of those in contact in every one of
+/// [`SAMPLES`] random configurations the least depth that was seen (m).
+#[derive(Debug)]
+pub(crate) struct SelfPairs(Vec<((usize, usize), Option<f64>)>);
+
+/// A pair that touches in every sample, and the least depth that was seen (m).
+pub(crate) type AlwaysTouching = ((usize, usize), f64);
 
 impl SelfPairs {
     /// All pairs but adjacent ones (no link with geometry between them), those that the robot's SRDF or its options
-    /// disable, and those that never move against each other. Those that touch in every random configuration are
-    /// told apart, unless they stand in `asked_for` (by link index, the lower first).
-    pub fn of(robot: &Robot, bodies: &[LinkBody], asked_for: &[(usize, usize)]) -> Self {
-        let links = |(first, second): (usize, usize)| {
-            let (a, b) = (bodies[first].link, bodies[second].link);
-            (a.min(b), a.max(b))
-        };
+    /// disable, and those that never move against each other.
+    pub fn of(robot: &Robot, bodies: &[LinkBody]) -> Self {
+        let links = |pair| links_of(bodies, pair);
         let is_left_out =
             |pair| robot.adjacent_pairs().contains(&pair) || robot.disabled_pairs().contains(&pair);
         let moves_relatively = |(a, b): (usize, usize)| {
@@ -34,15 +31,31 @@ impl SelfPairs {
             }));
         }
         let depths = depths_if_always_touching(robot, bodies, &pairs);
+        Self(pairs.into_iter().zip(depths).collect())
+    }
+
+    /// Those that are checked, and those that are not because they always touch, though not if they stand in
+    /// `asked_for` (by link index, the lower first).
+    pub fn split(
+        &self,
+        bodies: &[LinkBody],
+        asked_for: &[(usize, usize)],
+    ) -> (Vec<(usize, usize)>, Vec<AlwaysTouching>) {
         let (mut checked, mut always_touching) = (Vec::new(), Vec::new());
-        for (pair, depth_m) in pairs.into_iter().zip(depths) {
-            match depth_m.filter(|_| !asked_for.contains(&links(pair))) {
+        for &(pair, depth_m) in &self.0 {
+            match depth_m.filter(|_| !asked_for.contains(&links_of(bodies, pair))) {
                 Some(depth_m) => always_touching.push((pair, depth_m)),
                 None => checked.push(pair),
             }
         }
-        Self { checked, always_touching }
+        (checked, always_touching)
     }
+}
+
+/// The links of two link bodies, the lower index first.
+fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usize) {
+    let (a, b) = (bodies[first].link, bodies[second].link);
+    (a.min(b), a.max(b))
 }
 
 /// How many random configurations must all show contact. One free one is enough to keep a pair.

@@ -56,6 +56,10 @@ impl Travel {
         let mut sum = 0.0;
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
             let speed = (slope[ancestor.joint] * ancestor.multiplier).abs();
+            if speed <= 0.0 {
+                sums[k] = sum;
+                continue;
+            }
             let reach = match ancestor.kind {
                 JointKind::Prismatic => 1.0,
                 JointKind::Revolute => {

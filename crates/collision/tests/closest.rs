@@ -21,7 +21,8 @@ proptest! {
         let closest = cell.closest(&q, &mut scratch).expect("there are pairs");
         let clearance_m = cell.clearance(&q, &mut scratch);
         let contacts = cell.contacts(&q, &mut scratch);
-        let apart_m = (closest.points[1] - closest.points[0]).norm();
+        let [a, b] = closest.points.expect("apart or overlapping");
+        let apart_m = (b - a).norm();
         if clearance_m > 0.0 {
             prop_assert!((closest.distance_m - clearance_m).abs() < 1e-12, "{closest:?} {clearance_m}");
             prop_assert!((apart_m - clearance_m).abs() < 10.0 * CONTACT_M, "{closest:?} {clearance_m}");

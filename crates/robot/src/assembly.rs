@@ -5,6 +5,7 @@ use cranny_file::Readable;
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
+use crate::derived::Derived;
 use crate::full_turn::full_turns;
 use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
@@ -103,6 +104,7 @@ impl Robot {
             movers,
             steps,
             rest,
+            derived: Derived::default(),
         };
         robot.check_steadiness(source_name)?;
         Ok(robot)

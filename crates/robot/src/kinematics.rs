@@ -48,6 +48,19 @@ impl Robot {
         self.follow(&self.tip_steps, q, frames);
     }
 
+    /// [`Self::forward_kinematics`] where only these joints have another value than when `frames` was computed.
+    ///
+    /// # Panics
+    /// As [`Self::forward_kinematics`].
+    pub fn update_kinematics(&self, q: &[f64], joints: &[usize], frames: &mut LinkFrames) {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let is_moved =
+            |step: &&Step| self.movers[step.link].iter().any(|mover| joints.contains(&mover.joint));
+        for step in self.steps.iter().filter(is_moved) {
+            frames.root_from_link[step.link] = step.root_from_link(&frames.root_from_link[step.parent], q);
+        }
+    }
+
     fn follow(&self, steps: &[Step], q: &[f64], frames: &mut LinkFrames) {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         let frames = &mut frames.root_from_link[..];

@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
+use crate::derived::Derived;
 use crate::kinematics::Step;
 use crate::{JointLimits, LimitViolation, LinkVisual};
 
@@ -34,6 +35,7 @@ pub struct Robot {
     pub(crate) tip_steps: Vec<Step>,
     /// `root_from_link` of the links that do not move; of the others at `q = 0`.
     pub(crate) rest: Vec<Pose>,
+    pub(crate) derived: Derived,
 }
 
 /// A rigid part of a robot.

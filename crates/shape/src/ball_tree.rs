@@ -1,11 +1,11 @@
 use cranny_spatial::{Point, Pose};
 
 use crate::coarse_hull::chosen;
-use crate::convex::{Convex, Core};
+use crate::convex::Core;
 use crate::convex_hull::Plane;
 use crate::cut::{Cut, longest_side};
 use crate::solid::Kind;
-use crate::{Ball, Solid, TriangleSoup};
+use crate::{Ball, CoarseHull, Solid, TriangleSoup};
 
 /// Balls whose union contains a solid, as a binary tree.
 ///
@@ -32,17 +32,13 @@ const DEEPEST: usize = 14;
 /// ([`crate::cut`]), for at most [`DEEPEST`] cuts.
 const SLACK_M: f64 = 1e-7;
 
-/// Cutting a piece takes time with the square of its corners, so a hull with more is not cut as it is.
-const MOST_CORNERS: usize = 256;
-
-/// Of such a hull so many corners are chosen, and the balls grow by what the others stand out of their hull: some
-/// tenths of a millimetre.
-const CHOSEN_CORNERS: usize = 64;
+/// Cutting a piece takes time with the square of its corners, so of a hull with more so many are chosen, and the
+/// balls grow by what the others stand out of their hull: some tenths of a millimetre.
+const MOST_CORNERS: usize = 64;
 
 impl BallTree {
     /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
-    /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull, a cylinder as a
-    /// prism of eight sides around it. `None` for a half-space.
+    /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull. `None` for a half-space.
     ///
     /// Containment does not rest on a hull algorithm, whose faces may be wrong where a body is thin:
     ///
@@ -52,22 +48,42 @@ impl BallTree {
     /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core. The faces of
     ///    the hull only say which ball stands out least.
     pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
-        let (points, radius_m) = solid.bounding_points()?;
-        if let Kind::Convex(convex) = solid.kind()
-            && let Convex { core: Core::Segment { half_length }, .. } = **convex
-        {
-            return Some(Self::along_segment(half_length, radius_m, bulge_m));
+        if let Some(coarse) = CoarseHull::of(solid, MOST_CORNERS) {
+            return Some(Self::around_coarse(solid, &coarse, bulge_m));
         }
-        // 1.
-        let whole =
-            || Some(Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] });
-        let most = if points.len() > MOST_CORNERS { CHOSEN_CORNERS } else { MOST_CORNERS };
-        let Some((corners, standing_out_m)) = chosen(&points, most) else { return whole() };
-        // All in one plane, or one point.
-        let Ok(hull) = TriangleSoup::convex_hull(&corners) else { return whole() };
-        let planes = hull.planes();
+        // A mesh, or a hull whose corners cannot be told apart.
+        let (points, radius_m) = solid.bounding_points()?;
+        let whole = || Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] };
+        let tree = chosen(&points, MOST_CORNERS).and_then(|(corners, standing_out_m)| {
+            Self::around_corners(&corners, radius_m + standing_out_m, bulge_m)
+        });
+        Some(tree.unwrap_or_else(whole))
+    }
+
+    /// [`Self::around`] a convex solid whose coarse hull is known.
+    pub fn around_coarse(solid: &Solid, coarse: &CoarseHull, bulge_m: f64) -> Self {
+        let around = |corners: &[Point], rounding_m: f64| {
+            Self::around_corners(corners, rounding_m, bulge_m).unwrap_or_else(|| {
+                let ball = enclosing(corners, rounding_m);
+                Self { nodes: vec![BallNode { ball, children: None }] }
+            })
+        };
+        match solid.kind() {
+            Kind::Convex(convex) => match convex.core {
+                Core::Segment { half_length } => Self::along_segment(half_length, convex.radius_m, bulge_m),
+                // The prism around it has fewer corners than the one in it.
+                Core::Cylinder { .. } => around(&convex.bounding_points(), convex.radius_m),
+                _ => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
+            },
+            Kind::Mesh(_) | Kind::HalfSpace => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
+        }
+    }
+
+    /// Around the hull of some points, rounded; `None` if all lie in one plane, or are one.
+    fn around_corners(corners: &[Point], rounding_m: f64, bulge_m: f64) -> Option<Self> {
+        let planes = TriangleSoup::convex_hull(corners).ok()?.planes();
         let mut tree = Self { nodes: Vec::new() };
-        tree.cover(&corners, &planes, radius_m + standing_out_m, bulge_m, 0);
+        tree.cover(corners, &planes, rounding_m, bulge_m, 0);
         Some(tree)
     }
 
@@ -175,6 +191,9 @@ impl BallTree {
 /// goes down their sum by subgradients with ever smaller steps (Shor 1985).
 fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
     const STEPS: usize = 16;
+    /// After so many steps a ball that stands out so many times as far as it may never gets there.
+    const HOPEFUL_STEPS: usize = 4;
+    const HOPELESS: f64 = 3.0;
     let start = start_ball(points);
     // A plane that is farther below than the search can rise never is the highest.
     let planes: Vec<&Plane> =
@@ -182,25 +201,35 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
     let mut center = start.center;
     let mut best = (start, f64::INFINITY);
     for step in 0..STEPS {
-        let by_distance =
-            |a: &&Point, b: &&Point| (*a - center).norm_squared().total_cmp(&(*b - center).norm_squared());
-        let Some(farthest) = points.iter().max_by(by_distance) else { break };
-        let highest = planes.iter().copied().max_by(|a, b| a.height(&center).total_cmp(&b.height(&center)));
-        let radius_m = (farthest - center).norm();
+        let Some((squared, farthest)) = greatest(points.iter(), |point| (*point - center).norm_squared())
+        else {
+            break;
+        };
+        let highest = greatest(planes.iter().copied(), |plane| plane.height(&center));
+        let radius_m = squared.sqrt();
         // No point of a ball is farther from the piece in it than this, whatever the planes of a thin hull are worth.
         let across_m = 2.0 * radius_m;
-        let stands_out_m = highest.map_or(across_m, |plane| across_m.min(plane.height(&center) + radius_m));
+        let stands_out_m = highest.map_or(across_m, |(height_m, _)| across_m.min(height_m + radius_m));
         if stands_out_m < best.1 {
             best = (Ball { center, radius_m }, stands_out_m);
             if stands_out_m <= enough_m {
                 break;
             }
         }
+        // Another centre will not make this one ball; it is cut anyway.
+        if step == HOPEFUL_STEPS && best.1 > HOPELESS * enough_m {
+            break;
+        }
         let towards_farthest = (farthest - center).try_normalize(0.0).unwrap_or_default();
-        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |plane| -plane.normal());
+        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |(_, plane)| -plane.normal());
         center += (towards_farthest + inwards) * (0.5 * start.radius_m / (step + 1) as f64);
     }
     best
+}
+
+/// What is greatest by a measure, with its measure; the last of equals.
+fn greatest<T: Copy>(all: impl Iterator<Item = T>, measure: impl Fn(T) -> f64) -> Option<(f64, T)> {
+    all.map(|one| (measure(one), one)).reduce(|best, next| if next.0 >= best.0 { next } else { best })
 }
 
 /// The ball around the middle of the points' box.
@@ -224,8 +253,8 @@ fn around_balls(balls: &[Ball]) -> Ball {
     const STEPS: usize = 50;
     let reach = |center: &Point, ball: &Ball| (ball.center - center).norm() + ball.radius_m;
     let farthest = |center: &Point| {
-        let by_reach = |a: &&Ball, b: &&Ball| reach(center, a).total_cmp(&reach(center, b));
-        balls.iter().max_by(by_reach).copied().unwrap_or(Ball { center: *center, radius_m: 0.0 })
+        let found = greatest(balls.iter(), |ball| reach(center, ball));
+        found.map_or(Ball { center: *center, radius_m: 0.0 }, |(_, ball)| *ball)
     };
     let mut center = balls.first().map_or(Point::origin(), |ball| ball.center);
     for step in 1..=STEPS {

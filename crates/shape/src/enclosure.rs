@@ -104,7 +104,8 @@ impl Inside {
     /// Whether a point is in one of the bodies, and in no cavity of it.
     pub fn contains(&self, tree: &TriangleTree, corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
         let around = self.walls.around(tree, corners, point, None);
-        let is_cavity_of = |body: u32| around.iter().any(|shell| self.cavity_of[*shell as usize] == Some(body));
+        let is_cavity_of =
+            |body: u32| around.iter().any(|shell| self.cavity_of[*shell as usize] == Some(body));
         around.iter().any(|body| self.cavity_of[*body as usize].is_none() && !is_cavity_of(*body))
     }
 }

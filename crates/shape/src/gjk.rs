@@ -31,6 +31,18 @@ const MOST_STEPS: usize = 200;
 const ENOUGH_M: f64 = 1e-10;
 
 /// The distance of `a` and `b`. The search ends as soon as it is known to reach `beyond_m`.
+pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: f64) -> CoreDistance {
+    search(a, b, a_from_b, |lower_m, _| lower_m >= beyond_m)
+}
+
+/// Whether the distance of `a` and `b` is certified to reach `distance_m`: what [`core_distance`] would say, but the
+/// search ends as soon as either is known.
+pub(crate) fn core_reaches(a: &Core, b: &Core, a_from_b: &ParryPose, distance_m: f64) -> bool {
+    let is_decided = |lower_m: f64, upper_m: f64| lower_m >= distance_m || upper_m < distance_m;
+    search(a, b, a_from_b, is_decided).lower_m >= distance_m
+}
+
+/// The distance of `a` and `b`, up to where its bounds say enough.
 ///
 /// It looks for the point closest to the origin in the set of differences `b − a`, in which the origin lies exactly
 /// if the two meet.
@@ -39,7 +51,7 @@ const ENOUGH_M: f64 = 1e-10;
 ///    separates the two by its height, if that is positive: a lower bound.
 /// 2. That difference and those that the closest point was mixed from are the corners of a simplex; the point of
 ///    it that is closest to the origin is the next. Its distance is an upper bound.
-pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: f64) -> CoreDistance {
+fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64) -> bool) -> CoreDistance {
     let b_from_a = a_from_b.rotation.inverse();
     let lowest_difference = |direction: ParryVector| {
         let on_a = a.local_support_point(direction);
@@ -55,8 +67,8 @@ pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: 
         let Some(direction) = closest.try_normalize() else { return CoreDistance::CONTACT };
         let corner = lowest_difference(direction);
         found.lower_m = found.lower_m.max(direction.dot(corner.difference));
-        let is_settled = found.lower_m >= beyond_m || found.upper_m - found.lower_m <= ENOUGH_M;
-        if is_settled || simplex.has(corner) {
+        let is_settled = found.upper_m - found.lower_m <= ENOUGH_M;
+        if is_settled || is_decided(found.lower_m, found.upper_m) || simplex.has(corner) {
             break;
         }
         // 2.
@@ -69,6 +81,9 @@ pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: 
         }
         found.upper_m = length;
         found.way = [next.on_a, next.on_a + next.difference];
+        if is_decided(found.lower_m, found.upper_m) {
+            break;
+        }
         closest = next.difference;
     }
     found

@@ -69,7 +69,7 @@ pub use painted_mesh::{PaintedMesh, PaintedPiece};
 pub use pose_symmetry::distinct_poses;
 pub use ray::RayHit;
 pub use repair::{MeshRepairs, RepairedMesh, SAME_PLACE_M};
-pub use separation::{Overlap, Separation, overlap, quick_lower_bound, separation};
+pub use separation::{Overlap, Separation, overlap, quick_lower_bound, reaches, separation};
 pub use solid::{Outline, Solid};
 pub use stable_pose::{StablePose, stable_poses};
 pub use surface::Surface;

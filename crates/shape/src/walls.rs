@@ -15,7 +15,9 @@ pub(crate) struct Walls {
 enum Crossing {
     Missed,
     /// The segment leaves by the face, or enters.
-    Through { leaves: bool },
+    Through {
+        leaves: bool,
+    },
     /// The segment begins on the triangle.
     Begins,
     /// The segment meets an edge, or lies in the triangle's plane.
@@ -133,14 +135,18 @@ mod tests {
     /// The solid angles of all faces summed are a winding number too (Jacobson et al. 2013).
     #[test]
     fn crossings_count_what_solid_angles_sum_to() {
-        let shells =
-            [ball(Vector::zeros(), 1.0, false), ball(Vector::x() * 0.8, 0.7, false), ball(Vector::zeros(), 0.4, true)];
+        let shells = [
+            ball(Vector::zeros(), 1.0, false),
+            ball(Vector::x() * 0.8, 0.7, false),
+            ball(Vector::zeros(), 0.4, true),
+        ];
         let corners: Vec<[Point; 3]> = shells.iter().flatten().copied().collect();
         let mut begin = 0;
         let mut facets = Vec::new();
         for shell in &shells {
             let end = begin + u32::try_from(shell.len()).expect("few");
-            facets.push((begin..end).map(|triangle| Facet { triangle, is_inward: false }).collect::<Vec<_>>());
+            facets
+                .push((begin..end).map(|triangle| Facet { triangle, is_inward: false }).collect::<Vec<_>>());
             begin = end;
         }
         let walls = Walls::new(corners.len(), facets.iter().map(Vec::as_slice));
