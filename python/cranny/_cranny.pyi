@@ -153,7 +153,7 @@ class Contact:
     @property
     def depth_m(self) -> float: ...
     @property
-    def point(self) -> _Floats: ...
+    def point(self) -> _Floats | None: ...
 
 @final
 class Motion:
@@ -221,9 +221,13 @@ class Grasps:
 
 @final
 class Scenario:
-    def __new__(cls, what: _Path, *, criterion: str | None = None, robot: _Path | None = None) -> Scenario: ...
+    def __new__(
+        cls, what: _Path, *, criterion: str | None = None, robot: _Path | None = None, geometry: str | None = None
+    ) -> Scenario: ...
     @staticmethod
-    def load(path: _Path, *, criterion: str | None = None, robot: _Path | None = None) -> Scenario: ...
+    def load(
+        path: _Path, *, criterion: str | None = None, robot: _Path | None = None, geometry: str | None = None
+    ) -> Scenario: ...
     @property
     def id(self) -> str: ...
     @property
@@ -354,6 +358,7 @@ def plan(
     grasp_margin_m: float = 0.0,
     strict_pairs: bool = False,
     settings: Mapping[str, Any] | None = None,
+    goal_threshold: float | None = None,
     shortcut: bool = True,
     optimise_s: float | None = None,
     score_weight: float = 1.0,
@@ -367,7 +372,9 @@ def verify_path(
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
     strict_pairs: bool = False,
+    any_end: bool = False,
 ) -> Verification: ...
+def lift_file_limits() -> None: ...
 def planner_names() -> list[str]: ...
 def scenario_ids() -> list[str]: ...
 def sample_grasps(

@@ -26,7 +26,7 @@ pub struct PyContact {
     /// How deep they overlap, in metres; 0 where they only come too close.
     #[pyo3(get)]
     depth_m: f64,
-    point: [f64; 3],
+    point: Option<[f64; 3]>,
 }
 
 impl PyContact {
@@ -37,17 +37,17 @@ impl PyContact {
             clearance_m: contact.clearance_m,
             required_m: contact.required_m,
             depth_m: contact.depth_m,
-            point: contact.point.coords.into(),
+            point: contact.point.map(|point| point.coords.into()),
         }
     }
 }
 
 #[pymethods]
 impl PyContact {
-    /// Where, (3,) in the planning frame, in metres: a point in the overlap, or the middle of the link.
+    /// A point in the overlap, (3,) in the planning frame, in metres; None where they only come too close.
     #[getter]
-    fn point<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        shaped(py, self.point.to_vec(), &[3])
+    fn point<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        self.point.map(|point| shaped(py, point.to_vec(), &[3])).transpose()
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
@@ -74,7 +74,7 @@ pub fn restored_contact(
     first: String,
     second: String,
     lengths: (f64, f64, f64),
-    point: [f64; 3],
+    point: Option<[f64; 3]>,
 ) -> PyContact {
     let (clearance_m, required_m, depth_m) = lengths;
     PyContact { first, second, clearance_m, required_m, depth_m, point }

@@ -19,6 +19,7 @@ mod campaign;
 mod cell;
 mod contact;
 mod fault;
+mod file_limits;
 mod grasp_sampling;
 mod grasp_set;
 mod interrupt;
@@ -50,6 +51,8 @@ mod _cranny {
     use crate::contact::{PyContact, PyMotion, restored_contact, restored_motion};
     #[pymodule_export]
     use crate::fault::CrannyError;
+    #[pymodule_export]
+    use crate::file_limits::lift_file_limits;
     #[pymodule_export]
     use crate::grasp_sampling::sample_grasps;
     #[pymodule_export]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_plan::{Problem, Validity};
-use cranny_scenario::{Demands, MoveItOptions, MoveItProblem};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -22,6 +22,8 @@ use crate::robot::PyRobot;
 #[pyclass(name = "MoveItProblem", module = "cranny", frozen)]
 pub struct PyMoveItProblem {
     pub problem: Arc<MoveItProblem>,
+    /// The URDF that was given instead of the scene's.
+    pub robot_file: Option<PathBuf>,
     made: Made,
 }
 
@@ -43,7 +45,7 @@ impl PyMoveItProblem {
         keywords.set_item("srdf", options.srdf.as_deref().map(absolute).transpose()?)?;
         let files = (absolute(&scene)?, absolute(&request)?);
         let made = Made::opened(py.get_type::<Self>().as_any(), files, &keywords)?;
-        Ok(Self { problem: Arc::new(problem), made })
+        Ok(Self { problem: Arc::new(problem), robot_file: options.robot, made })
     }
 
     /// The stem of the scene file's name.
@@ -87,7 +89,7 @@ impl PyMoveItProblem {
     fn cell(slf: &Bound<'_, Self>, margin_m: f64) -> PyResult<PyCell> {
         let keywords = PyDict::new(slf.py());
         keywords.set_item("margin_m", margin_m)?;
-        match slf.get().problem(&Demands { margin_m, grasp_margin_m: 0.0 })?.validity {
+        match slf.get().problem(&PlanMargins { margin_m, grasp_margin_m: 0.0 })?.validity {
             Validity::Exact(cell) => {
                 Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
             }
@@ -107,7 +109,7 @@ impl PyMoveItProblem {
 }
 
 impl PyMoveItProblem {
-    pub fn problem(&self, demands: &Demands) -> PyResult<Problem> {
-        self.problem.problem(demands).map_err(fault)
+    pub fn problem(&self, margins: &PlanMargins) -> PyResult<Problem> {
+        self.problem.problem(margins).map_err(fault)
     }
 }

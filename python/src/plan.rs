@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{GraspFailure, Outcome, Trajectory, verify};
-use cranny_scenario::{Demands, PlanFile, write_trajectory_csv};
+use cranny_plan::{Outcome, Trajectory, audit};
+use cranny_scenario::{PlanFile, write_trajectory_csv};
+use cranny_solve::Timing;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +14,6 @@ use crate::array::{Numbers, rows, shaped};
 use crate::fault::{bad_value, fault};
 use crate::json::python_of;
 use crate::pickled::Reduced;
-use crate::planning::Timing;
 use crate::scenario::PyScenario;
 use crate::task::Task;
 use crate::trajectory::PySamples;
@@ -26,7 +26,6 @@ pub struct PyPlan {
     pub file: PlanFile,
     pub trajectory: Option<Arc<Trajectory>>,
     pub is_valid: bool,
-    pub failures: Vec<GraspFailure>,
 }
 
 #[pymethods]
@@ -63,7 +62,8 @@ impl PyPlan {
         self.trajectory.as_ref().map(|trajectory| trajectory.duration_s())
     }
 
-    /// How the search ended: "solved", "budget-exhausted", "start-invalid", "no-reachable-grasp", …
+    /// How the search ended: "solved", "budget-exhausted", "gave-up", "cancelled",
+    /// "start-invalid", "goals-invalid" or "no-reachable-grasp".
     #[getter]
     fn outcome(&self) -> &'static str {
         self.file.outcome.name()
@@ -105,7 +105,6 @@ impl PyPlan {
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let report = python_of(py, &self.file)?;
-        report.set_item("failures", python_of(py, &self.failures)?)?;
         report.set_item("valid", self.is_valid)?;
         Ok(report)
     }
@@ -120,8 +119,8 @@ impl PyPlan {
 
     /// Judges the path again, as anybody's: from the way points alone.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
-        let verification = py.detach(|| verify(&self.task.problem, &self.file.waypoints)).map_err(fault)?;
-        Ok(PyVerification { verification })
+        let audit = py.detach(|| audit(&self.task.problem, &self.file.waypoints)).map_err(fault)?;
+        Ok(PyVerification { audit })
     }
 
     /// Writes a `.plan.json`, as a whole or not at all.
@@ -165,15 +164,12 @@ pub fn restored_plan(scenario: &Bound<'_, PyAny>, text: &str, path: &Bound<'_, P
     let file: PlanFile = serde_json::from_str(text).map_err(fault)?;
     let path = Numbers::read(path, "path")?;
     let waypoints = path.finite()?.chunks_exact(file.joint_names.len().max(1)).map(<[f64]>::to_vec).collect();
-    let plan = PyPlan::of_file(scenario.py(), PlanFile { waypoints, ..file }, Some(scenario))?;
-    Ok(PyPlan { failures: plan.file.failures.clone(), ..plan })
+    PyPlan::of_file(scenario.py(), PlanFile { waypoints, ..file }, Some(scenario))
 }
 
 impl PyPlan {
     /// What stands in a plan file, judged anew.
     fn of_file(py: Python<'_>, file: PlanFile, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let demands =
-            Demands { margin_m: file.margins.margin_m, grasp_margin_m: file.margins.grasp_margin_m };
         let named;
         let scenario = if let Some(scenario) = scenario {
             scenario
@@ -184,7 +180,7 @@ impl PyPlan {
             named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
             &named
         };
-        let task = Task::of(scenario, &demands)?;
+        let task = Task::of(scenario, file.margins)?;
         let expected = task.problem.robot.joint_names();
         if file.joint_names != expected {
             let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
@@ -195,16 +191,20 @@ impl PyPlan {
                 if file.waypoints.is_empty() {
                     return Ok((false, None));
                 }
-                let is_valid = verify(&task.problem, &file.waypoints)?.valid;
+                let is_valid = audit(&task.problem, &file.waypoints)?.valid;
                 let trajectory = match &file.timing {
-                    Some(timing) => Timing { method: timing.method, blend: timing.blended }
-                        .time(&task.problem, &file.waypoints)?,
+                    Some(timing) => {
+                        let timing =
+                            Timing { method: timing.method, blend: timing.blended, is_demanded: false };
+                        timing.of(&task.problem, &file.waypoints)?
+                    }
                     None => None,
                 };
                 Ok((is_valid, trajectory))
             })
             .map_err(fault)?;
-        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid, failures: Vec::new() })
+        let trajectory = trajectory.map(|timed| Arc::new(timed.trajectory));
+        Ok(Self { task, file, trajectory, is_valid })
     }
 
     fn timed(&self) -> PyResult<Arc<Trajectory>> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cranny_collision::World;
 use cranny_plan::{Criterion, Problem, Validity};
-use cranny_scenario::{Demands, OpenOptions, Scenario, catalogue, write_moveit_scene};
+use cranny_scenario::{Geometry, OpenOptions, PlanMargins, Scenario, catalogue, write_moveit_scene};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -27,23 +27,32 @@ use crate::whole;
 ///
 /// `Scenario("011")` is a built-in one; else `what` is a folder in Cranny's own layout or in the paper's released
 /// one, or a packed `.zip`. `criterion`: "exact" or "paper" (by default what the scenario says, else "exact").
-/// `robot`: the URDF of another robot. Poses are in the planning frame, the root frame of the robot, in metres.
+/// `robot`: the URDF of another robot. `geometry`: "scene" or "export", of a released scenario. Poses are in the planning frame, the root frame of the robot, in metres.
 /// Immutable: what alters it gives another one.
 #[pyclass(name = "Scenario", module = "cranny", frozen)]
 pub struct PyScenario {
     pub scenario: Arc<Scenario>,
     /// The URDF that was given instead of the scenario's robot.
     pub robot_file: Option<PathBuf>,
+    /// The geometry that was asked for.
+    pub geometry: Option<Geometry>,
     made: Made,
 }
 
 #[pymethods]
 impl PyScenario {
     #[new]
-    #[pyo3(signature = (what, *, criterion=None, robot=None))]
-    fn new(py: Python<'_>, what: PathBuf, criterion: Option<&str>, robot: Option<PathBuf>) -> PyResult<Self> {
+    #[pyo3(signature = (what, *, criterion=None, robot=None, geometry=None))]
+    fn new(
+        py: Python<'_>,
+        what: PathBuf,
+        criterion: Option<&str>,
+        robot: Option<PathBuf>,
+        geometry: Option<&str>,
+    ) -> PyResult<Self> {
         let criterion = criterion.map(criterion_of).transpose()?;
-        let options = OpenOptions { criterion, robot: robot.clone(), geometry: None };
+        let geometry = geometry.map(geometry_of).transpose()?;
+        let options = OpenOptions { criterion, robot: robot.clone(), geometry };
         let text = what.to_string_lossy().into_owned();
         let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
         // As a built-in one is opened by its id in whatever folder.
@@ -52,22 +61,24 @@ impl PyScenario {
         let keywords = PyDict::new(py);
         keywords.set_item("criterion", criterion.map(Criterion::name))?;
         keywords.set_item("robot", robot.as_deref().map(absolute).transpose()?)?;
+        keywords.set_item("geometry", geometry.map(Geometry::name))?;
         let made = Made::opened(py.get_type::<Self>().as_any(), (what,), &keywords)?;
-        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, made })
+        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, geometry, made })
     }
 
     /// Opens the scenario at `path`: a folder or a packed `.zip`, never a built-in one.
     #[staticmethod]
-    #[pyo3(signature = (path, *, criterion=None, robot=None))]
+    #[pyo3(signature = (path, *, criterion=None, robot=None, geometry=None))]
     fn load(
         py: Python<'_>,
         path: PathBuf,
         criterion: Option<&str>,
         robot: Option<PathBuf>,
+        geometry: Option<&str>,
     ) -> PyResult<Self> {
         // `./021` is the folder, `021` the built-in scenario.
         let path = if path.is_absolute() { path } else { PathBuf::from(".").join(path) };
-        Self::new(py, path, criterion, robot)
+        Self::new(py, path, criterion, robot, geometry)
     }
 
     /// The built-in id, or the name of the folder.
@@ -125,7 +136,7 @@ impl PyScenario {
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
         let exact = Scenario { criterion: Criterion::Exact, ..(*slf.get().scenario).clone() };
-        let problem = exact.problem(&Demands { margin_m, grasp_margin_m }).map_err(fault)?;
+        let problem = exact.problem(&PlanMargins { margin_m, grasp_margin_m }).map_err(fault)?;
         let keywords = PyDict::new(slf.py());
         keywords.set_item("margin_m", margin_m)?;
         keywords.set_item("grasp_margin_m", grasp_margin_m)?;
@@ -273,12 +284,12 @@ impl PyScenario {
 
     fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
         let robot_file = own.get().robot_file.clone();
-        Self { scenario: Arc::new(scenario), robot_file, made: Made::UNKNOWN }
+        Self { scenario: Arc::new(scenario), robot_file, geometry: own.get().geometry, made: Made::UNKNOWN }
     }
 
     /// The problem to plan for.
-    pub fn problem(&self, demands: &Demands) -> PyResult<Problem> {
-        self.scenario.problem(demands).map_err(fault)
+    pub fn problem(&self, margins: &PlanMargins) -> PyResult<Problem> {
+        self.scenario.problem(margins).map_err(fault)
     }
 }
 
@@ -286,6 +297,14 @@ impl PyScenario {
 #[pyfunction]
 pub fn scenario_ids() -> Vec<String> {
     catalogue().iter().map(|entry| entry.id.to_string()).collect()
+}
+
+/// The geometry of that name.
+fn geometry_of(name: &str) -> PyResult<Geometry> {
+    [Geometry::Scene, Geometry::Export]
+        .into_iter()
+        .find(|geometry| geometry.name() == name)
+        .ok_or_else(|| bad_value(format!("geometry is '{name}', but \"scene\" or \"export\" is expected")))
 }
 
 /// The criterion of that name.

@@ -1,6 +1,6 @@
 //! `Verification`: what a judge found in a path.
 
-use cranny_plan::Verification;
+use cranny_plan::Audit;
 use pyo3::prelude::*;
 
 use crate::json::python_of;
@@ -9,7 +9,7 @@ use crate::pickled::{Made, Reduced};
 /// What a judge found in a path. True if the path meets the criterion.
 #[pyclass(name = "Verification", module = "cranny", frozen)]
 pub struct PyVerification {
-    pub verification: Verification,
+    pub audit: Audit,
 }
 
 #[pymethods]
@@ -17,35 +17,37 @@ impl PyVerification {
     /// Whether there is no violation at all.
     #[getter]
     fn valid(&self) -> bool {
-        self.verification.valid
+        self.audit.valid
     }
 
     /// Everything that is wrong, in the order of the path: dictionaries of `kind` ("start", "goal", "joint-limit",
-    /// "contact", "clearance", "unresolved", "step"), `edge`, `at` in [0, 1], `first`, `second` and `depth_m`.
+    /// "contact", "clearance", "unresolved", "step"), `edge`, `at` in [0, 1], `first`, `second`, `depth_m` (of a contact;
+    /// else None), and what the kind has besides: `off` and its `unit` ("m", "rad"), `clearance_m`, `required_m`,
+    /// `excess_m`, `translation_error_m`, `rotation_error_rad`.
     #[getter]
     fn violations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &self.verification.violations)
+        python_of(py, &self.audit.violations)
     }
 
     /// The grasp nearest to the end: a dictionary of `grasp`, `translation_error_m` and `rotation_error_rad`; None
     /// where no grasp is asked for.
     #[getter]
     fn goal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &self.verification.goal)
+        python_of(py, &self.audit.goal)
     }
 
     /// The least distance along the whole path in metres, certified from below; None under "paper", or where there
     /// is nothing to touch.
     #[getter]
     fn clearance_m(&self) -> Option<f64> {
-        self.verification.clearance_m
+        self.audit.clearance_m
     }
 
     /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
     /// ("always-touching", "never-moves"). What is said holds but for these.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &self.verification.not_checked)
+        python_of(py, &self.audit.not_checked)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
@@ -53,12 +55,12 @@ impl PyVerification {
     }
 
     fn __bool__(&self) -> bool {
-        self.verification.valid
+        self.audit.valid
     }
 
     fn __repr__(&self) -> String {
-        let Verification { valid, violations, .. } = &self.verification;
-        let unchecked = self.verification.not_checked.len();
+        let Audit { valid, violations, .. } = &self.audit;
+        let unchecked = self.audit.not_checked.len();
         if *valid && unchecked > 0 {
             format!("<cranny.Verification: valid, but for {unchecked} pairs that are not checked>")
         } else if *valid {

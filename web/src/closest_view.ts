@@ -29,7 +29,8 @@ export class ClosestView {
   }
 
   show(closest: Closest | null): void {
-    this.group.visible = closest !== null && closest.points.length === 6;
+    // Where two things touch without a point in common, there is no line.
+    this.group.visible = closest !== null && closest.points.length === 6 && closest.points.every(Number.isFinite);
     if (!closest || !this.group.visible) return;
     this.ends.set(closest.points);
     this.ends.needsUpdate = true;

@@ -55,7 +55,9 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     step::succeed(here.command(python, &[&words[..], &[&wheel]].concat()))?;
     // 4. From the root: in its own folder, the sources would be taken for the package.
-    step::succeed(here.command(python, &["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"]))
+    let mut tests = here.command(python, &["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"]);
+    tests.env(step::PROGRAM, here.program());
+    step::succeed(tests)
 }
 
 fn wheel_in(folder: &Path) -> Result<PathBuf, String> {

@@ -21,7 +21,17 @@ pub struct Surroundings {
     pub all_required: bool,
 }
 
+/// Tells tests where the command is.
+pub const PROGRAM: &str = "CRANNY_BIN";
+
 impl Surroundings {
+    /// The command, where the tests before built it.
+    pub fn program(&self) -> PathBuf {
+        let target =
+            std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.root.join("target"), PathBuf::from);
+        self.root.join(target).join("release").join(format!("cranny{}", std::env::consts::EXE_SUFFIX))
+    }
+
     /// A cargo command at the root, with data folder and Python in its environment.
     pub fn cargo(&self, words: &[&str]) -> Command {
         // The cargo that runs this task, so that nested runs use the same toolchain.

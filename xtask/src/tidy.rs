@@ -11,6 +11,7 @@ mod foreign_data;
 mod machine_paths;
 mod module_names;
 mod unsafe_code;
+mod walks;
 
 use crate::checkout::{self, SourceFile};
 use crate::member::{self, Member};
@@ -64,6 +65,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         file_opening::check(files),
         unsafe_code::check(members, files),
         machine_paths::check(files),
+        walks::check(files),
     ]
     .concat()
 }

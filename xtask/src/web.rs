@@ -12,9 +12,6 @@ const CHROMIUM: &str = "CRANNY_CHROMIUM";
 const PLACES: [&str; 4] =
     ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome", "/snap/bin/chromium"];
 
-/// Names the program of the tests.
-const PROGRAM: &str = "CRANNY_BIN";
-
 /// Whether Node is here with the packages of `web/`, and a Chromium; one that can be had without a question is
 /// installed.
 pub fn readiness(here: &Surroundings) -> Readiness {
@@ -53,7 +50,7 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
     step::succeed(here.cargo(&["build", "--release", "-p", "cranny-cli"]))?;
     let mut test = here.command("npm", &["test"]);
     test.current_dir(here.root.join("web"));
-    test.env(PROGRAM, program(here));
+    test.env(step::PROGRAM, here.program());
     if let Some(chromium) = chromium() {
         test.env(CHROMIUM, chromium);
     }
@@ -64,10 +61,4 @@ fn chromium() -> Option<PathBuf> {
     let named = std::env::var_os(CHROMIUM).map(PathBuf::from);
     let known = PLACES.iter().map(PathBuf::from).find(|place| place.is_file());
     named.filter(|file| file.is_file()).or(known)
-}
-
-/// Where cargo puts the program.
-fn program(here: &Surroundings) -> PathBuf {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| here.root.join("target"), PathBuf::from);
-    here.root.join(target).join("release").join(format!("cranny{}", std::env::consts::EXE_SUFFIX))
 }

@@ -36,7 +36,9 @@ struct Document {
 enum ForeignOutcome {
     Solved,
     BudgetExhausted,
+    GaveUp,
     StartInvalid,
+    GoalsInvalid,
     NoReachableGrasp,
 }
 
@@ -73,7 +75,9 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
     let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
         document.statistics;
     let outcome = match document.outcome {
+        Some(ForeignOutcome::GaveUp) => TrialOutcome::GaveUp,
         Some(ForeignOutcome::StartInvalid) => TrialOutcome::StartInvalid,
+        Some(ForeignOutcome::GoalsInvalid) => TrialOutcome::GoalsInvalid,
         Some(ForeignOutcome::NoReachableGrasp) => TrialOutcome::NoReachableGrasp,
         Some(ForeignOutcome::Solved) if document.waypoints.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());

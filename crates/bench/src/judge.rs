@@ -1,16 +1,14 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{
-    ClearanceReport, Goal, PlanError, Problem, Violation, ViolationKind, path_length, verify_with,
-};
+use cranny_plan::{AuditSettings, Goal, PlanError, Problem, Violation, audit_with, path_length};
 
 use crate::TrialOutcome;
 use crate::worker_message::TrialAnswer;
 
 /// Puts the judge's word on the path of `answer`, whatever its planner says: solved, rejected with the first
 /// objection, or garbled where it is no path of this robot.
-pub fn judge(problem: &Problem, answer: TrialAnswer, report: ClearanceReport) -> TrialAnswer {
-    let verification = match verify_with(problem, &answer.path, report) {
+pub fn judge(problem: &Problem, answer: TrialAnswer, settings: AuditSettings) -> TrialAnswer {
+    let verification = match audit_with(problem, &answer.path, settings) {
         Ok(verification) => verification,
         Err(fault) => {
             let (outcome, detail) = (TrialOutcome::Garbled, Some(fault.to_string()));
@@ -19,7 +17,7 @@ pub fn judge(problem: &Problem, answer: TrialAnswer, report: ClearanceReport) ->
     };
     if let Some(violation) = verification.violations.first() {
         let others = verification.violations.len() - 1;
-        let mut detail = objection(violation);
+        let mut detail = violation.to_string();
         if others > 0 {
             let _ = write!(detail, " (and {others} more)");
         }
@@ -44,15 +42,19 @@ pub fn judge(problem: &Problem, answer: TrialAnswer, report: ClearanceReport) ->
 /// dense as it wants them first: a planner under another criterion need not have known.
 ///
 /// # Errors
-/// As [`verify_with`].
+/// As [`audit_with`].
 pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanError> {
     let mut path = path.to_vec();
     /// Steps of ten metres become steps of a centimetre.
     const MOST_HALVINGS: usize = 10;
     for _ in 0..MOST_HALVINGS {
-        let verification = verify_with(problem, &path, ClearanceReport::Left)?;
-        let is_step = |violation: &&Violation| violation.kind == ViolationKind::Step;
-        let steps: Vec<usize> = verification.violations.iter().filter(is_step).map(|v| v.edge).collect();
+        let verification =
+            audit_with(problem, &path, AuditSettings { clearances: false, ..AuditSettings::default() })?;
+        let step = |violation: &Violation| match violation {
+            Violation::Step { edge, .. } => Some(*edge),
+            _ => None,
+        };
+        let steps: Vec<usize> = verification.violations.iter().filter_map(step).collect();
         if steps.is_empty() {
             return Ok(verification.valid);
         }
@@ -62,24 +64,4 @@ pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanErro
         }
     }
     Ok(false)
-}
-
-/// A violation in a sentence.
-fn objection(violation: &Violation) -> String {
-    let Violation { kind, edge, at, first, second, depth_m } = violation;
-    match kind {
-        ViolationKind::Contact if second.is_empty() => format!("way point {edge} is not free"),
-        ViolationKind::Contact => {
-            format!("edge {edge} at {at:.3}: {first} is {:.2} mm deep in {second}", depth_m * 1e3)
-        }
-        ViolationKind::Clearance => format!("edge {edge} at {at:.3}: {first} comes too close to {second}"),
-        ViolationKind::Unresolved => {
-            format!("edge {edge} at {at:.3}: {first} against {second} can be neither proven nor refuted")
-        }
-        ViolationKind::JointLimit => format!("way point {edge}: {first} is {depth_m:.4} beyond its limit"),
-        ViolationKind::Step => format!("edge {edge} is longer than the released planners step"),
-        ViolationKind::Start => format!("{first} is {depth_m:.6} off the start"),
-        ViolationKind::Goal => format!("the path ends {:.2} mm from the nearest goal", depth_m * 1e3),
-        _ => format!("edge {edge} is not valid"),
-    }
 }

@@ -230,12 +230,13 @@ fn values(run: &StoredTrial) -> [String; 14] {
 /// The value of OMPL's `PlannerStatus` that says the same.
 fn status(outcome: TrialOutcome) -> u8 {
     match outcome {
-        TrialOutcome::Rejected | TrialOutcome::Garbled => 0,
+        TrialOutcome::Rejected | TrialOutcome::Garbled | TrialOutcome::GaveUp => 0,
         TrialOutcome::StartInvalid => 1,
+        TrialOutcome::GoalsInvalid => 2,
         TrialOutcome::BudgetExhausted => 4,
         TrialOutcome::Solved => 6,
         TrialOutcome::Crashed => 7,
-        TrialOutcome::Hung | TrialOutcome::OutOfMemory => 8,
+        TrialOutcome::Hung | TrialOutcome::OutOfMemory | TrialOutcome::Cancelled => 8,
         TrialOutcome::NoReachableGrasp => 9,
     }
 }

@@ -61,8 +61,14 @@ pub enum TrialOutcome {
     Solved,
     /// The planner's time or iterations were spent.
     BudgetExhausted,
+    /// The planner ended without a path before its budget was spent.
+    GaveUp,
+    /// The search was stopped from outside.
+    Cancelled,
     /// The start is in collision or outside the joint limits.
     StartInvalid,
+    /// Every goal configuration is in collision or outside the joint limits.
+    GoalsInvalid,
     /// The planner is certain that no grasp can be reached.
     NoReachableGrasp,
     /// The planner gave a path, and the judge finds that it does not meet the criterion.
@@ -79,10 +85,13 @@ pub enum TrialOutcome {
 
 impl TrialOutcome {
     /// Every outcome, in the order of its declaration.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Solved,
         Self::BudgetExhausted,
+        Self::GaveUp,
+        Self::Cancelled,
         Self::StartInvalid,
+        Self::GoalsInvalid,
         Self::NoReachableGrasp,
         Self::Rejected,
         Self::Garbled,
@@ -96,7 +105,10 @@ impl TrialOutcome {
         match self {
             Self::Solved => "solved",
             Self::BudgetExhausted => "budget-exhausted",
+            Self::GaveUp => "gave-up",
+            Self::Cancelled => "cancelled",
             Self::StartInvalid => "start-invalid",
+            Self::GoalsInvalid => "goals-invalid",
             Self::NoReachableGrasp => "no-reachable-grasp",
             Self::Rejected => "rejected",
             Self::Garbled => "garbled",

@@ -1,12 +1,12 @@
 use std::time::Duration;
 
-use cranny_plan::{Budget, ClearanceReport, Criterion, Outcome, PlanReport, Unobserved, search};
+use cranny_plan::{AuditSettings, Budget, Criterion, Outcome, PlanReport, Unobserved, search};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
 use crate::worker_message::{Message, Request, TrialAnswer};
-use crate::{BenchError, PlannerCall, TrialOutcome, judge};
+use crate::{BenchError, PlannerCall, Trial, TrialOutcome, judge};
 
 /// Runs one trial.
 ///
@@ -60,10 +60,10 @@ pub fn run(
     tell(&Message::Planned)?;
     // 3.
     if answer.path.is_empty() {
-        return Ok(answer);
+        return Ok(given_up(answer, trial));
     }
-    let report = if question.measure_clearance { ClearanceReport::PerEdge } else { ClearanceReport::Left };
-    let mut answer = judge::judge(&opened.problem, answer, report);
+    let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
+    let mut answer = judge::judge(&opened.problem, answer, settings);
     if let (Some(other), false) = (other, answer.path.is_empty()) {
         answer.also_solved = judge::also_meets(&other.problem, &answer.path).ok();
     }
@@ -85,9 +85,31 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
 /// What a built-in planner says, not yet judged.
 fn of_report(report: PlanReport) -> TrialAnswer {
     let outcome = match report.outcome {
+        // Whether a path is one says the judge.
+        Outcome::Solved | Outcome::BudgetExhausted => TrialOutcome::BudgetExhausted,
+        Outcome::Cancelled => TrialOutcome::Cancelled,
+        Outcome::GaveUp => TrialOutcome::GaveUp,
         Outcome::StartInvalid => TrialOutcome::StartInvalid,
+        Outcome::GoalsInvalid => TrialOutcome::GoalsInvalid,
         Outcome::NoReachableGrasp => TrialOutcome::NoReachableGrasp,
-        _ => TrialOutcome::BudgetExhausted,
     };
     TrialAnswer { path: report.path, ..TrialAnswer::without_path(outcome, None, report.statistics) }
+}
+
+/// A planner that stops at its limit may look at its clock so much before it, as a share of the limit.
+const EARLY: f64 = 0.05;
+
+/// Says of an answer without a path that its planner gave up, if it claims a budget that is not spent: it would else
+/// count as one that might have found a path later.
+fn given_up(answer: TrialAnswer, trial: &Trial) -> TrialAnswer {
+    let time_s = answer.statistics.planning_time_s;
+    let iterations = answer.statistics.iterations;
+    // A program need not tell its iterations.
+    let has_iterations_left = trial.iteration_limit.is_none_or(|limit| iterations > 0 && iterations < limit);
+    let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
+    if answer.outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {
+        return answer;
+    }
+    let detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
+    TrialAnswer { outcome: TrialOutcome::GaveUp, detail: answer.detail.or(Some(detail)), ..answer }
 }

@@ -157,8 +157,9 @@ pub struct PlanArguments {
     #[arg(long, value_name = "W", default_value_t = 1.0, requires = "optimise")]
     pub score_weight: f64,
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
-    #[arg(long, value_name = "D", default_value_t = cranny_plan::PAPER_THRESHOLD)]
-    pub goal_threshold: f64,
+    /// [default: 50]
+    #[arg(long, value_name = "D")]
+    pub goal_threshold: Option<f64>,
     /// Write the trajectory beside the plan, as ID.trajectory.csv: position, velocity and acceleration of
     /// every joint, at so many samples a second
     #[arg(long, value_name = "HZ", value_parser = sample_rate)]
@@ -192,6 +193,9 @@ pub struct VerifyArguments {
     /// A plan file (.plan.json) or way points (.csv, .try)
     #[arg(value_name = "PLAN", required_unless_present = "moveit", conflicts_with = "moveit")]
     pub plan: Option<PathBuf>,
+    /// Let the path end anywhere, not at a goal alone
+    #[arg(long)]
+    pub any_end: bool,
     // An attribute for the same reason as that of `plan`.
     #[arg(
         long,
@@ -260,16 +264,6 @@ pub enum GeometryArgument {
     Scene,
     /// The merged obstacle mesh that the released planners used
     Export,
-}
-
-impl GeometryArgument {
-    /// What flags and plan files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Export => "export",
-        }
-    }
 }
 
 impl From<GeometryArgument> for Geometry {

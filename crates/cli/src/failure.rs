@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use cranny_solve::SolveError;
+
 /// Bad input: said once, exit 2.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -20,6 +22,14 @@ pub enum Failure {
     Flag {
         /// Which flag.
         flag: &'static str,
+        /// What is wrong with it, and what would fit.
+        problem: String,
+    },
+    /// What is asked does not go with the problem.
+    #[error("--{}: {problem}", field.replace('_', "-"))]
+    Request {
+        /// The field of the request, which is named like its flag.
+        field: &'static str,
         /// What is wrong with it, and what would fit.
         problem: String,
     },
@@ -70,4 +80,13 @@ pub enum Failure {
     /// Ctrl-C cannot be listened to.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
+}
+
+impl From<SolveError> for Failure {
+    fn from(fault: SolveError) -> Self {
+        match fault {
+            SolveError::Request { field, problem } => Self::Request { field, problem },
+            SolveError::Plan(fault) => Self::Plan(fault),
+        }
+    }
 }

@@ -30,7 +30,6 @@ mod search_replay;
 mod start;
 mod task;
 mod text;
-mod timing;
 mod verify;
 mod view;
 

@@ -3,13 +3,14 @@ use std::sync::Arc;
 
 use cranny_collision::Cell;
 use cranny_plan::{Criterion, Problem, Validity};
-use cranny_scenario::{Demands, Geometry, OpenOptions, PlanFile, PlanMargins, Scenario, read_waypoints};
+use cranny_scenario::{Geometry, OpenOptions, PlanFile, PlanMargins, Scenario, read_waypoints};
 use cranny_view::{PageData, PagePlan, PageSettings, page_cell};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::progress::{self, stop_on_interrupt};
 use crate::search_replay;
+use crate::task::open_scenario;
 use crate::text;
 
 /// What a page is to show.
@@ -52,7 +53,7 @@ impl PageTask {
             robot: request.robot.map(Path::to_owned).or_else(|| files.iter().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
         };
-        let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new() };
+        let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;
         let shown = tasks.open(Some(Criterion::Exact))?;
         let cell = page_cell(&shown)?;
@@ -91,6 +92,7 @@ struct Tasks<'a> {
     options: OpenOptions,
     opened: Vec<Scenario>,
     problems: Vec<((Criterion, PlanMargins), Problem)>,
+    output: Output,
 }
 
 impl Tasks<'_> {
@@ -100,7 +102,12 @@ impl Tasks<'_> {
         if let Some(known) = self.opened.iter().find(is_it) {
             return Ok(known.clone());
         }
-        let scenario = Scenario::open(self.id, &OpenOptions { criterion, ..self.options.clone() })?;
+        let options = OpenOptions { criterion, ..self.options.clone() };
+        // What is to be said of a scenario is said once.
+        let scenario = match self.opened.first() {
+            Some(_) => Scenario::open(self.id, &options)?,
+            None => open_scenario(self.id, &options, self.output)?,
+        };
         self.opened.push(scenario.clone());
         Ok(scenario)
     }
@@ -115,8 +122,7 @@ impl Tasks<'_> {
         let mut problem = if let Some((_, problem)) = known {
             problem.clone()
         } else {
-            let PlanMargins { margin_m, grasp_margin_m } = margins;
-            let problem = self.open(Some(criterion))?.problem(&Demands { margin_m, grasp_margin_m })?;
+            let problem = self.open(Some(criterion))?.problem(&margins)?;
             self.problems.push(((criterion, margins), problem.clone()));
             problem
         };

@@ -3,11 +3,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cranny_grasp::GraspSet;
-use cranny_plan::{
-    Budget, Criterion, GraspFailure, OptimiseSettings, Optimised, Outcome, PlanError, PlanReport, Planner,
-    Problem, ShortcutSettings, Shortened, Validity, optimise, path_length, search, shortcut, verify,
-};
-use cranny_scenario::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
+use cranny_plan::{AuditSettings, Budget, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
+use cranny_scenario::{PlanFile, PlanMargins, write_trajectory_csv};
+use cranny_solve::{Request, Timing, solve};
 use serde::Serialize;
 
 use crate::Answer;
@@ -20,7 +18,6 @@ use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
 use crate::text::{self, degrees, millimetres};
-use crate::timing::{Timing, trajectory_file};
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -43,61 +40,49 @@ struct Answered<'a> {
 }
 
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
-    let named = arguments.planner.as_deref().map(cranny_plan::planner).transpose()?;
     let begin = Instant::now();
-    let PlanTask { id, grasps, mut problem, margins } =
+    let PlanTask { source, grasps, problem } =
         PlanTask::open(&arguments.task, &arguments.moveit, None, PlanMargins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let file = destination(arguments, &id, output)?;
-    set_threshold(arguments, &mut problem)?;
-    let planner = named.unwrap_or_else(|| cranny_plan::default_planner(problem.criterion()));
-    let timing = Timing::new(arguments, &problem)?;
-    let budget = Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit };
+    let request = request(arguments);
+    request.check(&problem)?;
+    // Better now than after the search.
+    let file = destination(arguments, &source.scenario, output)?;
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let settings = optimise_settings(arguments, &problem)?;
-    let mut optimisation = None;
-    let mut report;
-    if let Some(settings) = settings {
-        let optimised =
-            optimise(planner.as_ref(), &mut problem, &budget, settings, arguments.seed, &mut progress)?;
-        optimisation = Some(of_optimised(&optimised, settings));
-        report = optimised.report;
-    } else {
-        report = search(planner.as_ref(), &mut problem, &budget, arguments.seed, &mut progress)?;
-    }
+    let answer = solve(&problem, &request, &mut progress)?;
     progress.finish();
-    let shortcut_time_s = if settings.is_some() { None } else { shorten(arguments, &problem, &mut report)? };
 
-    let mut judged = judge(arguments, id, &problem, margins, planner.as_ref(), &report)?;
-    let solved = report.outcome == Outcome::Solved && judged.valid;
-    let timed = if solved { timing.time(&report.path)? } else { None };
-    judged.plan.optimisation = optimisation;
-    judged.plan.timing = timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory));
-    let mut trajectory_file = None;
-    if solved {
-        trajectory_file =
-            timed.as_ref().map(|timed| timed.write(arguments, &file, output)).transpose()?.flatten();
-    }
+    let plan = PlanFile::of(&answer, &source);
+    let solved = answer.is_solved();
+    let trajectory_file = match (&answer.timed, arguments.rate) {
+        (Some(timed), Some(rate_hz)) => {
+            let beside = trajectory_file(&file);
+            output_file::check(&beside, FileKind::Trajectory, output)?;
+            write_trajectory_csv(&beside, &timed.trajectory, rate_hz)?;
+            Some(beside)
+        }
+        _ => None,
+    };
     // A failed search is worth a look too, but never in the place of a plan that nobody named.
     let is_written = solved || arguments.output.is_some();
     if is_written {
         output_file::check(&file, FileKind::Plan, output)?;
-        judged.plan.write(&file)?;
+        plan.write(&file)?;
     }
     let answered = Answered {
-        planning_time_s: report.statistics.planning_time_s,
-        shortcut_time_s,
+        planning_time_s: answer.statistics.planning_time_s,
+        shortcut_time_s: answer.shortening.map(|shortening| shortening.time_s),
         preparation_time_s,
-        iterations: report.statistics.iterations,
-        valid: judged.valid,
+        iterations: answer.statistics.iterations,
+        valid: answer.is_valid(),
         start_faults: start::faults(&problem),
         plan_file: is_written.then_some(file.as_path()),
-        duration_s: timed.as_ref().map(|timed| timed.trajectory.duration_s()),
-        timing_time_s: timed.as_ref().map(|timed| timed.timing_time_s),
+        duration_s: answer.timed.as_ref().map(|timed| timed.trajectory.duration_s()),
+        timing_time_s: answer.timed.as_ref().map(|timed| timed.time_s),
         trajectory_file: trajectory_file.as_deref(),
-        untimed: timing.hindrance(),
-        plan: &judged.plan,
+        untimed: answer.untimed.clone(),
+        plan: &plan,
     };
     if !solved && !output.quiet {
         ik::filled_hand(&problem)?;
@@ -110,109 +95,33 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 
-/// How to look for better paths, if that is asked for.
-fn optimise_settings(
-    arguments: &PlanArguments,
-    problem: &Problem,
-) -> Result<Option<OptimiseSettings>, Failure> {
-    let Some(time) = arguments.optimise else { return Ok(None) };
-    if !(arguments.score_weight.is_finite() && arguments.score_weight >= 0.0) {
-        let problem = format!("'{}' is no weight; give a number, at least 0", arguments.score_weight);
-        return Err(Failure::Flag { flag: "score-weight", problem });
-    }
-    match &problem.validity {
-        Validity::Exact(_) => Ok(Some(OptimiseSettings { time, score_weight: arguments.score_weight })),
-        Validity::Paper { .. } => {
-            let problem = "only a proven path can be bettered; leave out --criterion paper".to_owned();
-            Err(Failure::Flag { flag: "optimise", problem })
-        }
-    }
-}
-
-/// What the plan file says of it.
-fn of_optimised(optimised: &Optimised, settings: OptimiseSettings) -> PlanOptimisation {
-    PlanOptimisation {
-        time_limit_s: settings.time.as_secs_f64(),
-        score_weight: settings.score_weight,
-        time_s: optimised.time_s,
-        iterations: optimised.iterations,
-        improvements: optimised.improvements.clone(),
-    }
-}
-
-/// Shortens a path found under `exact`, unless the flags forbid it; the seconds that it took.
-fn shorten(
-    arguments: &PlanArguments,
-    problem: &Problem,
-    report: &mut PlanReport,
-) -> Result<Option<f64>, PlanError> {
-    if problem.criterion() != Criterion::Exact || report.path.is_empty() || arguments.no_shortcut {
-        return Ok(None);
-    }
-    let settings = ShortcutSettings { seed: arguments.seed, ..ShortcutSettings::default() };
-    let Shortened { path, time_s } = shortcut(problem, &report.path, settings)?;
-    report.path = path;
-    Ok(Some(time_s))
-}
-
-struct Judged {
-    plan: PlanFile,
-    valid: bool,
-}
-
-/// Every answer is judged like anybody's before it is called solved.
-fn judge(
-    arguments: &PlanArguments,
-    id: String,
-    problem: &Problem,
-    margins: PlanMargins,
-    planner: &dyn Planner,
-    report: &PlanReport,
-) -> Result<Judged, Failure> {
-    let verification = if report.path.is_empty() { None } else { Some(verify(problem, &report.path)?) };
-    let goal = verification.as_ref().and_then(|v| v.goal);
-    let plan = PlanFile {
-        scenario: id,
-        robot: arguments.task.robot.as_ref().map(|file| file.display().to_string()),
-        geometry: arguments.task.geometry.map(|geometry| geometry.name().to_owned()),
-        planner: planner.name().to_owned(),
-        settings: planner.settings(),
-        goal_threshold: match &problem.validity {
-            Validity::Paper { threshold, .. } => Some(*threshold),
-            Validity::Exact(_) => None,
-        },
-        criterion: problem.criterion(),
+/// What the flags ask for.
+fn request(arguments: &PlanArguments) -> Request {
+    Request {
+        planner: arguments.planner.clone(),
+        settings: serde_json::Map::default(),
+        budget: Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit },
         seed: arguments.seed,
-        version: PlanFile::VERSION.to_owned(),
-        outcome: report.outcome,
-        margins,
-        budget: PlanBudget {
-            iterations: arguments.iterations,
-            time_limit_s: Some(arguments.time_limit.as_secs_f64()),
+        goal_threshold: arguments.goal_threshold,
+        keep_path: arguments.no_shortcut,
+        optimise: arguments
+            .optimise
+            .map(|time| OptimiseSettings { time, score_weight: arguments.score_weight }),
+        timing: Timing {
+            method: if arguments.jerk_limited {
+                TimingMethod::JerkLimited
+            } else {
+                TimingMethod::TimeOptimal
+            },
+            blend: arguments.blend,
+            is_demanded: arguments.rate.is_some(),
         },
-        joint_names: problem.robot.joint_names().to_vec(),
-        grasp: goal.map(|g| g.grasp),
-        translation_error_m: goal.map(|g| g.translation_error_m),
-        rotation_error_rad: goal.map(|g| g.rotation_error_rad),
-        clearance_m: verification.as_ref().and_then(|v| v.clearance_m),
-        clearances_per_edge_m: verification
-            .as_ref()
-            .map(|v| v.clearances_per_edge_m.clone())
-            .unwrap_or_default(),
-        not_checked: verification.as_ref().map_or_else(|| problem.not_checked(), |v| v.not_checked.clone()),
-        path_length: path_length(&report.path),
-        waypoints: report.path.clone(),
-        timing: None,
-        statistics: report.statistics,
-        optimisation: None,
-        failures: report.failures.clone(),
-    };
-    Ok(Judged { plan, valid: verification.is_some_and(|v| v.valid) })
+        audit: AuditSettings::default(),
+    }
 }
 
 fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {
     let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
-    // Better now than after the search.
     output_file::check(&file, FileKind::Plan, output)?;
     if arguments.rate.is_some() {
         output_file::check(&trajectory_file(&file), FileKind::Trajectory, output)?;
@@ -220,21 +129,12 @@ fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<Pa
     Ok(file)
 }
 
-fn set_threshold(arguments: &PlanArguments, problem: &mut Problem) -> Result<(), Failure> {
-    let is_default = (arguments.goal_threshold - cranny_plan::PAPER_THRESHOLD).abs() < f64::EPSILON;
-    if !(arguments.goal_threshold.is_finite() && arguments.goal_threshold >= 0.0) {
-        let problem = format!("'{}' is no threshold; give a number, at least 0", arguments.goal_threshold);
-        return Err(Failure::Flag { flag: "goal-threshold", problem });
-    }
-    match &mut problem.validity {
-        Validity::Paper { threshold, .. } => *threshold = arguments.goal_threshold,
-        Validity::Exact(_) if is_default => {}
-        Validity::Exact(_) => {
-            let problem = "only the paper criterion has a threshold; add --criterion paper".to_owned();
-            return Err(Failure::Flag { flag: "goal-threshold", problem });
-        }
-    }
-    Ok(())
+/// Where the samples of a plan go: `021.plan.json` → `021.trajectory.csv`.
+fn trajectory_file(plan_file: &Path) -> PathBuf {
+    let name = plan_file.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".json").unwrap_or(&name);
+    let stem = stem.strip_suffix(".plan").unwrap_or(stem);
+    plan_file.with_file_name(format!("{stem}.trajectory.csv"))
 }
 
 fn page(answered: &Answered, grasps: &GraspSet) -> String {
@@ -301,7 +201,7 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         let (cost, iterations) = (improvement.cost, improvement.iterations);
         line("cost", format!("{cost:.3} after {:.3} s, {iterations} iterations", improvement.time_s));
     }
-    for (reason, count) in counted(&plan.failures) {
+    for (reason, count) in GraspFailure::counted(&plan.failures) {
         line("blocked", format!("{count:>4} grasps: {reason}"));
     }
     for fault in &answered.start_faults {
@@ -330,18 +230,4 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("written to", file.display().to_string());
     }
     page
-}
-
-/// How many grasps failed for each reason, the commonest first.
-fn counted(failures: &[GraspFailure]) -> Vec<(String, usize)> {
-    let mut counts: Vec<(String, usize)> = Vec::new();
-    for failure in failures {
-        let reason = failure.reason.sentence();
-        match counts.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((reason, 1)),
-        }
-    }
-    counts.sort_by(|(a, m), (b, n)| n.cmp(m).then_with(|| a.cmp(b)));
-    counts
 }

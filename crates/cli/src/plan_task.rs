@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Demands, MoveItOptions, MoveItProblem, PlanMargins, mesh_repairs};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins, PlanSource, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -10,12 +10,10 @@ use crate::task::{Task, metres, note_all};
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
 pub struct PlanTask {
-    /// What the plan says it is of.
-    pub id: String,
+    pub source: PlanSource,
     /// What can be grasped; nothing where the goal is a configuration.
     pub grasps: GraspSet,
     pub problem: Problem,
-    pub margins: PlanMargins,
 }
 
 impl PlanTask {
@@ -32,7 +30,13 @@ impl PlanTask {
             return Self::open_moveit([scene, request], arguments, margins, output);
         }
         let Task { scenario, problem, margins } = Task::open(arguments, criterion, margins, output)?;
-        Ok(Self { id: scenario.id, grasps: scenario.grasps, problem, margins })
+        let source = PlanSource {
+            scenario: scenario.id,
+            robot: arguments.robot.clone(),
+            geometry: arguments.geometry.map(Into::into),
+            margins,
+        };
+        Ok(Self { source, grasps: scenario.grasps, problem })
     }
 
     fn open_moveit(
@@ -46,16 +50,13 @@ impl PlanTask {
         note_all(&opened.deviations, output)?;
         note_all(&mesh_repairs(&opened.robot, &opened.world), output)?;
         let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
-        let demands = Demands { margin_m, ..Demands::default() };
-        let mut problem = opened.problem(&demands)?;
+        let margins = PlanMargins { margin_m, ..PlanMargins::default() };
+        let mut problem = opened.problem(&margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
-        Ok(Self {
-            problem,
-            id: opened.id,
-            grasps: GraspSet::default(),
-            margins: PlanMargins { margin_m, ..PlanMargins::default() },
-        })
+        let source =
+            PlanSource { scenario: opened.id, robot: arguments.robot.clone(), geometry: None, margins };
+        Ok(Self { source, grasps: GraspSet::default(), problem })
     }
 }

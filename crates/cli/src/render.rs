@@ -2,7 +2,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, read_waypoints};
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
     StandardView,
@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
+use crate::task::open_scenario;
 use crate::{progress, text};
 
 #[derive(Clone, Debug, Args)]
@@ -206,7 +207,8 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
 fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) -> Result<Rendered, Failure> {
     let is_moving = matches!(format, Format::Gif | Format::Apng | Format::Folder);
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
-    let scene = scene(id, arguments.plans.first().map(PathBuf::as_path), arguments, rate_hz)?;
+    let plan = arguments.plans.first().map(PathBuf::as_path);
+    let scene = scene(id, plan, arguments, rate_hz, output)?;
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
     let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
@@ -327,7 +329,7 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
     for entry in entries {
         let plan = folder.as_ref().map(|folder| folder.join(format!("{}.plan.json", entry.id)));
         let plan = plan.filter(|plan| plan.is_file());
-        let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ)?;
+        let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ, output)?;
         triangles += scene.triangle_count();
         // Nobody turns a picture on a sheet or walks back from it: it shows the whole scene.
         let direction_deg = arguments.camera.unwrap_or(view.direction_deg());
@@ -343,7 +345,13 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
     Ok(Rendered { files, pictures: 1, width: sheet.width(), height: sheet.height(), triangles })
 }
 
-fn scene(id: &str, plan: Option<&Path>, arguments: &RenderArguments, rate_hz: f64) -> Result<Scene, Failure> {
+fn scene(
+    id: &str,
+    plan: Option<&Path>,
+    arguments: &RenderArguments,
+    rate_hz: f64,
+    output: Output,
+) -> Result<Scene, Failure> {
     let is_plan = |file: &Path| file.extension().is_some_and(|extension| extension == "json");
     let read = plan.filter(|file| is_plan(file)).map(PlanFile::read).transpose()?;
     let of_plan = read.as_ref().and_then(|plan| plan.robot.as_ref()).map(PathBuf::from);
@@ -352,7 +360,7 @@ fn scene(id: &str, plan: Option<&Path>, arguments: &RenderArguments, rate_hz: f6
         robot: arguments.robot.clone().or(of_plan),
         geometry: arguments.geometry.map(Into::into),
     };
-    let scenario = Scenario::open(id, &options)?;
+    let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {
         (Some(plan), _) => ShownPath::of_plan(&scenario, &plan, rate_hz)?,
         (None, Some(file)) => {

@@ -7,9 +7,9 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_plan::Validity;
 use cranny_scenario::{
-    Credits, Demands, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack,
-    write_set, write_sweep, write_template, write_whole_folder,
+    Credits, Family, OpenOptions, PlanMargins, Recipe, Scenario, ScenarioError, SetMaker, SetProgress,
+    SetReport, SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema,
+    unpack, write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 
@@ -279,7 +279,7 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
         notes = mesh_repairs(&scenario.robot, &scenario.world);
-        let problem = scenario.problem(&Demands::default())?;
+        let problem = scenario.problem(&PlanMargins::default())?;
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         if let Validity::Exact(cell) = &problem.validity {

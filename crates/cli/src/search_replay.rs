@@ -1,12 +1,10 @@
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
-use cranny_plan::{
-    Budget, Observer, Outcome, PlanReport, Problem, ShortcutSettings, planner_with, search, shortcut,
-};
+use cranny_plan::{Observer, Outcome, Problem};
 use cranny_scenario::PlanFile;
+use cranny_solve::{Answer, solve};
 use cranny_view::TreeRecording;
 
 use crate::arguments::Output;
@@ -23,23 +21,19 @@ pub fn replay(
     stop: &Arc<AtomicBool>,
     output: Output,
 ) -> Result<TreeRecording, Failure> {
-    let settings = plan.settings.as_object().cloned().unwrap_or_default();
-    let planner = planner_with(&plan.planner, &settings)?;
-    // The time that it took says nothing of this machine.
-    let budget = Budget { iterations: plan.statistics.iterations, time: Duration::MAX };
     let mut watched = Watched {
         recording: TreeRecording::new(problem.robot.clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
-    let report = search(planner.as_ref(), &mut problem.clone(), &budget, plan.seed, &mut watched)?;
+    let answer = solve(problem, &plan.request(), &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;
     let note = |text: String| text::note(&format!("{}: {text}", file.display()));
-    if report.outcome == Outcome::Cancelled {
+    if answer.outcome == Outcome::Cancelled {
         note("its search was stopped; the trees end there".to_owned())?;
     } else if plan.optimisation.is_some() {
         note("the trees are those of its first search; later ones bettered the path".to_owned())?;
-    } else if !is_same(plan, &report, problem) {
+    } else if !is_same(plan, &answer) {
         note(format!("its search went another way this time ({} has another version?)", plan.version))?;
     }
     if recording.left_out() > 0 {
@@ -49,20 +43,12 @@ pub fn replay(
     Ok(recording)
 }
 
-/// Whether the search ended as the plan says, with its path or the one that was shortened to it.
-fn is_same(plan: &PlanFile, report: &PlanReport, problem: &Problem) -> bool {
-    if report.outcome != plan.outcome || report.statistics.nodes != plan.statistics.nodes {
-        return false;
-    }
-    let is_it = |path: &[Vec<f64>]| {
-        let bits = |path: &[Vec<f64>]| -> Vec<u64> { path.iter().flatten().map(|x| x.to_bits()).collect() };
-        bits(path) == bits(&plan.waypoints)
-    };
-    if is_it(&report.path) {
-        return true;
-    }
-    let settings = ShortcutSettings { seed: plan.seed, ..ShortcutSettings::default() };
-    shortcut(problem, &report.path, settings).is_ok_and(|shortened| is_it(&shortened.path))
+/// Whether the search ended as the plan says, with its path.
+fn is_same(plan: &PlanFile, answer: &Answer) -> bool {
+    let bits = |q: &Vec<f64>| q.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    answer.outcome == plan.outcome
+        && answer.statistics.nodes == plan.statistics.nodes
+        && answer.waypoints().map(bits).eq(plan.waypoints.iter().map(bits))
 }
 
 /// Records, shows how far it is, and ends on Ctrl-C.

@@ -1,7 +1,7 @@
 use std::fmt::Display;
 
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Demands, OpenOptions, PlanMargins, Scenario, mesh_repairs};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -27,19 +27,24 @@ impl Task {
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
         };
-        let scenario = Scenario::open(&arguments.id, &options)?;
-        note_all(&mesh_repairs(&scenario.robot, &scenario.world), output)?;
+        let scenario = open_scenario(&arguments.id, &options, output)?;
         let margins = PlanMargins {
             margin_m: metres("margin", arguments.margin)?.unwrap_or(margins.margin_m),
             grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
         };
-        let PlanMargins { margin_m, grasp_margin_m } = margins;
-        let mut problem = scenario.problem(&Demands { margin_m, grasp_margin_m })?;
+        let mut problem = scenario.problem(&margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
         Ok(Self { scenario, problem, margins })
     }
+}
+
+/// A scenario; the user is told what had to be repaired in its meshes.
+pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<Scenario, Failure> {
+    let scenario = Scenario::open(id, options)?;
+    note_all(&mesh_repairs(&scenario.robot, &scenario.world), output)?;
+    Ok(scenario)
 }
 
 /// Tells the user, who may have asked for quiet, on standard error.

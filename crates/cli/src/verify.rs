@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{Verification, ViolationKind};
+use cranny_plan::{Audit, AuditSettings, audit_with};
 use cranny_scenario::{PlanFile, read_waypoints};
 
 use crate::Answer;
@@ -15,7 +15,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let plan = if is_plan { Some(PlanFile::read(file)?) } else { None };
     let criterion = plan.as_ref().map(|plan| plan.criterion);
     let margins = plan.as_ref().map(|plan| plan.margins).unwrap_or_default();
-    let PlanTask { id, problem, .. } =
+    let PlanTask { source, problem, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
     if let Some(plan) = &plan {
         let (found, expected) = (&plan.joint_names, problem.robot.joint_names());
@@ -28,10 +28,10 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
                 expected: expected.clone(),
             });
         }
-        if plan.scenario != id {
+        if plan.scenario != source.scenario {
             text::note(&format!(
-                "the plan was made for scenario '{}', and is judged against '{id}'",
-                plan.scenario
+                "the plan was made for scenario '{}', and is judged against '{}'",
+                plan.scenario, source.scenario
             ))?;
         }
     }
@@ -40,69 +40,30 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         Some(plan) => plan.into_waypoints(file, problem.robot.dof())?,
         None => read_waypoints(file, problem.robot.dof())?,
     };
-    let verification = cranny_plan::verify(&problem, &path)?;
+    let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
+    let audit = audit_with(&problem, &path, settings)?;
     if output.json {
-        text::print_json(&verification)?;
+        text::print_json(&audit)?;
     } else if !output.quiet {
-        text::print(&page(&verification, path.len()))?;
+        text::print(&page(&audit, path.len()))?;
     }
-    Ok(if verification.valid { Answer::Done } else { Answer::No })
+    Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
 
 /// More lines nobody reads.
 const MOST_SHOWN: usize = 1000;
 
-fn page(verification: &Verification, way_points: usize) -> String {
-    let word = if verification.valid { "valid" } else { "NOT valid" };
-    let but_for = text::but_for(&verification.not_checked);
+fn page(audit: &Audit, way_points: usize) -> String {
+    let word = if audit.valid { "valid" } else { "NOT valid" };
+    let but_for = text::but_for(&audit.not_checked);
     let mut page = format!("{word}{but_for}: {way_points} way points\n");
-    for violation in verification.violations.iter().take(MOST_SHOWN) {
-        let place = format!("edge {} at {:.3}", violation.edge, violation.at);
-        let _ = match violation.kind {
-            ViolationKind::Contact if violation.second.is_empty() => {
-                writeln!(page, "  contact     way point {}", violation.edge)
-            }
-            ViolationKind::Contact => writeln!(
-                page,
-                "  contact     {place}: {} is {} deep in {}",
-                violation.first,
-                millimetres(violation.depth_m),
-                violation.second
-            ),
-            ViolationKind::Clearance => writeln!(
-                page,
-                "  clearance   {place}: {} comes too close to {}",
-                violation.first, violation.second
-            ),
-            ViolationKind::Unresolved => writeln!(
-                page,
-                "  unresolved  {place}: {} against {} can be neither proven nor refuted",
-                violation.first, violation.second
-            ),
-            ViolationKind::JointLimit => writeln!(
-                page,
-                "  limit       way point {}: {} is {:.4} beyond its limit",
-                violation.edge, violation.first, violation.depth_m
-            ),
-            ViolationKind::Step => {
-                writeln!(
-                    page,
-                    "  step        edge {}: longer than the released planners step",
-                    violation.edge
-                )
-            }
-            ViolationKind::Start => writeln!(
-                page,
-                "  start       {} is {:.6} off the start of the scenario",
-                violation.first, violation.depth_m
-            ),
-            _ => writeln!(page, "  goal        the path does not end at a goal"),
-        };
+    for violation in audit.violations.iter().take(MOST_SHOWN) {
+        let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
     }
-    if let Some(more) = verification.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
+    if let Some(more) = audit.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         let _ = writeln!(page, "  …           {more} more; --json lists them all");
     }
-    if let Some(goal) = &verification.goal {
+    if let Some(goal) = &audit.goal {
         let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);
         let _ = writeln!(
             page,
@@ -112,10 +73,10 @@ fn page(verification: &Verification, way_points: usize) -> String {
             degrees(rotation)
         );
     }
-    for pair in &verification.not_checked {
+    for pair in &audit.not_checked {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
-    if let Some(clearance) = verification.clearance_m {
+    if let Some(clearance) = audit.clearance_m {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
     }
     page

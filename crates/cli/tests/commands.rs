@@ -161,7 +161,7 @@ fn margins_are_demanded_of_plan_and_verification() {
     assert_eq!(verified.status.code(), Some(0));
     let harder = cranny(folder.path(), &["verify", "021", "021.plan.json", "--margin", "60"]);
     assert_eq!(harder.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&harder.stdout).contains("too close"));
+    assert!(String::from_utf8_lossy(&harder.stdout).contains("60.000 mm are demanded"));
 }
 
 #[test]

@@ -87,7 +87,7 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     )));
     assert_each(&trials, "p7", TrialOutcome::Rejected, "deep in left wall");
     assert_each(&trials, "p8", TrialOutcome::Rejected, "off the start");
-    assert_each(&trials, "p9", TrialOutcome::BudgetExhausted, "");
+    assert_each(&trials, "p9", TrialOutcome::GaveUp, "without a path");
     assert_each(&trials, "p10", TrialOutcome::NoReachableGrasp, "");
     assert!(trials.iter().any(|trial| trial.record.statistics.iterations == 5));
     // Nothing is left running.
@@ -145,7 +145,7 @@ echo \"{\\\"sr\\\": $((seed == 0)), \\\"dtg\\\": 1.5, \\\"time\\\": 0.1, \\\"ite
     let told: Vec<_> =
         trials.iter().map(|trial| (trial.record.outcome, trial.record.statistics.iterations)).collect();
     // The first gave a path, which does not end at a grasp; the second gave none.
-    assert_eq!(told, [(TrialOutcome::Rejected, 12), (TrialOutcome::BudgetExhausted, 12)], "{trials:?}");
+    assert_eq!(told, [(TrialOutcome::Rejected, 12), (TrialOutcome::GaveUp, 12)], "{trials:?}");
     assert_eq!(trials[0].record.trial.planner, "released:burs_of_free_space");
 }
 

@@ -139,7 +139,7 @@ fn a_plan_of_a_moveit_problem_is_judged_by_its_files() {
     let text = String::from_utf8_lossy(&through.stdout);
     assert!(through.status.code() == Some(1) && text.contains("deep in post"), "{text}");
     way_points("-1,0\n1,0.4\n");
-    assert!(String::from_utf8_lossy(&verdict().stdout).contains("does not end at a goal"));
+    assert!(String::from_utf8_lossy(&verdict().stdout).contains("off the nearest goal"));
 }
 
 #[test]

@@ -12,6 +12,22 @@ pub struct GraspFailure {
     pub attempts: u64,
 }
 
+impl GraspFailure {
+    /// How many grasps failed for each reason, the commonest first.
+    pub fn counted(failures: &[Self]) -> Vec<(String, usize)> {
+        let mut counts: Vec<(String, usize)> = Vec::new();
+        for failure in failures {
+            let reason = failure.reason.sentence();
+            match counts.iter_mut().find(|(known, _)| *known == reason) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((reason, 1)),
+            }
+        }
+        counts.sort_by(|(a, m), (b, n)| n.cmp(m).then_with(|| a.cmp(b)));
+        counts
+    }
+}
+
 /// What can stand between a robot and a grasp. Only the first is certain: the others say what was met, not
 /// that there is no way.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -84,6 +84,14 @@ impl Planner for IkRrt {
 
 type Path = Vec<Vec<f64>>;
 
+/// How the search for a way to one goal ended.
+enum Connection {
+    Path(Path),
+    /// Its iterations are spent.
+    Spent,
+    GoalInvalid,
+}
+
 struct Search<'a> {
     settings: &'a IkRrt,
     problem: &'a Problem,
@@ -105,14 +113,16 @@ impl Search<'_> {
             Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
             Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
             Goal::Configurations(goals) => {
+                let mut outcome = Outcome::GoalsInvalid;
                 for goal in goals {
                     match self.connect(goal) {
-                        Ok(Some(path)) => return Ok(Ok(path)),
-                        Ok(None) => {}
+                        Ok(Connection::Path(path)) => return Ok(Ok(path)),
+                        Ok(Connection::Spent) => outcome = Outcome::GaveUp,
+                        Ok(Connection::GoalInvalid) => {}
                         Err(outcome) => return Ok(Err(outcome)),
                     }
                 }
-                Ok(Err(Outcome::BudgetExhausted))
+                Ok(Err(outcome))
             }
             Goal::Grasps(grasps) => Ok(self.pipeline(grasps)),
         }
@@ -143,7 +153,7 @@ impl Search<'_> {
                 // 2.
                 let Some(goal) = self.next_goal(search) else { continue };
                 // 3. and 4.
-                if let Some(path) = self.connect(&goal)? {
+                if let Connection::Path(path) = self.connect(&goal)? {
                     return Ok(path);
                 }
             }
@@ -180,14 +190,14 @@ impl Search<'_> {
         })
     }
 
-    /// Steps 3 and 4: a path to `goal`, nothing if its iterations are spent, or why all is over.
-    fn connect(&mut self, goal: &[f64]) -> Result<Option<Path>, Outcome> {
+    /// Steps 3 and 4, or why all is over.
+    fn connect(&mut self, goal: &[f64]) -> Result<Connection, Outcome> {
         self.statistics.goals_tried += 1;
         let problem = self.problem;
         if matches!(problem.validity, Validity::Exact(_))
             && !problem.validity.is_free(goal, &mut self.scratch)
         {
-            return Ok(None);
+            return Ok(Connection::GoalInvalid);
         }
         let mut trees = [SearchTree::new(&problem.start), SearchTree::new(goal)];
         for (index, root) in [&problem.start[..], goal].into_iter().enumerate() {
@@ -214,10 +224,10 @@ impl Search<'_> {
                     back.reverse();
                     // Both trees end at the sample: it stands in the path once.
                     path.extend(back.into_iter().skip(1));
-                    return Ok(Some(path));
+                    return Ok(Connection::Path(path));
                 }
             }
-            Ok(None)
+            Ok(Connection::Spent)
         })();
         self.statistics.nodes += (trees[0].len() + trees[1].len()) as u64;
         found

@@ -2,7 +2,7 @@
 //!
 //! A [`Problem`] goes to a [`Planner`] with a [`Budget`] and a seed, and comes back as a [`PlanReport`]. The
 //! planners are pure functions of these, found by name through [`planner`]. Under the `exact` criterion a
-//! tree grows only along proven edges, so no path leaves a planner unproven; [`verify`] judges any path,
+//! tree grows only along proven edges, so no path leaves a planner unproven; [`audit`] judges any path,
 //! whoever made it. A [`Trajectory`] gives a path its time.
 //!
 //! ## Limits
@@ -10,6 +10,7 @@
 //! lines meet at an angle, unless the corner may be cut. They keep to limits of joints, not of torques or of the speed of a link. Obstacles
 //! stand still.
 
+mod audit;
 mod box_pages;
 mod corner_blend;
 mod error;
@@ -42,8 +43,9 @@ mod time_optimal;
 #[cfg(test)]
 mod time_optimal_tests;
 mod trajectory;
-mod verification;
+mod violation;
 
+pub use audit::{Audit, AuditSettings, GoalError, audit, audit_with, path_length};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
 pub use hand_filter::{APPROACH_M, Hand, HandFilter};
@@ -63,6 +65,4 @@ pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
-pub use verification::{
-    ClearanceReport, GoalError, Verification, Violation, ViolationKind, path_length, verify, verify_with,
-};
+pub use violation::{Place, Violation};

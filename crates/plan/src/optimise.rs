@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Budget, Criterion, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem,
-    ShortcutSettings, search, shortcut, verify,
+    ShortcutSettings, audit, search, shortcut,
 };
 
 /// How to go on once there is a path.
@@ -127,7 +127,7 @@ impl Best<'_> {
         if self.cost.of(&path, Some(1.0)) >= bar {
             return Ok(false);
         }
-        let verification = verify(self.problem, &path)?;
+        let verification = audit(self.problem, &path)?;
         let score = match (&self.problem.goal, verification.goal) {
             (Goal::Grasps(set), Some(goal)) => set.grasps()[goal.grasp].score,
             _ => None,

@@ -23,7 +23,6 @@ impl Default for Budget {
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
 pub enum Outcome {
     /// There is a path, and it meets the criterion.
     Solved,
@@ -31,8 +30,12 @@ pub enum Outcome {
     BudgetExhausted,
     /// The observer asked to stop.
     Cancelled,
+    /// The planner has nothing left to try, though its budget is not spent: it says nothing of whether there is a path.
+    GaveUp,
     /// The start is in collision or outside the joint limits.
     StartInvalid,
+    /// Every goal configuration is in collision or outside the joint limits.
+    GoalsInvalid,
     /// No grasp can be reached at all: each is excluded for certain.
     NoReachableGrasp,
 }
@@ -44,8 +47,23 @@ impl Outcome {
             Self::Solved => "solved",
             Self::BudgetExhausted => "budget-exhausted",
             Self::Cancelled => "cancelled",
+            Self::GaveUp => "gave-up",
             Self::StartInvalid => "start-invalid",
+            Self::GoalsInvalid => "goals-invalid",
             Self::NoReachableGrasp => "no-reachable-grasp",
+        }
+    }
+
+    /// What it means, in a few words.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::BudgetExhausted => "time or iterations ran out",
+            Self::Cancelled => "the search was stopped",
+            Self::GaveUp => "every goal was tried as long as the planner does",
+            Self::StartInvalid => "the start is in collision or beyond a joint limit",
+            Self::GoalsInvalid => "every goal is in collision or beyond a joint limit",
+            Self::NoReachableGrasp => "no grasp can be reached",
         }
     }
 }

@@ -164,7 +164,7 @@ impl Search<'_> {
                 }
                 // With no goal that is free there is nothing to search for.
                 if self.goals.is_empty() {
-                    return Ok(Err(Outcome::BudgetExhausted));
+                    return Ok(Err(Outcome::GoalsInvalid));
                 }
                 Ok(self.search(None))
             }

@@ -4,7 +4,7 @@ mod fixture;
 
 use cranny_collision::{CollisionError, Margins, World};
 use cranny_plan::{
-    Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Unobserved, planner, planner_names, verify,
+    Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Unobserved, audit, planner, planner_names,
 };
 use fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, paper};
 
@@ -101,11 +101,11 @@ fn an_unknown_planner_is_refused_with_the_names_that_there_are() {
 fn a_path_that_is_none_of_the_robot_is_not_judged() {
     let problem = easy();
     let start = START.to_vec();
-    assert!(matches!(verify(&problem, &[]), Err(PlanError::EmptyPath)));
-    let short = verify(&problem, &[start.clone(), vec![0.0; 4]]);
+    assert!(matches!(audit(&problem, &[]), Err(PlanError::EmptyPath)));
+    let short = audit(&problem, &[start.clone(), vec![0.0; 4]]);
     assert!(matches!(short, Err(PlanError::JointCount { what: "way point", expected: 5, actual: 4 })));
     let mut bad = start.clone();
     bad[2] = f64::NAN;
-    let not_finite = verify(&problem, &[start.clone(), bad, start]);
+    let not_finite = audit(&problem, &[start.clone(), bad, start]);
     assert!(matches!(not_finite, Err(PlanError::NotFinite { what: "way point", joint }) if joint == "elbow"));
 }

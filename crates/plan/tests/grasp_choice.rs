@@ -2,7 +2,7 @@
 
 mod fixture;
 
-use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved, verify};
+use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved, audit};
 use fixture::{START, arm, easy_grasps, exact, grasp_out_of_reach, grasps, still_life};
 
 fn assert_solves(scores: [Option<f64>; 3]) {
@@ -13,7 +13,7 @@ fn assert_solves(scores: [Option<f64>; 3]) {
     let budget = Budget { iterations: 1_000_000, ..Budget::default() };
     let report = planner.plan(&problem, &budget, 5, &mut Unobserved).expect("a good problem");
     assert_eq!(report.outcome, Outcome::Solved, "{scores:?}");
-    assert!(verify(&problem, &report.path).is_ok_and(|verification| verification.valid), "{scores:?}");
+    assert!(audit(&problem, &report.path).is_ok_and(|verification| verification.valid), "{scores:?}");
 }
 
 #[test]

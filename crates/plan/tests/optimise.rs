@@ -7,7 +7,7 @@ use std::time::Duration;
 use cranny_grasp::Grasp;
 use cranny_plan::{
     Budget, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    ShortcutSettings, Unobserved, default_planner, optimise, planner, shortcut, verify,
+    ShortcutSettings, Unobserved, audit, default_planner, optimise, planner, shortcut,
 };
 use fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ fn scored() -> Problem {
 }
 
 fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
-    let goal = verify(problem, path).expect("way points of the robot").goal.expect("a grasp");
+    let goal = audit(problem, path).expect("way points of the robot").goal.expect("a grasp");
     let Goal::Grasps(set) = &problem.goal else { panic!("a problem of grasps") };
     let weight = OptimiseSettings::default().score_weight;
     let cost = PathCost::new(&problem.robot, weight).expect("a good weight");
@@ -55,7 +55,7 @@ proptest! {
             prop_assert_eq!(found.report.outcome, Outcome::Solved);
             let costs: Vec<f64> = found.improvements.iter().map(|i| i.cost).collect();
             prop_assert!(costs.windows(2).all(|pair| pair[1] < pair[0]), "{:?}", costs);
-            let verification = verify(&problem, &found.report.path).expect("way points of the robot");
+            let verification = audit(&problem, &found.report.path).expect("way points of the robot");
             prop_assert!(verification.valid, "{:?}", verification.violations);
             let [first, last] = [costs[0], costs[costs.len() - 1]];
             prop_assert_eq!(cost_of(&problem, &found.report.path).to_bits(), last.to_bits());
@@ -101,7 +101,7 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
         let reach = planner("reach").expect("the flagship");
         let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 1, &mut Unobserved);
         let path = found.expect("a good problem").report.path;
-        let goal = verify(&problem, &path).expect("way points of the robot").goal.expect("a grasp");
+        let goal = audit(&problem, &path).expect("way points of the robot").goal.expect("a grasp");
         set.grasps()[goal.grasp].score.expect("a score")
     };
     assert!(score(100.0) >= score(0.0), "{} {}", score(100.0), score(0.0));
@@ -141,7 +141,7 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
         optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Impatient { searches: 0 });
     let found = found.expect("a good problem");
     assert_eq!(found.report.outcome, Outcome::Solved);
-    assert!(verify(&problem, &found.report.path).expect("way points of the robot").valid);
+    assert!(audit(&problem, &found.report.path).expect("way points of the robot").valid);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod fixture;
 
-use cranny_plan::{Goal, PlanError, Problem, ShortcutSettings, path_length, shortcut, verify};
+use cranny_plan::{Goal, PlanError, Problem, ShortcutSettings, audit, path_length, shortcut};
 use fixture::{START, arm, ball, block, easy, exact, plan};
 
 fn settings(seed: u64) -> ShortcutSettings {
@@ -20,8 +20,7 @@ fn a_path_to_a_grasp_ends_at_the_same_grasp_by_a_shorter_way() {
     for seed in 0..10 {
         let path = found(&problem, seed);
         let short = shortcut(&problem, &path, settings(seed)).expect("an exact problem").path;
-        let [before, after] =
-            [&path, &short].map(|path| verify(&problem, path).expect("a path of the robot"));
+        let [before, after] = [&path, &short].map(|path| audit(&problem, path).expect("a path of the robot"));
         assert!(after.valid, "{:?}", after.violations);
         assert_eq!(before.goal.map(|goal| goal.grasp), after.goal.map(|goal| goal.grasp));
         assert_eq!(short[0], path[0]);
@@ -40,7 +39,7 @@ fn a_path_to_a_configuration_ends_there() {
         let path = found(&problem, seed);
         let short = shortcut(&problem, &path, settings(seed)).expect("an exact problem").path;
         assert_eq!((&short[0], short.last()), (&path[0], Some(&goal)));
-        assert!(verify(&problem, &short).expect("a path of the robot").valid);
+        assert!(audit(&problem, &short).expect("a path of the robot").valid);
         // Around the edge of the wall and back; no way is shorter than this, and none left much longer.
         let shortest = 2.0 * 0.5_f64.hypot(1.75) - 1e-9;
         assert!((shortest..1.2 * shortest).contains(&path_length(&short)), "{}", path_length(&short));

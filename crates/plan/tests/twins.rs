@@ -2,14 +2,14 @@
 
 mod fixture;
 
-use cranny_plan::{Outcome, Problem, verify};
+use cranny_plan::{Outcome, Problem, audit};
 use fixture::{OBJECT, START, arm, block, exact, finned_arm, grasp_at, grasps, off, plan, still_life};
 
 /// Solved, and only by the twin: the gripper ends turned by about half a turn from the grasp itself.
 fn assert_solved_at_the_twin(name: &str, problem: &Problem, grasp: cranny_grasp::Grasp) {
     let report = plan(name, problem, 1_000_000, 3);
     assert_eq!(report.outcome, Outcome::Solved, "{name}");
-    assert!(verify(problem, &report.path).is_ok_and(|verification| verification.valid), "{name}");
+    assert!(audit(problem, &report.path).is_ok_and(|verification| verification.valid), "{name}");
     let end = report.path.last().expect("a path has way points");
     assert!(off(problem, end, &grasp.world_from_gripper).rotation_rad > 3.0, "{name}");
     assert!(off(problem, end, &grasp.twin().world_from_gripper).is_exact(), "{name}");

@@ -6,8 +6,8 @@
 
 use std::time::Duration;
 
-use cranny_plan::{Budget, Outcome, ShortcutSettings, Unobserved, path_length, shortcut, verify};
-use cranny_scenario::{Demands, OpenOptions, Scenario};
+use cranny_plan::{Budget, Outcome, ShortcutSettings, Unobserved, audit, path_length, shortcut};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -16,7 +16,7 @@ fn main() {
         std::process::exit(2);
     };
     let number = |text: &String| text.parse::<f64>().expect("a number of millimetres") / 1000.0;
-    let demands = Demands { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
+    let demands = PlanMargins { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
     let planner = cranny_plan::planner(planner).expect("a planner");
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
@@ -43,7 +43,7 @@ fn main() {
                     [short.path.first(), short.path.last()].map(|end| end.cloned().unwrap_or_default());
                 apart.push(path_length(&ends));
                 shortcut_times.push(short.time_s * 1e3);
-                let verdict = verify(&problem, &short.path).expect("a path of this robot");
+                let verdict = audit(&problem, &short.path).expect("a path of this robot");
                 verified += usize::from(verdict.valid);
                 clearances.push(verdict.clearance_m.unwrap_or(f64::INFINITY) * 1e3);
             }

@@ -9,7 +9,7 @@ use std::time::Instant;
 use cranny_plan::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
 };
-use cranny_scenario::{Demands, OpenOptions, Scenario};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
 
 fn main() {
     let scenarios: Vec<String> = std::env::args().skip(1).collect();
@@ -23,7 +23,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for id in &scenarios {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
-        let problem = scenario.problem(&Demands::default()).expect("a problem");
+        let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
         let Goal::Grasps(grasps) = &problem.goal else { panic!("a scenario has grasps") };
         let (shot, shot_ms) = timed(&problem, IkMethod::SingleShot);
         let (full, full_ms) = timed(&problem, IkMethod::Restarts);

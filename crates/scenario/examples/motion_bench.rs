@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use cranny_collision::Cell;
 use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, Validity, planner};
-use cranny_scenario::{Demands, MoveItOptions, MoveItProblem};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (flags, words): (Vec<String>, Vec<String>) =
@@ -120,7 +120,7 @@ fn run(
     tally: &mut Tally,
 ) -> Result<(), Box<dyn Error>> {
     let opened = MoveItProblem::open(scene, &request_of(scene), options)?;
-    let problem = opened.problem(&Demands::default())?;
+    let problem = opened.problem(&PlanMargins::default())?;
     let Validity::Exact(cell) = &problem.validity else { return Err("a MoveIt problem is exact".into()) };
     tally.problems += 1;
     let family = scene.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy();

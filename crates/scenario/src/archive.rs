@@ -54,7 +54,7 @@ struct Manifest {
 /// from elsewhere is never made.
 ///
 /// # Errors
-/// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Archive`] for a link in it.
+/// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Content`] for a link in it.
 pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<String>, ScenarioError> {
     let path = folder.join(own_layout::FILE);
     if !path.is_file() {
@@ -101,7 +101,7 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
 /// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
 ///
 /// # Errors
-/// [`ScenarioError::Archive`] for a broken archive, a path that leaves the folder, a wrong checksum;
+/// [`ScenarioError::Content`] for a broken archive, a path that leaves the folder, a wrong checksum;
 /// [`ScenarioError::Exists`].
 pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
     let contents = read(archive, &bytes_of(archive)?)?;
@@ -170,7 +170,7 @@ fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
 }
 
 pub(crate) fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
-    ScenarioError::Archive { path: archive.to_owned(), problem: problem.into() }
+    ScenarioError::Content { path: archive.to_owned(), problem: problem.into() }
 }
 
 fn checksum(bytes: &[u8]) -> String {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::io::{Cursor, Read as _};
 use std::path::Path;
 
-use cranny_file::{are_limits_lifted, excerpt};
+use cranny_file::{LIFTED_BY, are_limits_lifted, excerpt};
 use zip::ZipArchive;
 
 use crate::ScenarioError;
@@ -73,13 +73,13 @@ pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
     if unpacked > MOST_BYTES {
         let (unpacked, most) = (mebibytes(unpacked), mebibytes(MOST_BYTES));
         return Err(format!(
-            "unpacks to {unpacked} MiB or more, but at most {most} MiB are unpacked (--large-files lifts this limit)"
+            "unpacks to {unpacked} MiB or more, but at most {most} MiB are unpacked ({LIFTED_BY} lifts this limit)"
         ));
     }
     if unpacked / MOST_SHRUNK > packed {
         return Err(format!(
-            "unpacks to {} MiB or more, over {MOST_SHRUNK} times its own size, as no scenario does (--large-files \
-             lifts this limit)",
+            "unpacks to {} MiB or more, over {MOST_SHRUNK} times its own size, as no scenario does ({LIFTED_BY} lifts \
+             this limit)",
             mebibytes(unpacked)
         ));
     }

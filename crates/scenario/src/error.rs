@@ -438,10 +438,10 @@ pub enum ScenarioError {
         /// What is wrong.
         problem: String,
     },
-    /// An archive cannot be read.
+    /// An archive cannot be read; or a plan file says what this version does not know, or two different things.
     #[error("{}: {problem}", path.display())]
-    Archive {
-        /// The archive.
+    Content {
+        /// The archive or the plan file.
         path: PathBuf,
         /// What is wrong with it.
         problem: String,

@@ -3,11 +3,11 @@
 //! bare way points.
 //!
 //! ```
-//! use cranny_scenario::{Demands, OpenOptions, Scenario};
+//! use cranny_scenario::{PlanMargins, OpenOptions, Scenario};
 //!
 //! let scenario = Scenario::open("021", &OpenOptions::default())?;
 //! assert_eq!(scenario.grasps.len(), 200);
-//! let problem = scenario.problem(&Demands::default())?;
+//! let problem = scenario.problem(&PlanMargins::default())?;
 //! # Ok::<(), cranny_scenario::ScenarioError>(())
 //! ```
 //!
@@ -51,6 +51,7 @@ mod obstacle;
 mod own_export;
 mod own_layout;
 mod plan_file;
+mod plan_segment;
 mod recipe;
 mod recipe_file;
 mod released;
@@ -86,9 +87,12 @@ pub use moveit_export::{moveit_scene_text, read_moveit_scene, write_moveit_scene
 pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object_folder::OBJECT_FILE;
 pub use obstacle::Obstacle;
-pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanTiming};
+pub use plan_file::{
+    PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanShortening, PlanSource, PlanTiming,
+};
+pub use plan_segment::PlanSegment;
 pub use recipe::{Recipe, RecipeBody, RecipeShape};
-pub use scenario::{Demands, Geometry, OpenOptions, Scenario, is_scenario};
+pub use scenario::{Geometry, OpenOptions, Scenario, is_scenario};
 pub use scenario_set::{Rejections, SetMaker, SetMember, SetSettings};
 pub use scenario_set_file::{SetProgress, SetReport, write_set, write_sweep};
 pub use schema::scenario_schema;

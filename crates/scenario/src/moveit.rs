@@ -10,7 +10,7 @@ use cranny_robot::Robot;
 use crate::moveit_file::RowEntry;
 use crate::moveit_request::Files;
 use crate::moveit_world::{MessageFile, bodies};
-use crate::{Demands, ScenarioError, yaml};
+use crate::{PlanMargins, ScenarioError, yaml};
 
 /// A problem in `MoveIt`'s YAML, as `MotionBenchMaker` publishes them: a `PlanningScene`, and a
 /// `MotionPlanRequest` with goals in joint space.
@@ -121,12 +121,12 @@ impl MoveItProblem {
         })
     }
 
-    /// The problem to plan for, under `exact`. There is no target, so that `demands` has one margin only.
+    /// The problem to plan for, under `exact`. There is no target, so that `margins` has one margin only.
     ///
     /// # Errors
     /// [`ScenarioError::Plan`] for a margin that is none.
-    pub fn problem(&self, demands: &Demands) -> Result<Problem, ScenarioError> {
-        let margins = Margins { margin_m: demands.margin_m, ..Margins::default() };
+    pub fn problem(&self, margins: &PlanMargins) -> Result<Problem, ScenarioError> {
+        let margins = Margins { margin_m: margins.margin_m, ..Margins::default() };
         let goal = Goal::Configurations(self.goals.clone());
         let (robot, world) = (self.robot.clone(), self.world.clone());
         Ok(Problem::exact(robot, world, None, self.start.clone(), goal, margins)?)

@@ -1,12 +1,16 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use cranny_plan::{
-    Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics, TimingMethod, Trajectory,
+    Budget, Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics, TimingMethod, Trajectory,
+    path_length,
 };
+use cranny_solve::{Answer, Optimisation, Request, Shortening};
 use serde::{Deserialize, Serialize};
 
+use crate::plan_segment::{check_segments, segments_of};
 use crate::scenario_file::CriterionName;
-use crate::{ScenarioError, waypoints, write_whole_file};
+use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -14,6 +18,9 @@ use crate::{ScenarioError, waypoints, write_whole_file};
 /// is near, a proof under the `paper` criterion), is `None`, never a made-up number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanFile {
+    /// [`PlanFile::FORMAT`]; `None` in files that were written before there was one.
+    #[serde(default)]
+    pub format: Option<String>,
     /// Id of the scenario: a built-in id, or the name of its folder.
     pub scenario: String,
     /// The URDF that was given instead of the scenario's robot.
@@ -56,6 +63,9 @@ pub struct PlanFile {
     pub not_checked: Vec<NotChecked>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
+    /// The path, piece by piece: `waypoints` and `clearances_per_edge_m` are those of all pieces.
+    #[serde(default)]
+    pub segments: Vec<PlanSegment>,
     /// The path: one value per joint each (m, rad), straight lines between.
     pub waypoints: Vec<Vec<f64>>,
     /// When they are passed; `None` for a robot without limits of acceleration.
@@ -63,12 +73,22 @@ pub struct PlanFile {
     pub timing: Option<PlanTiming>,
     /// What the search cost: the first, where others followed to better its path.
     pub statistics: Statistics,
+    /// How the path was shortened; `None` if it was not, or the file is older than this key.
+    #[serde(default)]
+    pub shortening: Option<PlanShortening>,
     /// How the path became better after the first; `None` where nobody tried.
     #[serde(default)]
     pub optimisation: Option<PlanOptimisation>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
+}
+
+/// How a path was shortened after the search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlanShortening {
+    /// Random shortcuts that were tried, drawn from the plan's seed.
+    pub attempts: usize,
 }
 
 /// How a path was bettered after the first search.
@@ -109,9 +129,22 @@ pub struct PlanTiming {
     pub waypoint_times_s: Vec<f64>,
 }
 
+/// What a plan is of: what an [`Answer`] does not know.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanSource {
+    /// Id of the scenario.
+    pub scenario: String,
+    /// The URDF that was given instead of the scenario's robot.
+    pub robot: Option<PathBuf>,
+    /// The geometry of a released scenario, where it was asked for.
+    pub geometry: Option<Geometry>,
+    /// The clearance that was demanded.
+    pub margins: PlanMargins,
+}
+
 impl PlanTiming {
     /// What a plan says of its trajectory.
-    pub fn of(trajectory: &Trajectory) -> Self {
+    fn of(trajectory: &Trajectory) -> Self {
         Self {
             method: trajectory.method(),
             blended: trajectory.is_blended(),
@@ -130,9 +163,87 @@ pub struct PlanBudget {
     pub time_limit_s: Option<f64>,
 }
 
+impl PlanBudget {
+    fn of(budget: &Budget) -> Self {
+        let is_limit = |iterations: &u64| *iterations < u64::MAX;
+        let limited = |time: &Duration| *time < Duration::MAX;
+        Self {
+            iterations: Some(budget.iterations).filter(is_limit),
+            time_limit_s: Some(budget.time).filter(limited).map(|time| time.as_secs_f64()),
+        }
+    }
+}
+
+impl PlanOptimisation {
+    fn of(optimisation: &Optimisation) -> Self {
+        Self {
+            time_limit_s: optimisation.settings.time.as_secs_f64(),
+            score_weight: optimisation.settings.score_weight,
+            time_s: optimisation.time_s,
+            iterations: optimisation.iterations,
+            improvements: optimisation.improvements.clone(),
+        }
+    }
+}
+
 impl PlanFile {
+    /// The format that this program writes.
+    pub const FORMAT: &'static str = "cranny-plan/1";
+
     /// The version that this program writes into its plans.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+
+    /// What a file says of an answer.
+    pub fn of(answer: &Answer, source: &PlanSource) -> Self {
+        let goal = answer.audit.as_ref().and_then(|audit| audit.goal);
+        let waypoints: Vec<Vec<f64>> = answer.waypoints().cloned().collect();
+        let clearances_m: Vec<Option<f64>> =
+            answer.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
+        Self {
+            format: Some(Self::FORMAT.to_owned()),
+            scenario: source.scenario.clone(),
+            robot: source.robot.as_ref().map(|file| file.display().to_string()),
+            geometry: source.geometry.map(|geometry| geometry.name().to_owned()),
+            planner: answer.planner.clone(),
+            settings: answer.settings.clone(),
+            criterion: answer.criterion,
+            goal_threshold: answer.goal_threshold,
+            seed: answer.seed,
+            version: Self::VERSION.to_owned(),
+            outcome: answer.outcome,
+            margins: source.margins,
+            budget: PlanBudget::of(&answer.budget),
+            joint_names: answer.joint_names.clone(),
+            grasp: goal.map(|goal| goal.grasp),
+            translation_error_m: goal.map(|goal| goal.translation_error_m),
+            rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
+            clearance_m: answer.audit.as_ref().and_then(|audit| audit.clearance_m),
+            not_checked: answer.not_checked.clone(),
+            path_length: path_length(&waypoints),
+            segments: segments_of(&waypoints, &clearances_m),
+            clearances_per_edge_m: clearances_m,
+            waypoints,
+            timing: answer.timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory)),
+            statistics: answer.statistics,
+            shortening: answer.shortening.map(|Shortening { attempts, .. }| PlanShortening { attempts }),
+            optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
+            failures: answer.failures.clone(),
+        }
+    }
+
+    /// The request that a plan was made by, where iterations alone end it: the time that a search took says nothing of
+    /// this machine.
+    pub fn request(&self) -> Request {
+        Request {
+            planner: Some(self.planner.clone()),
+            settings: self.settings.as_object().cloned().unwrap_or_default(),
+            budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
+            seed: self.seed,
+            goal_threshold: self.goal_threshold,
+            keep_path: self.shortening.is_none(),
+            ..Request::default()
+        }
+    }
 
     /// Writes the plan, as a whole or not at all.
     ///
@@ -152,8 +263,8 @@ impl PlanFile {
     /// Reads a plan.
     ///
     /// # Errors
-    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, or has a way point without
-    /// one value per joint.
+    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, has a way point without one value per
+    /// joint, or segments that this version does not know.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let text = cranny_file::TABLE
             .argument()
@@ -162,9 +273,10 @@ impl PlanFile {
         if text.trim_ascii().is_empty() {
             return Err(ScenarioError::Empty { path: path.to_owned() });
         }
-        let plan: Self = cranny_file::json(&text)
+        let mut plan: Self = cranny_file::json(&text)
             .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
         plan.check_waypoints(path, plan.joint_names.len())?;
+        check_segments(path, &mut plan)?;
         Ok(plan)
     }
 
@@ -222,7 +334,10 @@ mod tests {
     use super::*;
 
     fn plan() -> PlanFile {
+        let waypoints = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]];
+        let clearances_m = vec![Some(5e-324), None];
         PlanFile {
+            format: Some(PlanFile::FORMAT.into()),
             scenario: "021".into(),
             robot: None,
             geometry: None,
@@ -240,9 +355,10 @@ mod tests {
             translation_error_m: Some(1e-4 / 3.0),
             rotation_error_rad: Some(0.1 + 0.2),
             clearance_m: None,
-            clearances_per_edge_m: vec![Some(5e-324), None],
+            segments: segments_of(&waypoints, &clearances_m),
+            clearances_per_edge_m: clearances_m,
             path_length: std::f64::consts::SQRT_2,
-            waypoints: vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]],
+            waypoints,
             timing: Some(PlanTiming {
                 method: TimingMethod::JerkLimited,
                 blended: false,
@@ -250,6 +366,7 @@ mod tests {
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
+            shortening: Some(PlanShortening { attempts: 100 }),
             optimisation: Some(PlanOptimisation {
                 time_limit_s: 2.0,
                 score_weight: 0.1,
@@ -291,6 +408,7 @@ mod tests {
         let path = folder.path().join("021.plan.json");
         let untimed = PlanFile {
             timing: None,
+            shortening: None,
             optimisation: None,
             not_checked: Vec::new(),
             failures: Vec::new(),
@@ -298,14 +416,36 @@ mod tests {
         };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
-        // As plans were written before there was timing.
-        let text = fs::read_to_string(&path).unwrap();
-        let text = text.replace("  \"timing\": null,\n", "");
-        let text = text.replace("  \"not_checked\": [],\n", "");
-        let text = text.replace(",\n  \"optimisation\": null,\n  \"failures\": []", "");
-        assert!(["timing", "optimisation", "failures"].iter().all(|key| !text.contains(key)));
-        fs::write(&path, text).unwrap();
+        // As plans were written before there was any of these.
+        let mut old: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        let keys = old.as_object_mut().unwrap();
+        for key in ["format", "segments", "shortening", "timing", "not_checked", "optimisation", "failures"] {
+            assert!(keys.remove(key).is_some(), "{key}");
+        }
+        fs::write(&path, old.to_string()).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
+    }
+
+    #[test]
+    fn what_this_version_does_not_know_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("021.plan.json");
+        plan().write(&path).unwrap();
+        let sound: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        for (pointer, value, says) in [
+            ("/format", "cranny-plan/2".into(), "'cranny-plan/2', but this version reads 'cranny-plan/1'"),
+            ("/segments/0/kind", "spline".into(), "segment 0 is of kind 'spline'"),
+            ("/segments/0/mode", "carry".into(), "segment 0 is of mode 'carry'"),
+            ("/segments/0/attached", "ball".into(), "segment 0 carries 'ball'"),
+            ("/segments/0/waypoints/0/0", 0.5.into(), "its segments are not its way points"),
+            ("/segments", serde_json::json!([]), "its segments are not its way points"),
+        ] {
+            let mut other = sound.clone();
+            *other.pointer_mut(pointer).unwrap() = value;
+            fs::write(&path, other.to_string()).unwrap();
+            let fault = PlanFile::read(&path).unwrap_err().to_string();
+            assert!(fault.contains("021.plan.json: ") && fault.contains(says), "{fault}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::Pose;
 
 use crate::archive::Unpacked;
-use crate::{RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
+use crate::{PlanMargins, RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -58,14 +58,14 @@ pub enum Geometry {
     Export,
 }
 
-/// How much clearance a path must keep.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Demands {
-    /// Between any two things, in metres. Default 0: contact alone counts.
-    pub margin_m: f64,
-    /// Between hand and fingers and what they grasp or it rests on, in metres. Default 0: fingers must come
-    /// close to what they grasp.
-    pub grasp_margin_m: f64,
+impl Geometry {
+    /// What flags and plan files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Export => "export",
+        }
+    }
 }
 
 /// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
@@ -125,20 +125,20 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none,
     /// [`ScenarioError::MarginUnderPaper`] for a margin that nothing would check.
-    pub fn problem(&self, demands: &Demands) -> Result<Problem, ScenarioError> {
+    pub fn problem(&self, margins: &PlanMargins) -> Result<Problem, ScenarioError> {
         let (robot, start) = (self.robot.clone(), self.start.clone());
         let goal = Goal::Grasps(self.grasps.clone());
         match self.criterion {
             Criterion::Exact => {
                 let margins = Margins {
-                    margin_m: demands.margin_m,
-                    grasp_margin_m: demands.grasp_margin_m,
+                    margin_m: margins.margin_m,
+                    grasp_margin_m: margins.grasp_margin_m,
                     hand_links: self.hand_links.clone(),
                     grasp_bodies: Vec::new(),
                 };
                 Ok(Problem::exact(robot, self.world.clone(), self.target, start, goal, margins)?)
             }
-            Criterion::Paper if *demands != Demands::default() => Err(ScenarioError::MarginUnderPaper),
+            Criterion::Paper if *margins != PlanMargins::default() => Err(ScenarioError::MarginUnderPaper),
             Criterion::Paper => {
                 let obstacles = match &self.export {
                     Some(surface) => vec![(Pose::identity(), surface.clone())],

@@ -3,7 +3,7 @@
 use cranny_collision::Body;
 use cranny_plan::{Criterion, Validity};
 use cranny_scenario::{
-    Demands, MoveItProblem, OpenOptions, Scenario, ScenarioError, moveit_scene_text, read_moveit_scene,
+    MoveItProblem, OpenOptions, PlanMargins, Scenario, ScenarioError, moveit_scene_text, read_moveit_scene,
     write_moveit_scene,
 };
 use cranny_shape::{Solid, TriangleSoup};
@@ -98,7 +98,7 @@ fn a_world_survives_a_planning_scene() {
     let read = Scenario { world, ..scenario.clone() };
     assert_eq!(names(&read), names(&scenario));
     let clearances = [&scenario, &read].map(|scenario| {
-        let problem = scenario.problem(&Demands::default()).unwrap();
+        let problem = scenario.problem(&PlanMargins::default()).unwrap();
         let Validity::Exact(cell) = &problem.validity else {
             unreachable!("the exact criterion is the default")
         };

@@ -3,14 +3,14 @@
 use cranny_plan::{
     Budget, MotionLimits, PlanError, TimingMethod, Trajectory, Unobserved, Validity, default_planner,
 };
-use cranny_scenario::{Demands, OpenOptions, Scenario};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
 
 /// Every sample must be free, with the margins that were demanded.
 #[test]
 fn a_blended_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
     for (id, margin_m) in [("021", 0.0), ("023", 0.0), ("023", 0.005), ("025", 0.0)] {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
-        let demands = Demands { margin_m, grasp_margin_m: 0.0 };
+        let demands = PlanMargins { margin_m, grasp_margin_m: 0.0 };
         let problem = scenario.problem(&demands).expect("a problem");
         let Validity::Exact(cell) = &problem.validity else { panic!("exact is the default") };
         let limits = MotionLimits::of(&problem.robot, TimingMethod::TimeOptimal).expect("limits");

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cranny_plan::verify;
+use cranny_plan::audit;
 use cranny_robot::{MeshUse, Robot, RobotOptions};
-use cranny_scenario::{Demands, OpenOptions, Scenario, check, mesh_repairs, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario, check, mesh_repairs, read_waypoints};
 
 fn false_proofs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/fixtures/false_proofs")
@@ -16,9 +16,9 @@ fn false_proofs() -> PathBuf {
 /// Whether the path of the folder is valid in it, and what was repaired.
 fn judged(folder: &Path) -> (bool, String) {
     let scenario = Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).unwrap();
-    let problem = scenario.problem(&Demands::default()).unwrap();
+    let problem = scenario.problem(&PlanMargins::default()).unwrap();
     let path = read_waypoints(&folder.join("p.csv"), problem.robot.dof()).unwrap();
-    let verification = verify(&problem, &path).unwrap();
+    let verification = audit(&problem, &path).unwrap();
     (verification.valid, mesh_repairs(&scenario.robot, &scenario.world).join("\n"))
 }
 

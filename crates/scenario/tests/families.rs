@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 use cranny_grasp::GraspSet;
 use cranny_scenario::{
-    Demands, Family, OpenOptions, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check, write_set,
-    write_sweep,
+    Family, OpenOptions, PlanMargins, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check,
+    write_set, write_sweep,
 };
 use cranny_shape::overlap;
 use cranny_spatial::Pose;
@@ -61,7 +61,7 @@ fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
             assert!(check(&path).unwrap().is_empty());
             let scenario = Scenario::open(&path, &OpenOptions::default()).unwrap();
             assert!(rests_beside_everything(&scenario), "{path}");
-            let problem = scenario.problem(&Demands::default()).unwrap();
+            let problem = scenario.problem(&PlanMargins::default()).unwrap();
             let mut scratch = problem.validity.scratch();
             assert!(problem.validity.is_free(&problem.start, &mut scratch), "{path}");
             let cranny_plan::Validity::Exact(cell) = &problem.validity else {

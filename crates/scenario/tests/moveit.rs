@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::Duration;
 
-use cranny_plan::{Budget, Goal, Outcome, Problem, Unobserved, Validity, planner, verify};
-use cranny_scenario::{Demands, MoveItDeviation, MoveItOptions, MoveItProblem, ScenarioError};
+use cranny_plan::{Budget, Goal, Outcome, Problem, Unobserved, Validity, audit, planner};
+use cranny_scenario::{MoveItDeviation, MoveItOptions, MoveItProblem, PlanMargins, ScenarioError};
 use cranny_spatial::{Point, Vector};
 
 /// Two turning joints, a hand, a sliding finger and one that follows it.
@@ -170,9 +170,10 @@ fn a_scene_and_a_request_make_a_problem() {
     let corner = bodies[0].parts[0].world_from_solid.inverse_transform_point(&Point::new(0.19, 3.09, 0.29));
     assert!(corner.x.abs() < 0.1 && corner.y.abs() < 0.2 && corner.z.abs() < 0.3, "{corner}");
 
-    let problem = problem.problem(&Demands::default()).unwrap();
+    let problem = problem.problem(&PlanMargins::default()).unwrap();
     assert!(matches!(&problem.goal, Goal::Configurations(goals) if goals.len() == 1));
-    let fault = Copy::new().open().unwrap().problem(&Demands { margin_m: -1.0, ..Demands::default() });
+    let fault =
+        Copy::new().open().unwrap().problem(&PlanMargins { margin_m: -1.0, ..PlanMargins::default() });
     assert!(matches!(fault, Err(ScenarioError::Plan(_))));
 }
 
@@ -406,7 +407,7 @@ fn of_five_hundred_published_problems_all_but_one_are_valid() {
             let opened = open(&folder.join(family), number, &MoveItOptions::default());
             assert_eq!((opened.robot.dof(), opened.goals.len()), (7, 1), "{family} {number}");
             assert_eq!(opened.deviations, [], "{family} {number}");
-            let faults = faults(&opened.problem(&Demands::default()).unwrap());
+            let faults = faults(&opened.problem(&PlanMargins::default()).unwrap());
             valid += usize::from(faults.is_empty());
             invalid.extend(faults.into_iter().map(|fault| format!("{family} {number}: {fault}")));
         }
@@ -422,11 +423,11 @@ fn published_problems_are_solved_and_the_path_holds() {
     for name in ["reach", "ik-rrt"] {
         for family in FAMILIES {
             let problem = open(&folder.join(family), 7, &MoveItOptions::default());
-            let problem = problem.problem(&Demands::default()).unwrap();
+            let problem = problem.problem(&PlanMargins::default()).unwrap();
             let budget = Budget { time: Duration::from_secs(20), ..Budget::default() };
             let report = planner(name).unwrap().plan(&problem, &budget, 0, &mut Unobserved).unwrap();
             assert_eq!(report.outcome, Outcome::Solved, "{name} {family}");
-            let verdict = verify(&problem, &report.path).unwrap();
+            let verdict = audit(&problem, &report.path).unwrap();
             assert!(verdict.valid, "{name} {family}: {:?}", verdict.violations);
         }
     }

@@ -7,9 +7,9 @@ use std::sync::Once;
 use std::sync::atomic::AtomicBool;
 
 use cranny_plan::{
-    Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, Validity, annotate_ik, verify,
+    Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, Validity, annotate_ik, audit,
 };
-use cranny_scenario::{Demands, Geometry, OpenOptions, Scenario};
+use cranny_scenario::{Geometry, OpenOptions, PlanMargins, Scenario};
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector};
 
 /// The folder of the released scenarios; `None`, said loudly, where there is none.
@@ -73,7 +73,7 @@ fn all_twenty_open_under_both_criteria() {
             assert!((found - center_in_scene).amax() < 0.002, "{id}: {found} {center_in_scene}");
 
             assert_eq!(scenario.export.is_some(), criterion == Criterion::Paper);
-            let problem = scenario.problem(&Demands::default()).unwrap();
+            let problem = scenario.problem(&PlanMargins::default()).unwrap();
             let mut scratch = problem.validity.scratch();
             assert!(problem.validity.is_free(&problem.start, &mut scratch), "{id} {criterion:?}: start");
         }
@@ -138,7 +138,7 @@ fn the_export_is_one_obstacle_under_exact_and_a_surface_under_paper() {
     assert_eq!((names, exact.target), (vec!["obstacles", "floor"], None));
     let paper = open(&folder.join("021"), Criterion::Paper, Some(Geometry::Scene));
     assert!(paper.export.is_none());
-    let problem = paper.problem(&Demands::default()).unwrap();
+    let problem = paper.problem(&PlanMargins::default()).unwrap();
     assert!(matches!(problem.validity, Validity::Paper { .. }));
 }
 
@@ -169,7 +169,7 @@ fn as_many_grasps_are_within_reach_as_an_outside_search_found() {
     for (environment, level) in ids() {
         let id = format!("0{environment}{level}");
         let scenario = open(&folder.join(&id), Criterion::Exact, None);
-        let problem = scenario.problem(&Demands::default()).unwrap();
+        let problem = scenario.problem(&PlanMargins::default()).unwrap();
         let settings = IkAnnotationSettings::default();
         let annotated = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false)).unwrap();
         let count = annotated.iter().filter(|annotation| annotation.status == IkStatus::Solved).count();
@@ -182,13 +182,13 @@ fn reach_ends_at_many_grasps_and_base_positions() {
     let Some(folder) = scenarios() else { return };
     for id in ["012", "034", "044"] {
         let scenario = open(&folder.join(id), Criterion::Exact, None);
-        let problem = scenario.problem(&Demands::default()).unwrap();
+        let problem = scenario.problem(&PlanMargins::default()).unwrap();
         let reach = cranny_plan::planner("reach").unwrap();
         let (mut grasps, mut bases) = (BTreeSet::new(), BTreeSet::new());
         for seed in 0..20 {
             let report = reach.plan(&problem, &Budget::default(), seed, &mut Unobserved).unwrap();
             let goal = report.path.last().expect("a solved plan");
-            grasps.insert(verify(&problem, &report.path).unwrap().goal.map(|goal| goal.grasp));
+            grasps.insert(audit(&problem, &report.path).unwrap().goal.map(|goal| goal.grasp));
             // Squares of 5 cm.
             bases.insert([0, 1].map(|joint: usize| (goal[joint] / 0.05).round().to_bits()));
         }

@@ -1,4 +1,5 @@
 use cranny_collision::{Cell, Closest, Collider};
+use cranny_spatial::{Point, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -50,7 +51,9 @@ impl ClearanceProfile {
     pub(crate) fn rows(&self) -> ClearanceRows {
         let pair =
             |(first, second): &(String, String)| PairNames { first: first.clone(), second: second.clone() };
-        let points = self.closest.iter().flat_map(|closest| closest.points);
+        // Without a place where they touch, no line is drawn.
+        let nowhere = [Point::from(Vector::repeat(f64::NAN)); 2];
+        let points = self.closest.iter().flat_map(|closest| closest.points.unwrap_or(nowhere));
         let points = points.flat_map(|p| [p.x, p.y, p.z].map(number_row::single));
         ClearanceRows {
             times_s: number_row::floats64(self.times_s.iter().copied()),

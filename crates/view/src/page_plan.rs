@@ -1,7 +1,5 @@
 use cranny_collision::Cell;
-use cranny_plan::{
-    GraspFailure, Outcome, Problem, Verification, Violation, ViolationKind, path_length, verify,
-};
+use cranny_plan::{Audit, GraspFailure, Outcome, Problem, audit, path_length};
 use cranny_scenario::{PlanFile, Scenario};
 use serde::Serialize;
 
@@ -23,7 +21,7 @@ pub struct PagePlan {
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
     /// What `verify` says; `None` for a plan without a path.
-    pub verification: Option<Verification>,
+    pub verification: Option<Audit>,
     /// What stood between the robot and each grasp.
     pub failures: Vec<GraspFailure>,
     /// The trees of the search, if they were recorded.
@@ -38,7 +36,7 @@ impl PagePlan {
     /// The plan of a file; `problem` is what it is judged by.
     ///
     /// # Errors
-    /// As [`ShownPath::of_plan`] and [`verify`].
+    /// As [`ShownPath::of_plan`] and [`audit`].
     pub fn of_file(
         name: impl Into<String>,
         plan: &PlanFile,
@@ -58,7 +56,7 @@ impl PagePlan {
     /// Bare way points, from whoever planned them.
     ///
     /// # Errors
-    /// As [`ShownPath::of_waypoints`] and [`verify`].
+    /// As [`ShownPath::of_waypoints`] and [`audit`].
     pub fn of_waypoints(
         name: impl Into<String>,
         waypoints: &[Vec<f64>],
@@ -76,7 +74,7 @@ impl PagePlan {
         waypoints: &[Vec<f64>],
         problem: &Problem,
     ) -> Result<Self, ViewError> {
-        let verification = if waypoints.is_empty() { None } else { Some(verify(problem, waypoints)?) };
+        let verification = if waypoints.is_empty() { None } else { Some(audit(problem, waypoints)?) };
         Ok(Self {
             name,
             planner: String::new(),
@@ -97,7 +95,7 @@ impl PagePlan {
     /// One line: what `verify` says.
     pub fn verdict(&self) -> String {
         let Some(verification) = &self.verification else {
-            return format!("no path: {}", self.outcome.map_or("no way points", ending));
+            return format!("no path: {}", self.outcome.map_or("no way points", Outcome::sentence));
         };
         let [first, rest @ ..] = &verification.violations[..] else {
             let clearance = verification.clearance_m.map_or_else(String::new, |clearance_m| {
@@ -109,7 +107,7 @@ impl PagePlan {
             0 => String::new(),
             count => format!(", and {count} more"),
         };
-        format!("not valid: {}{more}", sentence(first))
+        format!("not valid: {first}{more}")
     }
 
     pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
@@ -122,7 +120,7 @@ impl PagePlan {
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
-            outcome: self.outcome.map_or_else(String::new, |outcome| ending(outcome).to_owned()),
+            outcome: self.outcome.map_or("", Outcome::sentence),
             verdict: self.verdict(),
             is_valid: self.verification.as_ref().is_some_and(|v| v.valid),
             times_s: row(|path| &path.times_s),
@@ -133,7 +131,10 @@ impl PagePlan {
             grasp: self.grasp(),
             clearance: profile.as_ref().map(ClearanceProfile::rows),
             blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
-            blocked_counts: counted(&self.failures),
+            blocked_counts: GraspFailure::counted(&self.failures)
+                .into_iter()
+                .map(|(reason, count)| BlockedCount { reason, count })
+                .collect(),
             search_tree: self.search_tree.as_ref().map(TreeRecording::rows),
         }
     }
@@ -143,56 +144,12 @@ fn rate_hz(duration_s: f64) -> f64 {
     RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
 }
 
-/// How a search ended, for people.
-fn ending(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Solved => "solved",
-        Outcome::BudgetExhausted => "time or iterations ran out",
-        Outcome::Cancelled => "the search was stopped",
-        Outcome::StartInvalid => "the start is in collision or beyond a joint limit",
-        Outcome::NoReachableGrasp => "no grasp can be reached",
-        _ => "it ended in a way that this version does not know",
-    }
-}
-
-/// What is wrong, without the place of every number.
-fn sentence(violation: &Violation) -> String {
-    let Violation { kind, edge, first, second, depth_m, .. } = violation;
-    let depth_mm = depth_m * 1000.0;
-    match kind {
-        ViolationKind::Contact if second.is_empty() => format!("contact at way point {edge}"),
-        ViolationKind::Contact => format!("{first} is {depth_mm:.2} mm deep in {second} on edge {edge}"),
-        ViolationKind::Clearance => format!("{first} comes too close to {second} on edge {edge}"),
-        ViolationKind::Unresolved => {
-            format!("{first} against {second} can be neither proven nor refuted on edge {edge}")
-        }
-        ViolationKind::JointLimit => format!("{first} is beyond its limit at way point {edge}"),
-        ViolationKind::Step => format!("edge {edge} is longer than the released planners step"),
-        ViolationKind::Start => "it does not begin at the start of the scenario".to_owned(),
-        _ => "it does not end at a goal".to_owned(),
-    }
-}
-
-/// How many grasps failed for each reason, the commonest first.
-fn counted(failures: &[GraspFailure]) -> Vec<BlockedCount> {
-    let mut counts: Vec<BlockedCount> = Vec::new();
-    for failure in failures {
-        let reason = failure.reason.sentence();
-        match counts.iter_mut().find(|known| known.reason == reason) {
-            Some(known) => known.count += 1,
-            None => counts.push(BlockedCount { reason, count: 1 }),
-        }
-    }
-    counts.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.reason.cmp(&b.reason)));
-    counts
-}
-
 /// A plan as a page reads it.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PlanEntry {
     name: String,
     planner: String,
-    outcome: String,
+    outcome: &'static str,
     verdict: String,
     is_valid: bool,
     times_s: String,

@@ -1,5 +1,5 @@
 use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, TimingMethod, Trajectory, Validity, path_length};
-use cranny_scenario::{Demands, PlanFile, Scenario};
+use cranny_scenario::{PlanFile, Scenario};
 
 use crate::ViewError;
 
@@ -48,10 +48,7 @@ impl ShownPath {
         };
         let limits = MotionLimits::of(&scenario.robot, timing.method)?;
         let trajectory = if timing.blended {
-            let margins = plan.margins;
-            let problem = scenario
-                .problem(&Demands { margin_m: margins.margin_m, grasp_margin_m: margins.grasp_margin_m })?;
-            match &problem.validity {
+            match &scenario.problem(&plan.margins)?.validity {
                 Validity::Exact(cell) => Trajectory::blended(&plan.waypoints, &limits, cell)?,
                 Validity::Paper { .. } => Trajectory::along(&plan.waypoints, &limits)?,
             }

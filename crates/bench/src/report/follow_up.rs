@@ -13,7 +13,7 @@ pub fn over_time(record: &TrialRecord) -> Followed {
     let (limit_s, time_s) = (record.trial.time_limit_s, record.statistics.planning_time_s);
     if record.is_solved() {
         Followed { until: time_s, solved: true }
-    } else if stopped_by_iterations(record) {
+    } else if is_stopped_early(record) {
         Followed { until: time_s.min(limit_s), solved: false }
     } else {
         Followed { until: limit_s, solved: false }
@@ -23,8 +23,8 @@ pub fn over_time(record: &TrialRecord) -> Followed {
 /// In iterations; `most` is how far the longest trial of the same planner went.
 pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
     let done = record.statistics.iterations;
-    let until =
-        if record.is_solved() || record.outcome == TrialOutcome::BudgetExhausted { done } else { most };
+    let is_stopped = matches!(record.outcome, TrialOutcome::BudgetExhausted | TrialOutcome::Cancelled);
+    let until = if record.is_solved() || is_stopped { done } else { most };
     Followed { until: until as f64, solved: record.is_solved() }
 }
 
@@ -33,7 +33,21 @@ pub fn paper_time_s(record: &TrialRecord) -> f64 {
     if record.is_solved() { record.statistics.planning_time_s } else { record.trial.time_limit_s }
 }
 
-fn stopped_by_iterations(record: &TrialRecord) -> bool {
-    record.outcome == TrialOutcome::BudgetExhausted
-        && record.trial.iteration_limit.is_some_and(|limit| record.statistics.iterations >= limit)
+/// Whether the trial was stopped from outside before its time was up.
+fn is_stopped_early(record: &TrialRecord) -> bool {
+    let is_done = || record.trial.iteration_limit.is_some_and(|limit| record.statistics.iterations >= limit);
+    match record.outcome {
+        TrialOutcome::Cancelled => true,
+        TrialOutcome::BudgetExhausted => is_done(),
+        TrialOutcome::Solved
+        | TrialOutcome::GaveUp
+        | TrialOutcome::StartInvalid
+        | TrialOutcome::GoalsInvalid
+        | TrialOutcome::NoReachableGrasp
+        | TrialOutcome::Rejected
+        | TrialOutcome::Garbled
+        | TrialOutcome::Crashed
+        | TrialOutcome::Hung
+        | TrialOutcome::OutOfMemory => false,
+    }
 }

@@ -52,13 +52,16 @@ pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
 fn badness(run: &StoredTrial) -> f64 {
     let record = &run.record;
     let kind = match record.outcome {
-        TrialOutcome::Crashed => 8.0,
-        TrialOutcome::Hung => 7.0,
-        TrialOutcome::OutOfMemory => 6.0,
-        TrialOutcome::Garbled => 5.0,
-        TrialOutcome::Rejected => 4.0,
-        TrialOutcome::StartInvalid => 3.0,
-        TrialOutcome::NoReachableGrasp => 2.0,
+        TrialOutcome::Crashed => 11.0,
+        TrialOutcome::Hung => 10.0,
+        TrialOutcome::OutOfMemory => 9.0,
+        TrialOutcome::Garbled => 8.0,
+        TrialOutcome::Rejected => 7.0,
+        TrialOutcome::StartInvalid => 6.0,
+        TrialOutcome::GoalsInvalid => 5.0,
+        TrialOutcome::NoReachableGrasp => 4.0,
+        TrialOutcome::GaveUp => 3.0,
+        TrialOutcome::Cancelled => 2.0,
         TrialOutcome::BudgetExhausted => 1.0,
         TrialOutcome::Solved => 0.0,
     };

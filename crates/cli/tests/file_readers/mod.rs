@@ -8,7 +8,7 @@ mod stored_results;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cranny_bench::{Campaign, read_output, read_released};
+use cranny_bench::{Campaign, read_output};
 use cranny_grasp::check_csv;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
@@ -112,7 +112,7 @@ fn read_released_answer(folder: &Path) {
     let (summary, path) = at.map_or((&both[..], &b""[..]), |at| (&both[..at], &both[at + separator.len()..]));
     fs::write(folder.join("answer.txt"), summary).expect("a file to read");
     fs::write(folder.join("answer.try"), path).expect("a file to read");
-    let _ = read_released(&folder.join("answer"), 2);
+    let _ = cranny_bench::read_released(&folder.join("answer"), 2);
 }
 
 fn read_robot(folder: &Path) {

@@ -1,9 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_bench::{
-    Results, RunInformation, ScenarioSource, Trial, TrialOutcome, TrialRecord,
-};
+use cranny_bench::{Results, RunInformation, ScenarioSource, Trial, TrialOutcome, TrialRecord};
 use cranny_plan::{Criterion, Statistics};
 
 /// Reads sound results, changed: every three bytes of the file are a change; two say where, in 65 536ths of the

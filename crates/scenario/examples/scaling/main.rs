@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Scratch, between};
-use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, Validity, verify};
+use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, Validity, audit};
 use cranny_spatial::Stream;
 
 use crate::chart::{Panel, Series};
@@ -177,7 +177,7 @@ fn planned(problem: &Problem, seed: u64) -> (f64, Option<bool>) {
     let planner = cranny_plan::default_planner(Criterion::Exact);
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     let report = planner.plan(problem, &budget, seed, &mut Unobserved).expect("a good problem");
-    let is_valid = || verify(problem, &report.path).expect("a path of this robot").valid;
+    let is_valid = || audit(problem, &report.path).expect("a path of this robot").valid;
     (report.statistics.planning_time_s * 1e3, (report.outcome == Outcome::Solved).then(is_valid))
 }
 

@@ -11,7 +11,7 @@ use cranny_collision::Cell;
 use cranny_plan::{
     Budget, Criterion, Outcome, Problem, ShortcutSettings, Unobserved, Validity, planner, shortcut,
 };
-use cranny_scenario::{Demands, OpenOptions, Scenario};
+use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
 
 use crate::judge::Oracle;
 
@@ -53,7 +53,7 @@ fn scenarios() -> Option<PathBuf> {
 fn case(folder: &Path) -> Case {
     let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
     assert_eq!(scenario.criterion, Criterion::Exact);
-    let problem = scenario.problem(&Demands::default()).unwrap();
+    let problem = scenario.problem(&PlanMargins::default()).unwrap();
     let Validity::Exact(cell) = &problem.validity else { panic!("{}: not exact", scenario.id) };
     Case {
         id: scenario.id.clone(),

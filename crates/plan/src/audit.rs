@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, NotChecked, PlanError, Problem, Validity};
+use crate::{Goal, NotChecked, Place, PlanError, Problem, Validity, Violation};
 
 /// What a judge found in a path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verification {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Audit {
     /// Whether the path meets the criterion: no violation at all.
     pub valid: bool,
     /// What is wrong, in the order of the path: of the first thousand edges that touch something every pair, of
@@ -39,44 +39,6 @@ pub struct GoalError {
     pub rotation_error_rad: f64,
 }
 
-/// One thing that is wrong with a path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Violation {
-    /// What kind of thing.
-    pub kind: ViolationKind,
-    /// Which edge, from 0, or way point where it is about a single one.
-    pub edge: usize,
-    /// Where on the edge, in [0, 1].
-    pub at: f64,
-    /// A link or a joint.
-    pub first: String,
-    /// What it touches: a link or a body; empty where there is nothing.
-    pub second: String,
-    /// How deep, in metres (rad for a joint): overlap, excess over a limit, or error of an end.
-    pub depth_m: f64,
-}
-
-/// The kinds of violation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum ViolationKind {
-    /// The path does not begin at the start of the problem.
-    Start,
-    /// The path does not end at a goal.
-    Goal,
-    /// A joint is outside its limits.
-    JointLimit,
-    /// Two things touch.
-    Contact,
-    /// Two things come closer than the margin that is demanded.
-    Clearance,
-    /// No contact was found, but none could be excluded either.
-    Unresolved,
-    /// Under `paper`: a step farther than any that the released planners take between two checks.
-    Step,
-}
-
 /// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
 /// written with six digits.
 const START_TOLERANCE: f64 = 1e-5;
@@ -89,25 +51,31 @@ pub fn path_length(path: &[Vec<f64>]) -> f64 {
     path.windows(2).map(edge).fold(0.0, |sum, length| sum + length)
 }
 
-/// What a judge says of clearance beside its verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ClearanceReport {
-    /// The least distance along every edge: exact to 10 µm, some milliseconds an edge.
-    #[default]
-    PerEdge,
-    /// Nothing: the verdict alone, which takes a fraction of that.
-    Left,
+/// What is judged of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AuditSettings {
+    /// Whether it must end at a goal. Default: it must.
+    pub at_goal: bool,
+    /// Whether the least distance along every edge is measured: exact to 10 µm, some milliseconds an edge. The verdict
+    /// alone takes a fraction of that. Default: it is.
+    pub clearances: bool,
 }
 
-/// Judges a path, whoever made it, by the criterion of `problem`; [`verify_with`] a report on every edge.
+impl Default for AuditSettings {
+    fn default() -> Self {
+        Self { at_goal: true, clearances: true }
+    }
+}
+
+/// Judges a path, whoever made it, by the criterion of `problem`; [`audit_with`] the default settings.
 ///
 /// # Errors
-/// As [`verify_with`].
-pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, PlanError> {
-    verify_with(problem, path, ClearanceReport::PerEdge)
+/// As [`audit_with`].
+pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PlanError> {
+    audit_with(problem, path, AuditSettings::default())
 }
 
-/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on `report`, but for
+/// Judges a path, whoever made it, by the criterion of `problem`. The verdict does not depend on what is measured, but for
 /// this: a proof that the clearance of its own edge contradicts is none.
 ///
 /// 1. It begins at the start.
@@ -115,34 +83,36 @@ pub fn verify(problem: &Problem, path: &[Vec<f64>]) -> Result<Verification, Plan
 /// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
 ///    root is not checked by the released planners) passes the released check, and no step is longer than
 ///    theirs.
-/// 4. It ends at a goal.
+/// 4. It ends at a goal, if that is asked.
 ///
 /// # Errors
 /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a way point that is no configuration of the
 /// robot, [`PlanError::EmptyPath`] for a path without way points.
-pub fn verify_with(
-    problem: &Problem,
-    path: &[Vec<f64>],
-    report: ClearanceReport,
-) -> Result<Verification, PlanError> {
+pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings) -> Result<Audit, PlanError> {
     for q in path {
         problem.check_configuration("way point", q)?;
     }
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PlanError::EmptyPath) };
     let mut violations = Vec::new();
     // 1.
-    let joint_names = problem.robot.joint_names();
-    for ((a, b), name) in first.iter().zip(&problem.start).zip(joint_names) {
-        if (a - b).abs() > START_TOLERANCE {
-            violations.push(at_way_point(ViolationKind::Start, 0, name, (a - b).abs()));
+    let (joint_names, limits) = (problem.robot.joint_names(), problem.robot.limits());
+    for (joint, (a, b)) in first.iter().zip(&problem.start).enumerate() {
+        let off = (a - b).abs();
+        if off > START_TOLERANCE {
+            violations.push(Violation::Start {
+                joint: joint_names[joint].clone(),
+                off,
+                unit: limits[joint].unit,
+            });
         }
     }
     // 2.
-    for (index, q) in path.iter().enumerate() {
-        for ((value, limits), name) in q.iter().zip(problem.robot.limits()).zip(joint_names) {
+    for (way_point, q) in path.iter().enumerate() {
+        for ((value, limits), name) in q.iter().zip(limits).zip(joint_names) {
             let excess = (limits.lower - value).max(value - limits.upper);
             if excess > 0.0 {
-                violations.push(at_way_point(ViolationKind::JointLimit, index, name, excess));
+                let (joint, unit) = (name.clone(), limits.unit);
+                violations.push(Violation::JointLimit { way_point, joint, excess, unit });
             }
         }
     }
@@ -160,8 +130,8 @@ pub fn verify_with(
             for begin in (0..path.len() - 1).step_by(EDGES_AT_ONCE) {
                 let detail = if faulty < MOST_DETAILED { Detail::EveryPair } else { Detail::FirstPair };
                 let edges = begin..(begin + EDGES_AT_ONCE).min(path.len() - 1);
-                for (found, least_m) in judge_edges(cell, path, edges, report, detail) {
-                    if report == ClearanceReport::PerEdge {
+                for (found, least_m) in judge_edges(cell, path, edges, settings.clearances, detail) {
+                    if settings.clearances {
                         clearances_per_edge_m.push(least_m.is_finite().then_some(least_m));
                     }
                     faulty += usize::from(found.is_err());
@@ -176,43 +146,51 @@ pub fn verify_with(
                 let moved_m = stepper.displacement_between(&problem.robot, &pair[0], &pair[1]);
                 if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
                     let excess_m = moved_m - RELEASED_STEP_M;
-                    violations.push(at_way_point(ViolationKind::Step, edge, "", excess_m));
+                    violations.push(Violation::Step { edge, excess_m });
                 }
             }
-            for (index, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
+            for (way_point, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
                 if problem.robot.within_limits(q) && !check.is_free(q, &mut scratch) {
-                    violations.push(at_way_point(ViolationKind::Contact, index, "", 0.0));
+                    violations.push(Violation::NotFree { way_point });
                 }
             }
         }
     }
     // 4.
+    let way_point = path.len() - 1;
     let goal = match &problem.goal {
         Goal::Grasps(grasps) => {
             let end = end_at_grasp(problem, grasps, last);
-            let is_there = end.is_some_and(|(_, difference)| problem.validity.is_arrival(&difference));
-            if !is_there {
-                let off = end.map_or(f64::INFINITY, |(_, difference)| difference.translation_m);
-                violations.push(at_way_point(ViolationKind::Goal, path.len() - 1, "", off));
-            }
-            end.map(|(grasp, difference)| GoalError {
+            let nearest = end.map(|(grasp, difference)| GoalError {
                 grasp,
                 translation_error_m: difference.translation_m,
                 rotation_error_rad: difference.rotation_rad,
-            })
+            });
+            let has_arrived = end.is_some_and(|(_, difference)| problem.validity.is_arrival(&difference));
+            if settings.at_goal && !has_arrived {
+                violations.push(Violation::Grasp { way_point, nearest });
+            }
+            nearest
         }
         Goal::Configurations(goals) => {
-            let off = |goal: &Vec<f64>| goal.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            let nearest = goals.iter().map(off).fold(f64::INFINITY, f64::min);
-            if nearest > START_TOLERANCE {
-                violations.push(at_way_point(ViolationKind::Goal, path.len() - 1, "", nearest));
+            // The joint that is farthest off, of the goal where that is least.
+            let worst = |goal: &Vec<f64>| {
+                let off = goal.iter().zip(last).map(|(a, b)| (a - b).abs()).enumerate();
+                off.max_by(|a, b| a.1.total_cmp(&b.1))
+            };
+            let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((joint, off)) = nearest.filter(|(_, off)| settings.at_goal && *off > START_TOLERANCE)
+            {
+                let unit = limits[joint].unit;
+                let joint = joint_names[joint].clone();
+                violations.push(Violation::Configuration { way_point, joint, off, unit });
             }
             None
         }
     };
     let clearance_m = clearances_per_edge_m.iter().copied().flatten().reduce(f64::min);
     let valid = violations.is_empty();
-    Ok(Verification { valid, violations, goal, clearance_m, clearances_per_edge_m, not_checked })
+    Ok(Audit { valid, violations, goal, clearance_m, clearances_per_edge_m, not_checked })
 }
 
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
@@ -251,25 +229,23 @@ enum Detail {
     FirstPair,
 }
 
-/// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if `report` wants it.
+/// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if that is wanted.
 fn judge_edges(
     cell: &Cell,
     path: &[Vec<f64>],
     edges: Range<usize>,
-    report: ClearanceReport,
+    clearances: bool,
     detail: Detail,
 ) -> Vec<(Result<(), Vec<Violation>>, f64)> {
     let judge = |scratch: &mut Scratch, edge: usize| {
         let (a, b) = (&path[edge], &path[edge + 1]);
         let found = judge_edge(cell, edge, [a, b], detail, scratch);
-        if report == ClearanceReport::Left || found.is_err() {
+        if !clearances || found.is_err() {
             return (found, 0.0);
         }
         let measured = cell.measure_motion(a, b, scratch);
         match measured.contradiction {
-            Some((at, contact)) => {
-                (Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]), 0.0)
-            }
+            Some((at, contact)) => (Err(vec![unresolved(cell, edge, at, &contact)]), 0.0),
             None => (found, measured.least_m),
         }
     };
@@ -289,9 +265,13 @@ fn judge_edge(
     scratch: &mut Scratch,
 ) -> Result<(), Vec<Violation>> {
     let of_contact = |(at, contact): &(f64, Contact)| {
-        let touches = contact.clearance_m < CONTACT_M;
-        let kind = if touches { ViolationKind::Contact } else { ViolationKind::Clearance };
-        describe(cell, kind, edge, *at, contact)
+        let place = place(cell, edge, *at, contact);
+        let Contact { clearance_m, required_m, depth_m, .. } = *contact;
+        if clearance_m < CONTACT_M {
+            Violation::Contact { place, depth_m }
+        } else {
+            Violation::Clearance { place, clearance_m, required_m }
+        }
     };
     if detail == Detail::FirstPair {
         // Where the ends or the middle touch something, a proof would only look for the first such place.
@@ -303,7 +283,7 @@ fn judge_edge(
     let seed = match cell.motion_is_free(a, b, scratch) {
         Motion::Proven => return Ok(()),
         Motion::Unresolved { at, contact } => {
-            return Err(vec![describe(cell, ViolationKind::Unresolved, edge, at, &contact)]);
+            return Err(vec![unresolved(cell, edge, at, &contact)]);
         }
         Motion::Contact { at, contact } => Some((at, contact)),
         // The limits are judged at the way points; what touches on the way counts all the same.
@@ -317,15 +297,13 @@ fn judge_edge(
     Err(contacts.iter().map(of_contact).collect())
 }
 
-fn describe(cell: &Cell, kind: ViolationKind, edge: usize, at: f64, contact: &Contact) -> Violation {
-    Violation {
-        kind,
-        edge,
-        at,
-        first: cell.name(contact.first).to_owned(),
-        second: cell.name(contact.second).to_owned(),
-        depth_m: contact.depth_m,
-    }
+fn place(cell: &Cell, edge: usize, at: f64, contact: &Contact) -> Place {
+    let [first, second] = [contact.first, contact.second].map(|collider| cell.name(collider).to_owned());
+    Place { edge, at, first, second }
+}
+
+fn unresolved(cell: &Cell, edge: usize, at: f64, contact: &Contact) -> Violation {
+    Violation::Unresolved { place: place(cell, edge, at, contact), clearance_m: contact.clearance_m }
 }
 
 /// How many pieces an edge is cut into to find what it touches.
@@ -363,8 +341,4 @@ fn deepest_contacts(
     };
     found.sort_by_key(|(_, contact)| (rank(contact.first), rank(contact.second)));
     found
-}
-
-fn at_way_point(kind: ViolationKind, index: usize, first: &str, depth_m: f64) -> Violation {
-    Violation { kind, edge: index, at: 0.0, first: first.to_owned(), second: String::new(), depth_m }
 }

@@ -1,0 +1,85 @@
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{PlanFile, ScenarioError};
+
+/// A piece of a plan's path. What a version does not know is refused by name: nobody runs half a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanSegment {
+    /// What joins the way points: `polyline`, straight lines.
+    pub kind: String,
+    /// What the robot does meanwhile: `reach`, the hand open and empty.
+    pub mode: String,
+    /// The object that the hand carries; `None` in `reach`.
+    pub attached: Option<String>,
+    /// How far apart the fingers are, in metres; `None`: as far as they go.
+    pub opening_m: Option<f64>,
+    /// One value per joint each (m, rad).
+    pub waypoints: Vec<Vec<f64>>,
+    /// The least clearance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
+    pub clearances_m: Vec<Option<f64>>,
+}
+
+const POLYLINE: &str = "polyline";
+const REACH: &str = "reach";
+
+impl PlanSegment {
+    /// A path of straight lines with the hand open and empty.
+    pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
+        let (kind, mode) = (POLYLINE.to_owned(), REACH.to_owned());
+        Self { kind, mode, attached: None, opening_m: None, waypoints, clearances_m }
+    }
+
+    /// What this version does not know of the segment.
+    fn unknown(&self) -> Option<String> {
+        if self.kind != POLYLINE {
+            return Some(format!(
+                "is of kind '{}', which this version does not know ({POLYLINE})",
+                self.kind
+            ));
+        }
+        if self.mode != REACH {
+            return Some(format!("is of mode '{}', which this version does not know ({REACH})", self.mode));
+        }
+        self.attached.as_ref().map(|object| format!("carries '{object}', which this version does not know"))
+    }
+}
+
+/// Checks the segments of a plan that was read, or makes that of one written before there were any.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for another format, a segment that this version does not know, or segments that say
+/// something else than the plan's own way points.
+pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
+    let fault = |problem: String| Err(ScenarioError::Content { path: path.to_owned(), problem });
+    match plan.format.as_deref() {
+        None => {
+            plan.segments = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
+            plan.format = Some(PlanFile::FORMAT.to_owned());
+            return Ok(());
+        }
+        Some(PlanFile::FORMAT) => {}
+        Some(other) => {
+            return fault(format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT));
+        }
+    }
+    for (index, segment) in plan.segments.iter().enumerate() {
+        if let Some(unknown) = segment.unknown() {
+            return fault(format!("segment {index} {unknown}"));
+        }
+    }
+    if plan.segments != segments_of(&plan.waypoints, &plan.clearances_per_edge_m) {
+        return fault("its segments are not its way points and clearances".to_owned());
+    }
+    Ok(())
+}
+
+/// The segments of a path: one, or none where there is no path.
+pub(crate) fn segments_of(waypoints: &[Vec<f64>], clearances_m: &[Option<f64>]) -> Vec<PlanSegment> {
+    if waypoints.is_empty() {
+        Vec::new()
+    } else {
+        vec![PlanSegment::reach(waypoints.to_vec(), clearances_m.to_vec())]
+    }
+}

@@ -1,0 +1,104 @@
+use cranny_plan::{
+    Audit, Budget, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome, Statistics,
+    Trajectory,
+};
+
+/// What came of a request: everything that is told of it anywhere.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// Name of the planner.
+    pub planner: String,
+    /// All its settings.
+    pub settings: serde_json::Value,
+    /// What counted as solved.
+    pub criterion: Criterion,
+    /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
+    pub goal_threshold: Option<f64>,
+    /// What the search was allowed to spend.
+    pub budget: Budget,
+    /// What the random numbers were drawn from.
+    pub seed: u64,
+    /// Names of the joints, in the order of every way point.
+    pub joint_names: Vec<String>,
+    /// How the search ended.
+    pub outcome: Outcome,
+    /// The path, piece by piece; empty where there is none.
+    pub segments: Vec<Segment>,
+    /// What the judge says of it.
+    pub audit: Option<Audit>,
+    /// When it is run through; `None` for one that does not hold, or a robot without the limits for it.
+    pub timed: Option<Timed>,
+    /// Why a path of this robot gets no time; `None` where it does.
+    pub untimed: Option<String>,
+    /// How the path was shortened, if it was.
+    pub shortening: Option<Shortening>,
+    /// How it became better after the first search, if anybody tried.
+    pub optimisation: Option<Optimisation>,
+    /// What the search cost: the first, where others followed.
+    pub statistics: Statistics,
+    /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
+    pub failures: Vec<GraspFailure>,
+    /// What touches and was not compared: all that is said holds but for these.
+    pub not_checked: Vec<NotChecked>,
+}
+
+/// A piece of a path during which the hand holds what it holds: straight lines between way points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// One value per joint each (m, rad).
+    pub waypoints: Vec<Vec<f64>>,
+    /// The least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
+    pub clearances_m: Vec<Option<f64>>,
+}
+
+/// A path's time, and what it took to find it.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// Where the robot is at each instant.
+    pub trajectory: Trajectory,
+    /// Seconds that it took to compute.
+    pub time_s: f64,
+}
+
+/// How a path was shortened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shortening {
+    /// Random shortcuts that were tried, drawn from the seed of the request.
+    pub attempts: usize,
+    /// Seconds that it took.
+    pub time_s: f64,
+}
+
+/// How a path was bettered after the first search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimisation {
+    /// What was asked.
+    pub settings: OptimiseSettings,
+    /// How long it went on, in seconds.
+    pub time_s: f64,
+    /// Iterations of all searches together.
+    pub iterations: u64,
+    /// The cost over time: of the first path, and of every better one.
+    pub improvements: Vec<Improvement>,
+}
+
+impl Answer {
+    /// Whether there is a path, and the judge finds that it meets the criterion.
+    pub fn is_solved(&self) -> bool {
+        self.outcome == Outcome::Solved && self.is_valid()
+    }
+
+    /// Whether the judge finds nothing wrong with the path.
+    pub fn is_valid(&self) -> bool {
+        self.audit.as_ref().is_some_and(|audit| audit.valid)
+    }
+
+    /// All way points, from the start to the goal: where two segments meet, one.
+    pub fn waypoints(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let skipped = |index: usize| usize::from(index > 0);
+        self.segments
+            .iter()
+            .enumerate()
+            .flat_map(move |(index, segment)| segment.waypoints.iter().skip(skipped(index)))
+    }
+}

@@ -1,0 +1,105 @@
+use cranny_plan::{
+    AuditSettings, Budget, Criterion, MotionLimits, OptimiseSettings, Planner, Problem, TimingMethod,
+    Validity, default_planner, planner_with,
+};
+use serde_json::{Map, Value};
+
+use crate::SolveError;
+
+/// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
+/// cuts the search short.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
+    /// Name of the planner. Default: the best for the criterion.
+    pub planner: Option<String>,
+    /// What differs from its default settings, by name.
+    pub settings: Map<String, Value>,
+    /// What the search may spend. Default: 120 s.
+    pub budget: Budget,
+    /// What all randomness is drawn from.
+    pub seed: u64,
+    /// Under `paper`: arrived where ½·mm + ½·deg is below this, at least 0. Default: what the problem says.
+    pub goal_threshold: Option<f64>,
+    /// Whether a proven path is left as the planner found it, and not shortened.
+    pub keep_path: bool,
+    /// How to look for better paths once there is one; they are shortened whatever `keep_path` says.
+    pub optimise: Option<OptimiseSettings>,
+    /// How the path gets its time.
+    pub timing: Timing,
+    /// What is judged of the path.
+    pub audit: AuditSettings,
+}
+
+/// How a path gets its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timing {
+    /// Within limits of velocity and acceleration, or of jerk too.
+    pub method: TimingMethod,
+    /// Cut corners where that is proven free, instead of a stop at each.
+    pub blend: bool,
+    /// Whether a robot without the limits that this needs is refused, and not answered without a trajectory. A jerk
+    /// limit and cut corners are always demanded.
+    pub is_demanded: bool,
+}
+
+impl Request {
+    /// Whether the request goes with the problem.
+    ///
+    /// # Errors
+    /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or where a trajectory is
+    /// demanded of a robot without the limits for it.
+    pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
+        self.planner_for(problem.criterion())?;
+        let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
+        let is_paper = matches!(problem.validity, Validity::Paper { .. });
+        match self.goal_threshold {
+            Some(value) if !(value.is_finite() && value >= 0.0) => {
+                return refuse(
+                    "goal_threshold",
+                    format!("'{value}' is no threshold; give a number, at least 0"),
+                );
+            }
+            Some(_) if !is_paper => {
+                return refuse(
+                    "goal_threshold",
+                    "only the paper criterion has a threshold; ask for that one, or leave this out"
+                        .to_owned(),
+                );
+            }
+            _ => {}
+        }
+        if let Some(OptimiseSettings { score_weight, .. }) = self.optimise {
+            if !(score_weight.is_finite() && score_weight >= 0.0) {
+                return refuse(
+                    "score_weight",
+                    format!("'{score_weight}' is no weight; give a number, at least 0"),
+                );
+            }
+            if is_paper {
+                return refuse(
+                    "optimise",
+                    "only a proven path can be bettered, under the exact criterion".to_owned(),
+                );
+            }
+        }
+        let Timing { method, blend, is_demanded } = self.timing;
+        if blend && method == TimingMethod::JerkLimited {
+            return refuse(
+                "blend",
+                "corners are cut without limits of jerk; ask for one or the other".to_owned(),
+            );
+        }
+        if blend && is_paper {
+            return refuse("blend", "only under the exact criterion is a cut corner proven".to_owned());
+        }
+        if is_demanded || blend || method == TimingMethod::JerkLimited {
+            MotionLimits::of(&problem.robot, method)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn planner_for(&self, criterion: Criterion) -> Result<Box<dyn Planner>, SolveError> {
+        let default = default_planner(criterion);
+        Ok(planner_with(self.planner.as_deref().unwrap_or(default.name()), &self.settings)?)
+    }
+}

@@ -1,0 +1,108 @@
+use std::time::Instant;
+
+use cranny_plan::{
+    Criterion, MotionLimits, Observer, Outcome, PlanError, PlanReport, Problem, ShortcutSettings, Shortened,
+    Trajectory, Validity, audit_with, optimise, search, shortcut,
+};
+
+use crate::{Answer, Optimisation, Request, Segment, Shortening, SolveError, Timed, Timing};
+
+/// Solves a problem as a request says.
+///
+/// 1. The planner looks for a path; better ones are looked for if that is asked.
+/// 2. A path under `exact` is shortened, unless it is to be kept or was bettered.
+/// 3. Whatever was found is judged like anybody's path before it is called solved.
+/// 4. A path that holds gets its time.
+///
+/// That there is no path is an answer ([`Outcome`]), no error.
+///
+/// # Errors
+/// As [`Request::check`], and those of the planner.
+pub fn solve(
+    problem: &Problem,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Answer, SolveError> {
+    request.check(problem)?;
+    let mut problem = problem.clone();
+    if let (Validity::Paper { threshold, .. }, Some(asked)) = (&mut problem.validity, request.goal_threshold)
+    {
+        *threshold = asked;
+    }
+    let planner = request.planner_for(problem.criterion())?;
+    // 1.
+    let (budget, seed) = (&request.budget, request.seed);
+    let mut optimisation = None;
+    let report = match request.optimise {
+        Some(settings) => {
+            let optimised = optimise(planner.as_ref(), &mut problem, budget, settings, seed, observer)?;
+            optimisation = Some(Optimisation {
+                settings,
+                time_s: optimised.time_s,
+                iterations: optimised.iterations,
+                improvements: optimised.improvements,
+            });
+            optimised.report
+        }
+        None => search(planner.as_ref(), &mut problem, budget, seed, observer)?,
+    };
+    let PlanReport { outcome, mut path, statistics, failures } = report;
+    // 2.
+    let mut shortening = None;
+    let is_shortened =
+        problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
+    if is_shortened && !path.is_empty() {
+        let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+        let Shortened { path: shortened, time_s } = shortcut(&problem, &path, settings)?;
+        path = shortened;
+        shortening = Some(Shortening { attempts: settings.attempts, time_s });
+    }
+    // 3.
+    let audit = if path.is_empty() { None } else { Some(audit_with(&problem, &path, request.audit)?) };
+    let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
+    // 4.
+    let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
+    let timed = if holds { request.timing.of(&problem, &path)? } else { None };
+    let untimed =
+        MotionLimits::of(&problem.robot, request.timing.method).err().map(|fault| fault.to_string());
+    let clearances_m = audit.as_ref().map(|audit| audit.clearances_per_edge_m.clone()).unwrap_or_default();
+    let segments = if path.is_empty() { Vec::new() } else { vec![Segment { waypoints: path, clearances_m }] };
+    Ok(Answer {
+        planner: planner.name().to_owned(),
+        settings: planner.settings(),
+        criterion: problem.criterion(),
+        goal_threshold: match &problem.validity {
+            Validity::Paper { threshold, .. } => Some(*threshold),
+            Validity::Exact(_) => None,
+        },
+        budget: request.budget,
+        seed,
+        joint_names: problem.robot.joint_names().to_vec(),
+        outcome,
+        segments,
+        audit,
+        timed,
+        untimed,
+        shortening,
+        optimisation,
+        statistics,
+        failures,
+        not_checked,
+    })
+}
+
+impl Timing {
+    /// The time of a path; `None` for a robot without the limits that this needs.
+    ///
+    /// # Errors
+    /// [`PlanError`] for a path that cannot be timed.
+    pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Timed>, PlanError> {
+        let Ok(limits) = MotionLimits::of(&problem.robot, self.method) else { return Ok(None) };
+        let begin = Instant::now();
+        let trajectory = match &problem.validity {
+            Validity::Exact(cell) if self.blend => Trajectory::blended(path, &limits, cell)?,
+            Validity::Exact(_) | Validity::Paper { .. } => Trajectory::along(path, &limits)?,
+        };
+        Ok(Some(Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
+    }
+}

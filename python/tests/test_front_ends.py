@@ -1,0 +1,111 @@
+"""The command line and the package answer the same request with the same plan file."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import cranny
+import pytest
+from conftest import lacking, released_folder
+
+Request = tuple[list[str], dict[str, Any]]
+
+SCENARIOS: list[Request] = [
+    (["021"], {}),
+    (["012", "--criterion", "paper"], {"criterion": "paper"}),
+]
+SEARCHES: list[Request] = [
+    ([], {}),
+    (["--planner", "ik-rrt", "--seed", "3", "--iterations", "3000"], {"planner": "ik-rrt", "seed": 3, "iterations": 3000}),
+    (["--iterations", "1", "--seed", "7"], {"iterations": 1, "seed": 7}),
+]
+EXACT: list[Request] = [
+    ([], {}),
+    (["--margin", "2", "--grasp-margin", "0.5"], {"margin_m": 0.002, "grasp_margin_m": 0.0005}),
+    (["--no-shortcut"], {"shortcut": False}),
+    (["--strict-pairs"], {"strict_pairs": True}),
+    (["--jerk-limited"], {"jerk_limited": True}),
+    (["--blend"], {"blend": True}),
+    (["--optimise", "60", "--iterations", "40"], {"optimise_s": 60.0, "iterations": 40}),
+    (["--optimise", "60", "--iterations", "40", "--score-weight", "0"],
+     {"optimise_s": 60.0, "iterations": 40, "score_weight": 0.0}),
+]
+PAPER: list[Request] = [
+    ([], {}),
+    (["--goal-threshold", "20"], {"goal_threshold": 20.0}),
+]
+
+
+def program() -> str:
+    """The command."""
+    named = os.environ.get("CRANNY_BIN")
+    if not named:
+        lacking("CRANNY_BIN does not name the cranny command")
+    return str(named)
+
+
+def without_times(path: Path) -> str:
+    """A plan file as it stands, but for the seconds that were measured."""
+    return re.sub(r'("(?:\w+_)?time_s": )[-+.e\d]+', r"\1-", path.read_text())
+
+
+def both(folder: Path, task: list[str], scenario: cranny.Scenario, request: Request) -> tuple[str, str]:
+    """What the two front ends write."""
+    flags, keywords = request
+    theirs, ours = folder / "cli.plan.json", folder / "python.plan.json"
+    command = [program(), "plan", *task, *flags, "--quiet", "--force", "-o", str(theirs)]
+    status = subprocess.run(command, cwd=folder, check=False).returncode
+    plan = cranny.plan(scenario, **keywords)
+    plan.save(ours)
+    assert status == (0 if plan else 1), request
+    return without_times(theirs), without_times(ours)
+
+
+@pytest.mark.parametrize("task", SCENARIOS, ids=lambda task: " ".join(task[0]))
+def test_both_write_the_same_plan(tmp_path: Path, task: Request) -> None:
+    words, keywords = task
+    scenario = cranny.Scenario(words[0], **keywords)
+    grid = product(SEARCHES, PAPER if keywords else EXACT)
+    for (search_flags, search_keywords), (flags, options) in grid:
+        twice = "--iterations" in flags and "--iterations" in search_flags
+        if twice or search_flags[:2] == ["--planner", "ik-rrt"] and "--optimise" in flags:
+            continue
+        request = ([*search_flags, *flags], {**search_keywords, **options})
+        theirs, ours = both(tmp_path, words, scenario, request)
+        assert theirs == ours, request
+
+
+def test_both_name_the_robot_and_the_geometry(tmp_path: Path) -> None:
+    folder = released_folder()
+    scene = folder / "scenarios" / "011"
+    urdf = scene.parents[1] / "robots" / "franka_panda" / "mobile_panda.urdf"
+    flags = [str(scene), "--robot", str(urdf), "--geometry", "export"]
+    scenario = cranny.Scenario(scene, robot=urdf, geometry="export")
+    theirs, ours = both(tmp_path, flags, scenario, (["--iterations", "50"], {"iterations": 50}))
+    assert theirs == ours and '"geometry": "export"' in ours
+
+
+@pytest.mark.parametrize(
+    ("flags", "keywords"),
+    [
+        (["--criterion", "paper", "--blend"], {"blend": True}),
+        (["--criterion", "paper", "--optimise", "1"], {"optimise_s": 1.0}),
+        (["--criterion", "paper", "--goal-threshold", "-1"], {"goal_threshold": -1.0}),
+        (["--goal-threshold", "3"], {"goal_threshold": 3.0}),
+        (["--optimise", "1", "--score-weight", "nan"], {"optimise_s": 1.0, "score_weight": float("nan")}),
+        (["--planner", "nobody"], {"planner": "nobody"}),
+    ],
+)
+def test_both_refuse_with_the_same_words(tmp_path: Path, flags: list[str], keywords: dict[str, Any]) -> None:
+    told = subprocess.run([program(), "plan", "021", *flags], cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert told.returncode == 2
+    criterion = "paper" if "paper" in flags else None
+    with pytest.raises(ValueError) as caught:
+        cranny.plan(cranny.Scenario("021", criterion=criterion), **keywords)
+    said = told.stderr.split(": ")[-1].strip()
+    assert str(caught.value).endswith(said), (said, str(caught.value))
