@@ -31,6 +31,7 @@ __all__ = [
     "_restored_motion",
     "_restored_plan",
     "_restored_samples",
+    "lift_file_limits",
     "moving_picture",
     "page",
     "picture",

@@ -47,7 +47,7 @@ def test_limits_and_names_are_those_that_pinocchio_reads(name: str) -> None:
             assert robot.lower[index] == reference.model.lowerPositionLimit[joint.idx_q]
             assert robot.upper[index] == reference.model.upperPositionLimit[joint.idx_q]
         else:
-            assert robot.upper[index] == -robot.lower[index] == 2 * np.pi
+            assert robot.upper[index] == -robot.lower[index] == 3 * np.pi
         assert robot.velocity[index] == reference.model.velocityLimit[joint.idx_v]
     assert set(robot.joint_units) <= {"m", "rad"} and len(robot.joint_names) == robot.dof
 
