@@ -1,7 +1,7 @@
 //! Distances against oracles that are not GJK: closed formulas, samples of the surface, and other
 //! descriptions of the same body.
 
-use cranny_shape::{Solid, Surface, TriangleSoup, overlap, quick_lower_bound, separation};
+use cranny_shape::{Solid, Surface, TriangleSoup, overlap, quick_lower_bound, reaches, separation};
 use cranny_spatial::{Point, Pose, Stream, Vector};
 use proptest::prelude::*;
 
@@ -226,4 +226,23 @@ fn sizes_and_points_that_are_none_are_refused() {
     assert!(Solid::hull(&flat).is_err());
     assert!(Solid::hull(&[]).is_err());
     assert!(Solid::hull(&[Point::new(f64::NAN, 0.0, 0.0); 5]).is_err());
+}
+
+/// Whether a distance is reached is known sooner than the distance, and is the same.
+#[test]
+fn what_reaches_a_distance_is_what_the_separation_says() {
+    let mut random = Stream::new(17, 0);
+    let (mut reached, mut missed) = (0, 0);
+    for _ in 0..3000 {
+        let ((a, _), (b, _)) = (random_solid(&mut random), random_solid(&mut random));
+        let (pose_a, pose_b) = (random_pose(&mut random, 0.3), random_pose(&mut random, 0.3));
+        let apart_m = separation(&a, &pose_a, &b, &pose_b, FAR);
+        let near_m = apart_m.lower_m + random.uniform_between(-1e-4, 1e-4);
+        for distance_m in [random.uniform_between(1e-5, 0.3), near_m.max(1e-5)] {
+            let expected = separation(&a, &pose_a, &b, &pose_b, distance_m).lower_m >= distance_m;
+            assert_eq!(reaches(&a, &pose_a, &b, &pose_b, distance_m), expected, "{apart_m:?} {distance_m}");
+            if expected { reached += 1 } else { missed += 1 }
+        }
+    }
+    assert!(reached > 1000 && missed > 1000, "{reached} {missed}");
 }
