@@ -8,7 +8,7 @@ use cranny_plan::{
 use cranny_solve::{Answer, Optimisation, Request, Shortening};
 use serde::{Deserialize, Serialize};
 
-use crate::plan_segment::{check_segments, segments_of};
+use crate::plan_segment::{check_format, check_segments, segments_of};
 use crate::scenario_file::CriterionName;
 use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
@@ -82,6 +82,13 @@ pub struct PlanFile {
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
+}
+
+/// What is read of a plan before the rest.
+#[derive(Deserialize)]
+struct Head {
+    #[serde(default)]
+    format: Option<String>,
 }
 
 /// How a path was shortened after the search.
@@ -273,8 +280,11 @@ impl PlanFile {
         if text.trim_ascii().is_empty() {
             return Err(ScenarioError::Empty { path: path.to_owned() });
         }
-        let mut plan: Self = cranny_file::json(&text)
-            .map_err(|reason| ScenarioError::Json { path: path.to_owned(), reason })?;
+        let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
+        // What another format holds is not known.
+        let Head { format } = cranny_file::json(&text).map_err(malformed)?;
+        check_format(path, format.as_deref())?;
+        let mut plan: Self = cranny_file::json(&text).map_err(malformed)?;
         plan.check_waypoints(path, plan.joint_names.len())?;
         check_segments(path, &mut plan)?;
         Ok(plan)
@@ -446,6 +456,8 @@ mod tests {
             let fault = PlanFile::read(&path).unwrap_err().to_string();
             assert!(fault.contains("021.plan.json: ") && fault.contains(says), "{fault}");
         }
+        fs::write(&path, r#"{"format": "cranny-plan/2", "anything": {}}"#).unwrap();
+        assert!(PlanFile::read(&path).unwrap_err().to_string().contains("'cranny-plan/2'"));
     }
 
     #[test]

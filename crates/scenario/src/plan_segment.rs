@@ -46,33 +46,44 @@ impl PlanSegment {
     }
 }
 
+/// Whether a file is of a format that this version knows: its own, or none, as before there was any.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for another.
+pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
+    match format.filter(|format| *format != PlanFile::FORMAT) {
+        None => Ok(()),
+        Some(other) => Err(fault(
+            path,
+            format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT),
+        )),
+    }
+}
+
 /// Checks the segments of a plan that was read, or makes that of one written before there were any.
 ///
 /// # Errors
-/// [`ScenarioError::Content`] for another format, a segment that this version does not know, or segments that say
-/// something else than the plan's own way points.
+/// [`ScenarioError::Content`] for a segment that this version does not know, or segments that say something else than
+/// the plan's own way points.
 pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
-    let fault = |problem: String| Err(ScenarioError::Content { path: path.to_owned(), problem });
-    match plan.format.as_deref() {
-        None => {
-            plan.segments = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
-            plan.format = Some(PlanFile::FORMAT.to_owned());
-            return Ok(());
-        }
-        Some(PlanFile::FORMAT) => {}
-        Some(other) => {
-            return fault(format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT));
-        }
+    let of_waypoints = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
+    if plan.format.is_none() {
+        plan.segments = of_waypoints;
+        plan.format = Some(PlanFile::FORMAT.to_owned());
+        return Ok(());
     }
-    for (index, segment) in plan.segments.iter().enumerate() {
-        if let Some(unknown) = segment.unknown() {
-            return fault(format!("segment {index} {unknown}"));
-        }
+    let unknown = |(index, segment): (usize, &PlanSegment)| Some((index, segment.unknown()?));
+    if let Some((index, unknown)) = plan.segments.iter().enumerate().find_map(unknown) {
+        return Err(fault(path, format!("segment {index} {unknown}")));
     }
-    if plan.segments != segments_of(&plan.waypoints, &plan.clearances_per_edge_m) {
-        return fault("its segments are not its way points and clearances".to_owned());
+    if plan.segments != of_waypoints {
+        return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
     }
     Ok(())
+}
+
+fn fault(path: &Path, problem: String) -> ScenarioError {
+    ScenarioError::Content { path: path.to_owned(), problem }
 }
 
 /// The segments of a path: one, or none where there is no path.
