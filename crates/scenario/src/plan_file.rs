@@ -2,8 +2,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use cranny_plan::{
-    Budget, Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics, TimingMethod, Trajectory,
-    path_length,
+    AuditSettings, Budget, Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics,
+    TimingMethod, Trajectory, path_length,
 };
 use cranny_solve::{Answer, Optimisation, Request, Shortening};
 use serde::{Deserialize, Serialize};
@@ -248,6 +248,8 @@ impl PlanFile {
             seed: self.seed,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
+            // How far the same path is from everything stands in the plan.
+            audit: AuditSettings { clearances: false, ..AuditSettings::default() },
             ..Request::default()
         }
     }
