@@ -50,6 +50,7 @@ mod object_library;
 mod obstacle;
 mod own_export;
 mod own_layout;
+mod plan_betterment;
 mod plan_file;
 mod plan_segment;
 mod recipe;
@@ -87,9 +88,8 @@ pub use moveit_export::{moveit_scene_text, read_moveit_scene, write_moveit_scene
 pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object_folder::OBJECT_FILE;
 pub use obstacle::Obstacle;
-pub use plan_file::{
-    PlanBudget, PlanFile, PlanMargins, PlanOptimisation, PlanShortening, PlanSource, PlanTiming,
-};
+pub use plan_betterment::{PlanOptimisation, PlanShortening};
+pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanSource, PlanTiming};
 pub use plan_segment::PlanSegment;
 pub use recipe::{Recipe, RecipeBody, RecipeShape};
 pub use scenario::{Geometry, OpenOptions, Scenario, is_scenario};

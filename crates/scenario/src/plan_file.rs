@@ -2,12 +2,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use cranny_plan::{
-    AuditSettings, Budget, Criterion, GraspFailure, Improvement, NotChecked, Outcome, Statistics,
-    TimingMethod, Trajectory, path_length,
+    AuditSettings, Budget, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
+    Trajectory, path_length,
 };
-use cranny_solve::{Answer, Optimisation, Request, Shortening};
+use cranny_solve::{Answer, Request};
 use serde::{Deserialize, Serialize};
 
+use crate::plan_betterment::{PlanOptimisation, PlanShortening};
 use crate::plan_segment::{check_format, check_segments, segments_of};
 use crate::scenario_file::CriterionName;
 use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
@@ -91,28 +92,6 @@ struct Head {
     format: Option<String>,
 }
 
-/// How a path was shortened after the search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PlanShortening {
-    /// Random shortcuts that were tried, drawn from the plan's seed.
-    pub attempts: usize,
-}
-
-/// How a path was bettered after the first search.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PlanOptimisation {
-    /// How long it was to go on after the first path, in seconds.
-    pub time_limit_s: f64,
-    /// What a grasp of score 1 is worth, in units of the length of a path.
-    pub score_weight: f64,
-    /// How long it went on, in seconds.
-    pub time_s: f64,
-    /// Iterations of all searches together.
-    pub iterations: u64,
-    /// The cost over time: of the first path, and of every better one.
-    pub improvements: Vec<Improvement>,
-}
-
 /// The clearance that a plan was made with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlanMargins {
@@ -181,18 +160,6 @@ impl PlanBudget {
     }
 }
 
-impl PlanOptimisation {
-    fn of(optimisation: &Optimisation) -> Self {
-        Self {
-            time_limit_s: optimisation.settings.time.as_secs_f64(),
-            score_weight: optimisation.settings.score_weight,
-            time_s: optimisation.time_s,
-            iterations: optimisation.iterations,
-            improvements: optimisation.improvements.clone(),
-        }
-    }
-}
-
 impl PlanFile {
     /// The format that this program writes.
     pub const FORMAT: &'static str = "cranny-plan/1";
@@ -232,7 +199,7 @@ impl PlanFile {
             waypoints,
             timing: answer.timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory)),
             statistics: answer.statistics,
-            shortening: answer.shortening.map(|Shortening { attempts, .. }| PlanShortening { attempts }),
+            shortening: answer.shortening.as_ref().map(PlanShortening::of),
             optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
             failures: answer.failures.clone(),
         }
@@ -339,7 +306,7 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use cranny_plan::{FailureReason, NotCheckedReason};
+    use cranny_plan::{FailureReason, Improvement, NotCheckedReason};
 
     use std::fs;
 
