@@ -5,10 +5,10 @@ use std::sync::Mutex;
 
 use cranny_collision::{Body, World};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, GraspSet, Gripper, SampledGrasp, SamplerSettings, covering_subset,
+    COVERAGE_THRESHOLD, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset,
     sample_grasps as sample,
 };
-use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_plan::{APPROACH_M, HandFilter};
 use cranny_scenario::{DEFAULT_FRICTION, panda_hand, read_gripper};
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::Pose;
@@ -61,13 +61,9 @@ pub fn sample_grasps(
         }
     }
     let mesh = triangles(mesh)?;
-    let (gripper, hand) = match gripper {
-        Some(path) => {
-            let gripper = read_gripper(&path).map_err(fault)?;
-            let hand = Hand::of_gripper(&gripper).map_err(fault)?;
-            (gripper, hand)
-        }
-        None => (Gripper::panda_hand(), panda_hand().map_err(fault)?),
+    let hand = match gripper {
+        Some(path) => read_gripper(&path).map_err(fault)?,
+        None => panda_hand().map_err(fault)?,
     };
     let interrupt = Mutex::new(Interrupt::new());
     let found = py.detach(|| -> PyResult<GraspSet> {
@@ -75,10 +71,10 @@ pub fn sample_grasps(
         let settings = SamplerSettings {
             count: wished,
             friction,
-            opening_m: gripper.opening_m,
+            opening_m: hand.opening_m,
             approaches,
             // What the filter of the hand would refuse anyway, sooner.
-            finger_depth_m: Some(gripper.finger_depth_m()).filter(|depth_m| !bare && *depth_m > 0.0),
+            finger_depth_m: Some(hand.finger_depth_m).filter(|depth_m| !bare && *depth_m > 0.0),
             seed,
             ..SamplerSettings::default()
         };

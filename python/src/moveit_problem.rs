@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{Problem, Validity};
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins};
+use cranny_collision::Margins;
+use cranny_plan::Problem;
+use cranny_scenario::{MoveItOptions, MoveItProblem};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -89,12 +90,13 @@ impl PyMoveItProblem {
     fn cell(slf: &Bound<'_, Self>, margin_m: f64) -> PyResult<PyCell> {
         let keywords = PyDict::new(slf.py());
         keywords.set_item("margin_m", margin_m)?;
-        match slf.get().problem(&PlanMargins { margin_m, grasp_margin_m: 0.0 })?.validity {
-            Validity::Exact(cell) => {
-                Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
-            }
-            Validity::Paper { .. } => Err(bad_value("the problem has no exact cell")),
-        }
+        let cell = slf
+            .get()
+            .problem(Margins { margin_m, grasp_margin_m: 0.0 })?
+            .cell()
+            .ok_or_else(|| bad_value("the problem has no exact cell"))?
+            .clone();
+        Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }
 
     /// As of a Scenario.
@@ -109,7 +111,7 @@ impl PyMoveItProblem {
 }
 
 impl PyMoveItProblem {
-    pub fn problem(&self, margins: &PlanMargins) -> PyResult<Problem> {
+    pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
         self.problem.problem(margins).map_err(fault)
     }
 }

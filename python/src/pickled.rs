@@ -125,7 +125,7 @@ fn fingerprint(thing: &Bound<'_, PyAny>) -> u64 {
         let scenario = &scenario.get().scenario;
         print.robot(&scenario.robot);
         print.world(&scenario.world);
-        (&scenario.id, scenario.criterion.name(), scenario.target, &scenario.hand_links).hash(&mut print.0);
+        (&scenario.id, scenario.criterion.name(), scenario.target).hash(&mut print.0);
         print.numbers(&scenario.start);
         scenario.ik.iter().for_each(|q| print.numbers(q));
         for grasp in scenario.grasps.grasps() {

@@ -181,7 +181,7 @@ impl PyPlan {
             &named
         };
         let task = Task::of(scenario, file.margins)?;
-        let expected = task.problem.robot.joint_names();
+        let expected = task.problem.robot().joint_names();
         if file.joint_names != expected {
             let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
             return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));

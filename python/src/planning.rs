@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use cranny_collision::Margins;
 use cranny_plan::{AuditSettings, Budget, OptimiseSettings, TimingMethod, audit_with};
-use cranny_scenario::{PlanFile, PlanMargins};
+use cranny_scenario::PlanFile;
 use cranny_solve::{Request, Timing, solve};
 use pyo3::prelude::*;
 
@@ -65,7 +66,7 @@ pub fn plan(
     blend: bool,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
-    let mut task = Task::of(scenario, PlanMargins { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
     if strict_pairs {
         task.problem = task.problem.checking_all_pairs();
     }
@@ -111,11 +112,11 @@ pub fn verify_path(
     strict_pairs: bool,
     any_end: bool,
 ) -> PyResult<PyVerification> {
-    let mut task = Task::of(scenario, PlanMargins { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
     if strict_pairs {
         task.problem = task.problem.checking_all_pairs();
     }
-    let robot = &task.problem.robot;
+    let robot = &task.problem.robot();
     let path = Configurations::read(path, "path", robot)?.rows(robot.dof())?;
     let settings = AuditSettings { at_goal: !any_end, ..AuditSettings::default() };
     let audit = scenario.py().detach(|| audit_with(&task.problem, &path, settings)).map_err(fault)?;

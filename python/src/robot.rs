@@ -99,7 +99,6 @@ impl PyRobot {
         keywords.set_item("unchecked_pairs", &unchecked_pairs)?;
         let options = RobotOptions {
             srdf: srdf.map(TextSource::Path),
-            limits: None,
             group,
             tip,
             fixed: fixed.unwrap_or_default(),
@@ -114,6 +113,7 @@ impl PyRobot {
                     )));
                 }
             },
+            ..RobotOptions::default()
         };
         let robot = py.detach(|| Robot::load(&path, &options)).map_err(fault)?;
         let reader = py.get_type::<Self>().getattr("from_urdf")?;

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_collision::World;
-use cranny_plan::{Criterion, Problem, Validity};
-use cranny_scenario::{Geometry, OpenOptions, PlanMargins, Scenario, catalogue, write_moveit_scene};
+use cranny_collision::{Margins, World};
+use cranny_plan::{Criterion, Problem};
+use cranny_scenario::{Geometry, OpenOptions, Scenario, catalogue, write_moveit_scene};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -136,16 +136,12 @@ impl PyScenario {
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
         let exact = Scenario { criterion: Criterion::Exact, ..(*slf.get().scenario).clone() };
-        let problem = exact.problem(&PlanMargins { margin_m, grasp_margin_m }).map_err(fault)?;
+        let problem = exact.problem(Margins { margin_m, grasp_margin_m }).map_err(fault)?;
         let keywords = PyDict::new(slf.py());
         keywords.set_item("margin_m", margin_m)?;
         keywords.set_item("grasp_margin_m", grasp_margin_m)?;
-        match problem.validity {
-            Validity::Exact(cell) => {
-                Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
-            }
-            Validity::Paper { .. } => Err(bad_value("the scenario has no exact cell")),
-        }
+        let cell = problem.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?.clone();
+        Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }
 
     /// The same scenario with one obstacle more.
@@ -288,7 +284,7 @@ impl PyScenario {
     }
 
     /// The problem to plan for.
-    pub fn problem(&self, margins: &PlanMargins) -> PyResult<Problem> {
+    pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
         self.scenario.problem(margins).map_err(fault)
     }
 }

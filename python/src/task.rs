@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use cranny_collision::Margins;
 use cranny_plan::Problem;
-use cranny_scenario::{PlanMargins, PlanSource, Scenario};
+use cranny_scenario::{PlanSource, Scenario};
 use pyo3::prelude::*;
 
 use crate::fault::bad_type;
@@ -22,7 +23,7 @@ pub struct Task {
 }
 
 impl Task {
-    pub fn of(value: &Bound<'_, PyAny>, margins: PlanMargins) -> PyResult<Self> {
+    pub fn of(value: &Bound<'_, PyAny>, margins: Margins) -> PyResult<Self> {
         if let Ok(scenario) = value.cast::<PyScenario>() {
             let scenario = scenario.get();
             return Ok(Self {
@@ -32,7 +33,7 @@ impl Task {
                     geometry: scenario.geometry,
                     margins,
                 },
-                problem: scenario.problem(&margins)?,
+                problem: scenario.problem(margins)?,
                 scenario: Some(scenario.scenario.clone()),
                 given: value.clone().unbind(),
             });
@@ -44,9 +45,9 @@ impl Task {
                     scenario: problem.problem.id.clone(),
                     robot: problem.robot_file.clone(),
                     geometry: None,
-                    margins: PlanMargins { grasp_margin_m: 0.0, ..margins },
+                    margins: Margins { grasp_margin_m: 0.0, ..margins },
                 },
-                problem: problem.problem(&margins)?,
+                problem: problem.problem(margins)?,
                 scenario: None,
                 given: value.clone().unbind(),
             });

@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use cranny_plan::{Budget, Criterion, Problem, Unobserved};
+use cranny_plan::{Budget, Criterion, Goal, Problem, Unobserved};
 use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
@@ -234,7 +234,7 @@ impl Campaign {
                 reason: reason.to_string(),
             })?;
         }
-        let is_free = problem.validity.is_free(&problem.start, &mut problem.validity.scratch());
+        let is_free = problem.start_is_free();
         let (criterion, outcome) = (problem.criterion().name(), TrialOutcome::StartInvalid.name());
         Ok((!is_free).then(|| {
             let id = &scenario.id;
@@ -254,7 +254,7 @@ impl Campaign {
         let problem = if planner.each_goal {
             // Where there is no goal there is no trial.
             let Some(goal) = opened.goals()?.first() else { return Ok(()) };
-            aimed = opened.problem.with_goal(goal.clone())?;
+            aimed = opened.problem.with_goal(Goal::Configurations(vec![goal.clone()]))?;
             &aimed
         } else {
             &opened.problem

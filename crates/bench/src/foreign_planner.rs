@@ -107,7 +107,7 @@ impl ForeignPlanner {
                 without(TrialOutcome::Crashed, Some(detail))
             }
             Ending::Exited { output, .. } => {
-                let joints = task.opened.problem.robot.dof();
+                let joints = task.opened.problem.robot().dof();
                 let read = if self.is_released {
                     foreign_answer::read_released(&prefix, joints)
                 } else {
@@ -160,7 +160,7 @@ impl ForeignPlanner {
     /// What the program reads on its standard input.
     fn problem(&self, task: &ForeignTask) -> serde_json::Value {
         let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
-        let robot = &problem.robot;
+        let robot = problem.robot();
         let named = robot.joint_names().iter().zip(robot.limits());
         let joints: Vec<_> = named
             .map(|(name, limits)| json!({"name": name, "lower": limits.lower, "upper": limits.upper}))
@@ -175,7 +175,7 @@ impl ForeignPlanner {
             "time_limit_s": trial.time_limit_s,
             "iteration_limit": trial.iteration_limit,
             "joints": joints,
-            "start": problem.start,
+            "start": problem.start(),
             "grasps": task.opened.scenario.grasps.grasps().iter().map(grasp).collect::<Vec<_>>(),
             "tip": robot.links()[robot.tip()].name,
             "goal_configuration": task.goal,

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{AuditSettings, Goal, PlanError, Problem, Violation, audit_with, path_length};
+use cranny_plan::{AuditSettings, PlanError, Problem, Violation, audit_with, path_length};
 
 use crate::TrialOutcome;
 use crate::worker_message::TrialAnswer;
@@ -24,16 +24,12 @@ pub fn judge(problem: &Problem, answer: TrialAnswer, settings: AuditSettings) ->
         return TrialAnswer { outcome: TrialOutcome::Rejected, detail: Some(detail), ..answer };
     }
     let grasp = verification.goal.map(|goal| goal.grasp);
-    let score = match &problem.goal {
-        Goal::Grasps(grasps) => grasp.and_then(|grasp| grasps.grasps()[grasp].score),
-        Goal::Configurations(_) => None,
-    };
     TrialAnswer {
         outcome: TrialOutcome::Solved,
         path_length: Some(path_length(&answer.path)),
         clearance_m: verification.clearance_m,
         grasp,
-        grasp_score: score,
+        grasp_score: verification.grasp_score(problem),
         ..answer
     }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
+use cranny_collision::Margins;
 use cranny_plan::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario, ScenarioError};
+use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 
 /// A scenario, opened under a criterion, with its problem: what takes longer than many a trial.
 pub struct OpenedScenario {
@@ -19,7 +20,7 @@ impl OpenedScenario {
     pub fn open(source: &str, criterion: Criterion) -> Result<Self, ScenarioError> {
         let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(&PlanMargins::default())?;
+        let problem = scenario.problem(Margins::default())?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
@@ -42,7 +43,7 @@ pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, Scen
         return Ok(scenario.ik.clone());
     }
     let exact = OpenOptions { criterion: Some(Criterion::Exact), ..OpenOptions::default() };
-    let problem = Scenario::open(source, &exact)?.problem(&PlanMargins::default())?;
+    let problem = Scenario::open(source, &exact)?.problem(Margins::default())?;
     let settings = IkAnnotationSettings { method: IkMethod::SingleShot, ..IkAnnotationSettings::default() };
     let annotations = annotate_ik(&problem, &settings, &|| {}, &AtomicBool::new(false))?;
     Ok(annotations.into_iter().flat_map(|grasp| grasp.solutions).map(|solution| solution.q).collect())

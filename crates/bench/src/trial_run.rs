@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use cranny_plan::{AuditSettings, Budget, Criterion, Outcome, PlanReport, Unobserved, search};
+use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Outcome, PlanReport, Unobserved, search};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
@@ -50,7 +50,7 @@ pub fn run(
                 time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),
             };
             let mut problem = match goal {
-                Some(goal) => opened.problem.with_goal(goal)?,
+                Some(goal) => opened.problem.with_goal(Goal::Configurations(vec![goal]))?,
                 None => opened.problem.clone(),
             };
             of_report(search(planner.as_ref(), &mut problem, &budget, trial.seed, &mut Unobserved)?)

@@ -1,8 +1,8 @@
 use std::path::Path;
 
 use cranny_collision::{Body, World};
-use cranny_grasp::{FirstApproach, Gripper, SamplerSettings};
-use cranny_plan::{Hand, HandFilter};
+use cranny_grasp::{FirstApproach, Hand, SamplerSettings};
+use cranny_plan::{HandFilter, robot_hand};
 use cranny_scenario::{
     DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, is_scenario, panda_hand, read_gripper,
 };
@@ -20,7 +20,6 @@ pub struct Subject {
     pub mesh: TriangleSoup,
     friction: f64,
     place: Place,
-    gripper: Gripper,
     hand: Hand,
 }
 
@@ -38,21 +37,11 @@ enum Place {
 impl Subject {
     pub fn open(arguments: &SampleArguments) -> Result<Self, Failure> {
         let path = Path::new(&arguments.object);
-        let given = match &arguments.gripper {
-            Some(path) => {
-                let gripper = read_gripper(path)?;
-                let hand = Hand::of_gripper(&gripper).map_err(ScenarioError::from)?;
-                Some((gripper, hand))
-            }
-            None => None,
-        };
+        let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
         if is_scenario(&arguments.object) {
             return Self::of_scenario(arguments, given);
         }
-        let (gripper, hand) = match given {
-            Some(given) => given,
-            None => (Gripper::panda_hand(), panda_hand().map_err(ScenarioError::from)?),
-        };
+        let hand = given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?;
         if path.is_file() {
             if arguments.pose.is_some() {
                 let problem = "a bare mesh has no stable poses (make it an object: cranny object add)".into();
@@ -61,7 +50,7 @@ impl Subject {
             let scale = Vector::repeat(arguments.scale);
             let mesh = TriangleSoup::load(path, scale).map_err(ScenarioError::from)?;
             let (name, friction) = (arguments.object.clone(), DEFAULT_FRICTION);
-            return Ok(Self { name, mesh, friction, place: Place::Nowhere, gripper, hand });
+            return Ok(Self { name, mesh, friction, place: Place::Nowhere, hand });
         }
         let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
         let place = match arguments.pose {
@@ -74,11 +63,11 @@ impl Subject {
                 Place::Ground { ground_from_object: stable.ground_from_body }
             }
         };
-        Ok(Self { name, mesh, friction, place, gripper, hand })
+        Ok(Self { name, mesh, friction, place, hand })
     }
 
     /// The target where it stands, with everything around it and the hand of the scenario's robot.
-    fn of_scenario(arguments: &SampleArguments, given: Option<(Gripper, Hand)>) -> Result<Self, Failure> {
+    fn of_scenario(arguments: &SampleArguments, given: Option<Hand>) -> Result<Self, Failure> {
         if arguments.pose.is_some() {
             let problem = "the object stands where the scenario has it".into();
             return Err(Failure::Flag { flag: "pose", problem });
@@ -87,22 +76,20 @@ impl Subject {
         let Some(mesh) = scenario.target_mesh()? else {
             return Err(Failure::NoTarget { id: scenario.id });
         };
-        let is_panda = scenario.robot.link_index("panda_leftfinger").is_some();
-        let (gripper, hand) = match given {
+        let hand = match given {
             Some(given) => given,
-            None if is_panda => {
-                (Gripper::panda_hand(), Hand::of_robot(&scenario.robot, &scenario.hand_links))
-            }
+            None if scenario.robot.hand().is_some() => robot_hand(&scenario.robot),
             None => {
                 let problem = format!(
-                    "how far the gripper of {} opens stands in no file of the scenario: give it as YAML",
+                    "how far the gripper of {} opens stands in no file of the scenario: give it as YAML, or write a \
+                     hand.yaml beside the URDF",
                     scenario.robot.name()
                 );
                 return Err(Failure::Flag { flag: "gripper", problem });
             }
         };
         let (name, place) = (scenario.id, Place::Scene(scenario.world));
-        Ok(Self { name, mesh, friction: DEFAULT_FRICTION, place, gripper, hand })
+        Ok(Self { name, mesh, friction: DEFAULT_FRICTION, place, hand })
     }
 
     /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
@@ -130,11 +117,11 @@ impl Subject {
         let mut settings = SamplerSettings {
             count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
             friction: arguments.friction.unwrap_or(self.friction),
-            opening_m: self.gripper.opening_m,
+            opening_m: self.hand.opening_m,
             approaches: arguments.approaches,
             depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
             // What the filter of the hand would refuse anyway, sooner.
-            finger_depth_m: Some(self.gripper.finger_depth_m())
+            finger_depth_m: Some(self.hand.finger_depth_m)
                 .filter(|depth_m| !arguments.bare && *depth_m > 0.0),
             seed: arguments.seed,
             ..SamplerSettings::default()

@@ -7,7 +7,7 @@ use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, csv_text, nearest_distances,
     read_csv, sample_grasps, spread,
 };
-use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
 use serde::Serialize;
@@ -270,7 +270,7 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         Some(path) => read_csv(path).map_err(ScenarioError::from)?,
         None => scenario.grasps.clone(),
     };
-    let hand = Hand::of_robot(&scenario.robot, &scenario.hand_links);
+    let hand = robot_hand(&scenario.robot);
     let filter = HandFilter::new(&hand, scenario.world.clone(), arguments.approach / 1000.0)
         .map_err(ScenarioError::from)?;
     let mut blocked = vec![0; scenario.world.bodies().len()];

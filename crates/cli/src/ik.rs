@@ -2,9 +2,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
+use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik};
-use cranny_scenario::{FilledHand, PlanMargins};
+use cranny_scenario::FilledHand;
 use serde::Serialize;
 
 use crate::Answer;
@@ -42,15 +43,14 @@ struct Solution {
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, mut problem, .. } =
-        Task::open(&arguments.task, None, PlanMargins::default(), output)?;
+    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, None, Margins::default(), output)?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());
             return Err(Failure::Flag { flag: "grasp", problem });
         };
-        problem.goal =
-            Goal::Grasps(GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?);
+        let only = GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?;
+        problem = problem.with_goal(Goal::Grasps(only))?;
     }
     let settings = IkAnnotationSettings {
         method: if arguments.single_shot { IkMethod::SingleShot } else { IkMethod::Restarts },
@@ -86,7 +86,7 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
 
 /// Says why no grasp can be free, where the hand itself is the reason.
 pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
-    FilledHand::of(&problem.robot).map_or(Ok(()), |filled| text::note(&filled.to_string()))
+    FilledHand::of(problem.robot()).map_or(Ok(()), |filled| text::note(&filled.to_string()))
 }
 
 fn blocked_by(status: &IkStatus) -> Option<String> {

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
-use cranny_plan::{NotChecked, Validity};
-use cranny_scenario::PlanMargins;
+use cranny_collision::Margins;
+use cranny_plan::NotChecked;
 use serde::Serialize;
 
 use crate::Answer;
@@ -37,16 +37,15 @@ struct Body {
 }
 
 pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem, .. } = Task::open(arguments, None, PlanMargins::default(), output)?;
+    let Task { scenario, problem, .. } = Task::open(arguments, None, Margins::default(), output)?;
     let (robot, world) = (&scenario.robot, &scenario.world);
-    let mut scratch = problem.validity.scratch();
     let mut info = Info {
         scenario: scenario.id.clone(),
         robot: robot.name().to_owned(),
         joints: robot.joint_names().to_vec(),
         tip: robot.links()[robot.tip()].name.clone(),
         start: scenario.start.clone(),
-        start_is_free: problem.validity.is_free(&scenario.start, &mut scratch),
+        start_is_free: problem.start_is_free(),
         start_clearance_m: None,
         start_faults: start::faults(&problem),
         bodies: world
@@ -61,7 +60,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
         self_collision_pairs: 0,
         not_checked: problem.not_checked(),
     };
-    if let Validity::Exact(cell) = &problem.validity {
+    if let Some(cell) = problem.cell() {
         let mut scratch = cell.scratch();
         let clearance_m = cell.clearance(&scenario.start, &mut scratch);
         info.start_clearance_m = Some(clearance_m).filter(|c| c.is_finite());

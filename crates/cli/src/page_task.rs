@@ -1,9 +1,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_collision::Cell;
-use cranny_plan::{Criterion, Problem, Validity};
-use cranny_scenario::{Geometry, OpenOptions, PlanFile, PlanMargins, Scenario, read_waypoints};
+use cranny_collision::{Cell, Margins};
+use cranny_plan::{Criterion, Problem};
+use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_view::{PageData, PagePlan, PageSettings, page_cell};
 
 use crate::arguments::{GeometryArgument, Output};
@@ -74,7 +74,7 @@ impl PageTask {
                 }
                 Read::Waypoints => {
                     let waypoints = read_waypoints(file, shown.robot.dof())?;
-                    let problem = tasks.problem(own.criterion, PlanMargins::default(), None)?;
+                    let problem = tasks.problem(own.criterion, Margins::default(), None)?;
                     plans.push(PagePlan::of_waypoints(name, &waypoints, &shown, &problem)?);
                 }
             }
@@ -91,7 +91,7 @@ struct Tasks<'a> {
     id: &'a str,
     options: OpenOptions,
     opened: Vec<Scenario>,
-    problems: Vec<((Criterion, PlanMargins), Problem)>,
+    problems: Vec<((Criterion, Margins), Problem)>,
     output: Output,
 }
 
@@ -115,19 +115,19 @@ impl Tasks<'_> {
     fn problem(
         &mut self,
         criterion: Criterion,
-        margins: PlanMargins,
+        margins: Margins,
         goal_threshold: Option<f64>,
     ) -> Result<Problem, Failure> {
         let known = self.problems.iter().find(|(key, _)| *key == (criterion, margins));
         let mut problem = if let Some((_, problem)) = known {
             problem.clone()
         } else {
-            let problem = self.open(Some(criterion))?.problem(&margins)?;
+            let problem = self.open(Some(criterion))?.problem(margins)?;
             self.problems.push(((criterion, margins), problem.clone()));
             problem
         };
-        if let (Validity::Paper { threshold, .. }, Some(of_plan)) = (&mut problem.validity, goal_threshold) {
-            *threshold = of_plan;
+        if let Some(threshold) = goal_threshold {
+            problem = problem.with_goal_threshold(threshold);
         }
         Ok(problem)
     }

@@ -2,9 +2,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{AuditSettings, Budget, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
-use cranny_scenario::{PlanFile, PlanMargins, write_trajectory_csv};
+use cranny_scenario::{PlanFile, write_trajectory_csv};
 use cranny_solve::{Request, Timing, solve};
 use serde::Serialize;
 
@@ -42,7 +43,7 @@ struct Answered<'a> {
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();
     let PlanTask { source, grasps, problem } =
-        PlanTask::open(&arguments.task, &arguments.moveit, None, PlanMargins::default(), output)?;
+        PlanTask::open(&arguments.task, &arguments.moveit, None, Margins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let request = request(arguments);
     request.check(&problem)?;

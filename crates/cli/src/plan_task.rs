@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 
+use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins, PlanSource, mesh_repairs};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanSource, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -23,7 +24,7 @@ impl PlanTask {
         arguments: &TaskArguments,
         moveit: &[PathBuf],
         criterion: Option<Criterion>,
-        margins: PlanMargins,
+        margins: Margins,
         output: Output,
     ) -> Result<Self, Failure> {
         if let [scene, request] = moveit {
@@ -42,7 +43,7 @@ impl PlanTask {
     fn open_moveit(
         [scene, request]: [&PathBuf; 2],
         arguments: &TaskArguments,
-        margins: PlanMargins,
+        margins: Margins,
         output: Output,
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
@@ -50,8 +51,8 @@ impl PlanTask {
         note_all(&opened.deviations, output)?;
         note_all(&mesh_repairs(&opened.robot, &opened.world), output)?;
         let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
-        let margins = PlanMargins { margin_m, ..PlanMargins::default() };
-        let mut problem = opened.problem(&margins)?;
+        let margins = Margins { margin_m, ..Margins::default() };
+        let mut problem = opened.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }

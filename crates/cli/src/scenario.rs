@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
-use cranny_plan::Validity;
+use cranny_collision::Margins;
 use cranny_scenario::{
-    Credits, Family, OpenOptions, PlanMargins, Recipe, Scenario, ScenarioError, SetMaker, SetProgress,
-    SetReport, SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema,
-    unpack, write_set, write_sweep, write_template, write_whole_folder,
+    Credits, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
+    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack,
+    write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 
@@ -279,10 +279,10 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
         notes = mesh_repairs(&scenario.robot, &scenario.world);
-        let problem = scenario.problem(&PlanMargins::default())?;
+        let problem = scenario.problem(Margins::default())?;
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
-        if let Validity::Exact(cell) = &problem.validity {
+        if let Some(cell) = problem.cell() {
             let mut scratch = cell.scratch();
             let is_free = |grasp: &cranny_grasp::Grasp| {
                 [grasp.world_from_gripper, grasp.twin().world_from_gripper]

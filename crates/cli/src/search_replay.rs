@@ -22,7 +22,7 @@ pub fn replay(
     output: Output,
 ) -> Result<TreeRecording, Failure> {
     let mut watched = Watched {
-        recording: TreeRecording::new(problem.robot.clone(), TreeRecording::MOST_NODES),
+        recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
     let answer = solve(problem, &plan.request(), &mut watched)?;

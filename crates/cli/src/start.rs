@@ -1,4 +1,4 @@
-use cranny_plan::{Problem, Validity};
+use cranny_plan::Problem;
 
 use crate::text::millimetres;
 
@@ -7,22 +7,22 @@ const MOST: usize = 8;
 
 /// Why the start of a problem is not free, a line each; nothing if it is.
 pub fn faults(problem: &Problem) -> Vec<String> {
-    if problem.validity.is_free(&problem.start, &mut problem.validity.scratch()) {
+    if problem.start_is_free() {
         return Vec::new();
     }
-    if let Some(violation) = problem.robot.first_limit_violation(&problem.start) {
-        let name = &problem.robot.joint_names()[violation.joint];
+    if let Some(violation) = problem.robot().first_limit_violation(problem.start()) {
+        let name = &problem.robot().joint_names()[violation.joint];
         return vec![format!(
             "{name} is {:.4}, outside its limits [{:.4}, {:.4}]",
             violation.value, violation.lower, violation.upper
         )];
     }
-    let Validity::Exact(cell) = &problem.validity else {
+    let Some(cell) = problem.cell() else {
         return vec![
             "the released check refuses it: a link touches, or is below the floor height".to_owned(),
         ];
     };
-    let contacts = cell.contacts(&problem.start, &mut cell.scratch());
+    let contacts = cell.contacts(problem.start(), &mut cell.scratch());
     let describe = |contact: &cranny_collision::Contact| {
         let (first, second) = (cell.name(contact.first), cell.name(contact.second));
         if contact.clearance_m < cranny_spatial::CONTACT_M {

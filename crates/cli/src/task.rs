@@ -1,7 +1,8 @@
 use std::fmt::Display;
 
+use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario, mesh_repairs};
+use cranny_scenario::{OpenOptions, Scenario, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -11,7 +12,7 @@ use crate::text;
 pub struct Task {
     pub scenario: Scenario,
     pub problem: Problem,
-    pub margins: PlanMargins,
+    pub margins: Margins,
 }
 
 impl Task {
@@ -19,7 +20,7 @@ impl Task {
     pub fn open(
         arguments: &TaskArguments,
         criterion: Option<Criterion>,
-        margins: PlanMargins,
+        margins: Margins,
         output: Output,
     ) -> Result<Self, Failure> {
         let options = OpenOptions {
@@ -28,11 +29,11 @@ impl Task {
             geometry: arguments.geometry.map(Into::into),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        let margins = PlanMargins {
+        let margins = Margins {
             margin_m: metres("margin", arguments.margin)?.unwrap_or(margins.margin_m),
             grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
         };
-        let mut problem = scenario.problem(&margins)?;
+        let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }

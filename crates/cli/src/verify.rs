@@ -18,7 +18,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let PlanTask { source, problem, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
     if let Some(plan) = &plan {
-        let (found, expected) = (&plan.joint_names, problem.robot.joint_names());
+        let (found, expected) = (&plan.joint_names, problem.robot().joint_names());
         if let Some((found, expected)) =
             found.iter().zip(expected).find(|(found, expected)| found != expected)
         {
@@ -37,8 +37,8 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     }
     // A pipe can be read once only.
     let path = match plan {
-        Some(plan) => plan.into_waypoints(file, problem.robot.dof())?,
-        None => read_waypoints(file, problem.robot.dof())?,
+        Some(plan) => plan.into_waypoints(file, problem.robot().dof())?,
+        None => read_waypoints(file, problem.robot().dof())?,
     };
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let audit = audit_with(&problem, &path, settings)?;

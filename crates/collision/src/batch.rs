@@ -85,7 +85,7 @@ impl Cell {
             exact(lane, q);
             self.robot().forward_kinematics(q, frames);
             let mut doubts = lanes.doubts.iter().filter(|(_, lanes)| lanes >> lane & 1 == 1);
-            let is_free = doubts.all(|(pair, _)| self.keeps_distance(&self.pairs[*pair as usize], frames));
+            let is_free = doubts.all(|(pair, _)| self.keeps_distance(&self.pairs.get(*pair), frames));
             if !is_free {
                 free &= !(1 << lane);
                 if interest != Interest::Each {

@@ -4,18 +4,18 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Separation, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
-use crate::CollisionError;
-use crate::clearance::Margins;
 use crate::contact::{Collider, Contact};
 use crate::lane_scratch::LaneScratch;
 use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_reaches, group_separation};
 use crate::motion::WorkList;
+use crate::pairs::{Other, Pair, Pairs, PartPairs};
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
-use crate::travel::{Travel, shared_joints};
+use crate::travel::Travel;
 use crate::unchecked::Unchecked;
 use crate::world::{Part, World};
+use crate::{CollisionError, Margins};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
 #[derive(Clone, Debug)]
@@ -23,49 +23,20 @@ pub struct Cell {
     robot: Arc<Robot>,
     world: World,
     margins: Margins,
+    /// The body to be grasped, and those that carry it, by index.
+    grasp_bodies: Vec<usize>,
     pub(crate) bodies: Arc<[LinkBody]>,
     parts: Vec<(usize, Part)>,
     tree: PartTree,
-    /// First those of links with parts, then those of links with links.
-    pub(crate) pairs: Vec<Pair>,
-    part_pairs: Vec<PartPairs>,
+    pub(crate) pairs: Pairs,
     pub(crate) unchecked: Vec<Unchecked>,
     /// Pairs of links that are checked though they touch in every sample.
     pub(crate) asked_for: Vec<(usize, usize)>,
     pub(crate) lanes: Lanes,
 }
 
-/// The pairs of a link with every part, in the order of the tree.
-#[derive(Clone, Debug)]
-struct PartPairs {
-    /// Index into the link bodies.
-    body: usize,
-    /// The first of them, as an index into all pairs.
-    begin: usize,
-    /// The greatest distance that any of them demands, in metres.
-    required_m: f64,
-}
-
 /// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
 const MOST_FIRST: usize = 32;
-
-/// Two things that are checked against each other.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    /// Index into the link bodies.
-    pub first: usize,
-    pub second: Other,
-    /// The least distance that counts as free, in metres.
-    pub required_m: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Other {
-    /// Index into the link bodies, and how many joints move both links alike.
-    Link { body: usize, shared_joints: usize },
-    /// Index into the parts of all bodies of the world.
-    Part(usize),
-}
 
 /// What one asker needs to compute with; made by [`Cell::scratch`].
 #[derive(Clone, Debug)]
@@ -96,14 +67,35 @@ impl Cell {
     /// [`CollisionError::Margin`] for a negative or infinite margin.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
         margins.check()?;
-        Ok(Self::checking(robot, world, margins, Vec::new()))
+        Ok(Self::checking(robot, world, margins, Vec::new(), Vec::new()))
+    }
+
+    /// [`Self::new`] where the body of index `target` is to be grasped: between it and its supports and the hand
+    /// ([`Robot::hand_links`]) the grasp margin is demanded.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn for_grasp(
+        robot: Arc<Robot>,
+        world: World,
+        target: usize,
+        margins: Margins,
+    ) -> Result<Self, CollisionError> {
+        margins.check()?;
+        let mut grasp_bodies = world.supports_of(target);
+        grasp_bodies.push(target);
+        Ok(Self::checking(robot, world, margins, grasp_bodies, Vec::new()))
     }
 
     /// [`Self::new`] with these pairs of links checked even if they touch in every sample.
-    pub(crate) fn checking(
+    fn checking(
         robot: Arc<Robot>,
         world: World,
         margins: Margins,
+        grasp_bodies: Vec<usize>,
         asked_for: Vec<(usize, usize)>,
     ) -> Self {
         let body = RobotBody::of(&robot);
@@ -115,31 +107,20 @@ impl Cell {
             .flat_map(|(body, b)| b.parts.iter().map(move |part| (body, part.clone())))
             .collect();
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
-        let (mut pairs, mut part_pairs) = (Vec::new(), Vec::new());
-        // Hand and wrist first: they are what touches first.
-        for first in (0..bodies.len()).rev() {
-            let link = bodies[first].link;
-            if robot.ancestors(link).is_empty() {
-                continue;
-            }
-            let begin = pairs.len();
-            pairs.extend(tree.parts().iter().map(|&part| {
-                let required_m = margins.between(link, parts[part].0);
-                Pair { first, second: Other::Part(part), required_m }
-            }));
-            let required_m = pairs[begin..].iter().map(|pair| pair.required_m).fold(0.0, f64::max);
-            part_pairs.push(PartPairs { body: first, begin, required_m });
-        }
         let (checked, always_touching) = body.self_pairs.split(&bodies, &asked_for);
-        for (first, second) in checked {
-            let shared_joints = shared_joints(&robot, bodies[first].link, bodies[second].link);
-            let second = Other::Link { body: second, shared_joints };
-            pairs.push(Pair { first, second, required_m: margins.between_links() });
-        }
+        let pairs = Pairs::new(&robot, &bodies, checked, (&parts, &tree), &grasp_bodies, margins);
         let lanes = Lanes::new(&robot, &body, &parts, &tree, &pairs);
         let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
         unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, &parts));
-        Self { robot, world, margins, bodies, parts, tree, pairs, part_pairs, unchecked, asked_for, lanes }
+        Self { robot, world, margins, grasp_bodies, bodies, parts, tree, pairs, unchecked, asked_for, lanes }
+    }
+
+    /// The same cell with these pairs of links checked too.
+    #[must_use]
+    pub fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
+        let asked_for = [&self.asked_for[..], pairs].concat();
+        let (robot, world) = (self.robot.clone(), self.world.clone());
+        Self::checking(robot, world, self.margins, self.grasp_bodies.clone(), asked_for)
     }
 
     /// The robot.
@@ -153,8 +134,8 @@ impl Cell {
     }
 
     /// The clearances that are demanded.
-    pub fn margins(&self) -> &Margins {
-        &self.margins
+    pub fn margins(&self) -> Margins {
+        self.margins
     }
 
     /// The name of a link or body.
@@ -167,11 +148,12 @@ impl Cell {
 
     /// The pairs of links that are checked against each other, by link index.
     pub fn self_pairs(&self) -> Vec<(usize, usize)> {
-        let links = |pair: &Pair| match pair.second {
-            Other::Link { body, .. } => Some((self.bodies[pair.first].link, self.bodies[body].link)),
-            Other::Part(_) => None,
+        let link = |collider: Collider| match collider {
+            Collider::Link(link) => Some(link),
+            Collider::Body(_) => None,
         };
-        self.pairs.iter().filter_map(links).collect()
+        let links = |pair: &Pair| Some((self.bodies[pair.first].link, link(self.other(pair))?));
+        self.pairs.of_links().0.iter().filter_map(links).collect()
     }
 
     /// Room to compute in.
@@ -206,7 +188,7 @@ impl Cell {
         let blocked = scratch
             .order
             .iter()
-            .position(|&pair| !self.keeps_distance(&self.pairs[pair as usize], &scratch.frames));
+            .position(|&pair| !self.keeps_distance(&self.pairs.get(pair), &scratch.frames));
         // Who has just touched is likely to touch again: asked earlier, it ends the next check sooner. The
         // order changes no verdict.
         if let Some(place) = blocked {
@@ -226,13 +208,13 @@ impl Cell {
 
     /// The first pair that does not keep its distance.
     pub(crate) fn first_close_pair(&self, frames: &LinkFrames) -> Option<u32> {
-        self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs[pair as usize], frames))
+        self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs.get(pair), frames))
     }
 
     /// The pairs of links with parts that may not keep their distance, and all pairs of links, in order.
     fn near_pairs<'a>(&'a self, frames: &'a LinkFrames) -> impl Iterator<Item = u32> + 'a {
-        let links = self.part_pairs.len() * self.parts.len()..self.pairs.len();
-        let with_parts = self.part_pairs.iter().flat_map(|pairs| {
+        let links = self.pairs.of_links().1..self.pairs.len();
+        let with_parts = self.pairs.with_parts().flat_map(|pairs| {
             let world_from_link = frames.link(self.bodies[pairs.body].link);
             self.near_parts(pairs, world_from_link)
         });
@@ -242,19 +224,19 @@ impl Cell {
     /// The pairs of a link at this pose with parts that may not keep their distance, in order.
     fn near_parts<'a>(
         &'a self,
-        pairs: &'a PartPairs,
+        pairs: PartPairs,
         world_from_link: &Pose,
     ) -> impl Iterator<Item = usize> + use<'a> {
         let ball = &self.bodies[pairs.body].bounds.ball;
         // What is passed over is so far away that the exact distance agrees.
         let reach_m = ball.radius_m + pairs.required_m + CONTACT_M;
-        self.tree.near(world_from_link * ball.center, reach_m).map(|place| pairs.begin + place)
+        self.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
 
     /// Whether the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its
     /// distance from every body of the world. If not, no configuration can hold that pose.
     ///
-    /// The hand is the links of [`Margins::hand_links`].
+    /// The hand is the links of [`Robot::hand_links`].
     pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
         self.hand_contact(world_from_tip, scratch).is_none()
     }
@@ -265,14 +247,12 @@ impl Cell {
         scratch.q.fill(0.0);
         self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
         let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
-        let is_of_hand = |pairs: &&PartPairs| {
-            let link = self.bodies[pairs.body].link;
-            self.margins.hand_links.contains(&link)
-        };
-        let mut near = self.part_pairs.iter().filter(is_of_hand).flat_map(|pairs| {
+        let of_hand = self.pairs.with_parts().filter(|pairs| pairs.is_of_hand);
+        let mut near = of_hand.flat_map(|pairs| {
             let link = self.bodies[pairs.body].link;
             let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(link));
-            self.near_parts(pairs, &world_from_link).map(move |pair| (&self.pairs[pair], world_from_link))
+            let near = self.near_parts(pairs, &world_from_link);
+            near.map(move |pair| (self.pairs.get(as_index(pair)), world_from_link))
         });
         near.find_map(|(pair, world_from_link)| {
             let body = &self.bodies[pair.first];
@@ -303,11 +283,11 @@ impl Cell {
     pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut least = f64::INFINITY;
-        for pair in &self.pairs {
-            let is_farther = self.quick_bound(pair, &scratch.frames, least) >= least;
+        for pair in self.pairs.iter() {
+            let is_farther = self.quick_bound(&pair, &scratch.frames, least) >= least;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {
-                least = least.min(self.distance(pair, &scratch.frames, least).lower_m);
+                least = least.min(self.distance(&pair, &scratch.frames, least).lower_m);
             }
             if least <= 0.0 {
                 break;
@@ -325,7 +305,7 @@ impl Cell {
     pub fn first_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let frames = &scratch.frames;
-        self.first_close_pair(frames).map(|pair| self.describe(&self.pairs[pair as usize], frames))
+        self.first_close_pair(frames).map(|pair| self.describe(&self.pairs.get(pair), frames))
     }
 
     /// Every pair that is closer at `q` than it may be, link pairs and link-body pairs once each.
@@ -336,11 +316,11 @@ impl Cell {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut contacts: Vec<Contact> = Vec::new();
         for pair in self.near_pairs(&scratch.frames) {
-            let pair = &self.pairs[pair as usize];
-            if self.keeps_distance(pair, &scratch.frames) {
+            let pair = self.pairs.get(pair);
+            if self.keeps_distance(&pair, &scratch.frames) {
                 continue;
             }
-            let contact = self.describe(pair, &scratch.frames);
+            let contact = self.describe(&pair, &scratch.frames);
             let known = contacts.iter_mut().find(|c| (c.first, c.second) == (contact.first, contact.second));
             match known {
                 Some(known) if known.depth_m >= contact.depth_m => {}

@@ -1,8 +1,9 @@
 use cranny_shape::{Solid, closest_points};
 use cranny_spatial::{Point, Pose};
 
-use crate::cell::{Cell, Pair, Scratch};
+use crate::cell::{Cell, Scratch};
 use crate::contact::{Collider, Contact};
+use crate::pairs::Pair;
 
 /// The two things of a cell that are nearest to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,11 +30,11 @@ impl Cell {
     pub fn closest(&self, q: &[f64], scratch: &mut Scratch) -> Option<Closest> {
         self.robot().forward_kinematics(q, &mut scratch.frames);
         let (mut nearest, mut least_m) = (None, f64::INFINITY);
-        for pair in &self.pairs {
-            let is_farther = self.quick_bound(pair, &scratch.frames, least_m) >= least_m;
+        for pair in self.pairs.iter() {
+            let is_farther = self.quick_bound(&pair, &scratch.frames, least_m) >= least_m;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {
-                let distance_m = self.distance(pair, &scratch.frames, least_m).lower_m;
+                let distance_m = self.distance(&pair, &scratch.frames, least_m).lower_m;
                 if distance_m < least_m {
                     (nearest, least_m) = (Some(pair), distance_m);
                 }
@@ -44,8 +45,8 @@ impl Cell {
         }
         let pair = nearest?;
         let first = Collider::Link(self.bodies[pair.first].link);
-        let second = self.other(pair);
-        let points = self.nearest_points(pair, scratch);
+        let second = self.other(&pair);
+        let points = self.nearest_points(&pair, scratch);
         Some(Closest { first, second, distance_m: least_m, points })
     }
 

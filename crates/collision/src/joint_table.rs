@@ -4,8 +4,8 @@ use cranny_robot::{JointLimits, LinkFrames, Robot};
 use cranny_shape::overlap;
 use cranny_spatial::ROUNDING_M;
 
-use crate::cell::{Other, Pair};
 use crate::link_body::{LinkBody, group_reaches};
+use crate::pairs::{Other, Pair};
 use crate::single_lane::Verdict;
 use crate::travel::Travel;
 

@@ -6,12 +6,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 
 use crate::batch::lanes_of;
-use crate::cell::{Other, Pair};
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::LaneBody;
 use crate::lane_part::{LaneAround, LanePart, RELATIVE_ROUNDING};
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
+use crate::pairs::{Other, Pair, Pairs};
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
 use crate::world::Part;
@@ -38,8 +38,6 @@ pub(crate) struct Lanes {
     pub(crate) farthest_free_m: Vec<f32>,
     /// Pairs of links that are looked up.
     tables: Vec<JointTable>,
-    /// Per pair how much closer it can seem than it is, in metres.
-    blurs_m: Vec<f64>,
     /// All pairs of link bodies, those of the tables last.
     pub(crate) link_pairs: Vec<LanePair>,
     /// Body of the first link of each of `link_pairs`.
@@ -109,46 +107,41 @@ impl Look {
 }
 
 impl Lanes {
-    /// `pairs` has the parts that a link is checked against in the order of `tree`.
     pub fn new(
         robot: &Robot,
         body: &RobotBody,
         parts: &[(usize, Part)],
         tree: &PartTree,
-        pairs: &[Pair],
+        pairs: &Pairs,
     ) -> Self {
         let lane_bodies = body.lanes.clone();
         let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         let mut part_pairs = vec![Vec::new(); lane_bodies.len()];
-        let mut link_pairs = Vec::new();
-        let first_of_links = pairs.iter().position(|pair| matches!(pair.second, Other::Link { .. }));
-        let first_of_links = first_of_links.unwrap_or(pairs.len());
-        let tables = body.tables(robot, &pairs[first_of_links..]);
-        let tables: Vec<JointTable> =
-            tables.iter().map(|table| table.counted_from(as_index(first_of_links))).collect();
-        let mut blurs_m = Vec::with_capacity(pairs.len());
-        let mut tabled = Vec::new();
+        let (of_links, first_of_links) = pairs.of_links();
+        let tables: Vec<JointTable> = body
+            .tables(robot, of_links)
+            .iter()
+            .map(|table| table.counted_from(as_index(first_of_links)))
+            .collect();
+        let (mut untabled, mut tabled) = (Vec::new(), Vec::new());
         for (index, pair) in pairs.iter().enumerate() {
-            let LaneBody { blur_m, slack_m, ref hulls, .. } = lane_bodies[pair.first];
+            let slack_m = lane_bodies[pair.first].slack_m;
             match pair.second {
                 Other::Part(part) => {
                     let slack_m = slack_m + lane_parts[part].slack_m;
-                    blurs_m.push(blur_m + lane_parts[part].blur_m(!hulls.is_empty()));
                     part_pairs[pair.first].push(LanePair::new(index, part, pair.required_m, slack_m));
                 }
                 Other::Link { body, .. } => {
                     let slack_m = slack_m + lane_bodies[body].slack_m;
                     let is_tabled = tables.iter().any(|table| table.pairs.contains(&as_index(index)));
-                    blurs_m.push(blur_m + lane_bodies[body].blur_m);
                     let link_pair = LanePair::new(index, body, pair.required_m, slack_m);
-                    let pairs = if is_tabled { &mut tabled } else { &mut link_pairs };
+                    let pairs = if is_tabled { &mut tabled } else { &mut untabled };
                     pairs.push((link_pair, as_index(pair.first)));
                 }
             }
         }
-        let first_tabled = link_pairs.len();
-        link_pairs.append(&mut tabled);
-        let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = link_pairs.into_iter().unzip();
+        let first_tabled = untabled.len();
+        let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = untabled.into_iter().chain(tabled).unzip();
         let mut link_slots: Vec<usize> = (0..link_pairs.len()).collect();
         link_slots.sort_unstable_by_key(|slot| link_pairs[*slot].pair);
         for (sweep, pairs) in std::iter::zip(&body.swept, &mut part_pairs) {
@@ -170,7 +163,6 @@ impl Lanes {
             branches: tree.nodes().iter().map(LaneBranch::of).collect(),
             part_pairs,
             tables,
-            blurs_m,
             link_pairs,
             link_firsts,
             first_tabled,
@@ -188,13 +180,18 @@ impl Lanes {
     }
 
     /// The pairs of links: their index in the list of all pairs.
-    pub fn link_pairs(&self) -> impl Iterator<Item = usize> {
-        self.link_pairs.iter().map(|pair| pair.pair as usize)
+    pub fn link_pairs(&self) -> impl Iterator<Item = u32> {
+        self.link_pairs.iter().map(|pair| pair.pair)
     }
 
     /// How much closer a pair can seem than it is, in metres: below that the lanes cannot tell.
-    pub fn blur_m(&self, pair: u32) -> f64 {
-        self.blurs_m[pair as usize]
+    pub fn blur_m(&self, pair: &Pair) -> f64 {
+        let LaneBody { blur_m, ref hulls, .. } = self.bodies[pair.first];
+        blur_m
+            + match pair.second {
+                Other::Part(part) => self.parts[part].blur_m(!hulls.is_empty()),
+                Other::Link { body, .. } => self.bodies[body].blur_m,
+            }
     }
 
     pub fn scratch(&self, dof: usize) -> LaneScratch {

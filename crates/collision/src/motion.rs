@@ -2,9 +2,10 @@ use cranny_spatial::{CONTACT_M, LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
 use crate::batch::{first_lanes, lanes_of};
-use crate::cell::{Cell, Other, Pair, Scratch};
+use crate::cell::{Cell, Scratch};
 use crate::contact::Contact;
 use crate::lanes::Interest;
+use crate::pairs::{Other, Pair};
 
 /// What is known about a straight motion from one configuration to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +146,7 @@ impl Cell {
             self.look_at(a, b, at, 0.0, scratch, factor);
             let frames = &scratch.frames;
             if let Some(pair) = self.first_close_pair(frames) {
-                return Motion::Contact { at, contact: self.describe(&self.pairs[pair as usize], frames) };
+                return Motion::Contact { at, contact: self.describe(&self.pairs.get(pair), frames) };
             }
             // The lanes are certain of contact only where the exact check is; were it not so, it would have
             // to look at everything itself.
@@ -210,9 +211,13 @@ impl Cell {
                         if lanes >> lane & 1 == 0 {
                             continue;
                         }
-                        let blur_m = self.lanes.blur_m(*pair).max(FINEST_IN_LANES_M);
-                        let travel_m = travel_of(&self.pairs[*pair as usize], scratch) * share;
-                        if travel_m > blur_m { next.pairs.push(*pair) } else { rest.pairs.push(*pair) }
+                        let known = self.pairs.get(*pair);
+                        let blur_m = self.lanes.blur_m(&known).max(FINEST_IN_LANES_M);
+                        if travel_of(&known, scratch) * share > blur_m {
+                            next.pairs.push(*pair)
+                        } else {
+                            rest.pairs.push(*pair)
+                        }
                     }
                     next.push_halves(interval, begin_next);
                     if begin_rest < rest.pairs.len() {
@@ -249,7 +254,7 @@ impl Cell {
             scratch.lanes.travel.bodies[body] = lane(scratch.travel.of(body));
         }
         for (slot, pair) in self.lanes.link_pairs().enumerate() {
-            scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs[pair], scratch));
+            scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch));
         }
         for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
             *travel = lane(0.5 * (b[joint] - a[joint]).abs());
@@ -267,7 +272,7 @@ impl Cell {
                 self.look_at(a, b, interval.middle, interval.half_width, scratch, factor);
                 let begin = next.pairs.len();
                 for &index in &work.pairs[interval.pairs.0..interval.pairs.1] {
-                    let pair = &self.pairs[index as usize];
+                    let pair = &self.pairs.get(index);
                     // 2.
                     let travel = travel_of(pair, scratch) + ROUNDING_M;
                     let needed = pair.required_m + travel;
@@ -331,7 +336,7 @@ impl Cell {
             self.look_at(a, b, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {
-                let pair = &self.pairs[index as usize];
+                let pair = &self.pairs.get(index);
                 let travel = travel_of(pair, scratch) + ROUNDING_M;
                 let bar = |least: f64| least - tolerance_m(least) + travel;
                 if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {

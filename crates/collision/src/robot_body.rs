@@ -3,11 +3,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use cranny_robot::{LaneKinematics, Robot};
 use cranny_shape::Ball;
 
-use crate::cell::{Other, Pair};
 use crate::joint_table::JointTable;
 use crate::lane_body::LaneBody;
 use crate::link_body::LinkBody;
 use crate::link_sweep::swept_ball;
+use crate::pairs::{Other, Pair};
 use crate::self_pairs::SelfPairs;
 
 /// What every check needs of a robot, in whatever world it stands: worked out once a robot, and kept with it.

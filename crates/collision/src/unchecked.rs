@@ -110,13 +110,6 @@ impl Cell {
         self.unchecked.iter().filter_map(Unchecked::links).filter(is_free).collect()
     }
 
-    /// The same cell with these pairs of links checked too.
-    #[must_use]
-    pub fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
-        let asked_for = [&self.asked_for[..], pairs].concat();
-        Self::checking(self.robot().clone(), self.world().clone(), self.margins().clone(), asked_for)
-    }
-
     /// The same cell with all pairs of links checked but those that are exempt by declaration.
     #[must_use]
     pub fn with_all_pairs(&self) -> Self {

@@ -77,10 +77,8 @@ proptest! {
         let (robot, mut random) = (arm(), Stream::new(seed, 0));
         let mut bodies = random_blocks(6, &mut random);
         bodies.push(Body::floor(0.26));
-        let margins = Margins {
-            margin_m: 0.01, grasp_margin_m, hand_links: hand(&robot), grasp_bodies: vec![0, 6],
-        };
-        let cell = Cell::new(robot.clone(), World::new(bodies).unwrap(), margins).unwrap();
+        let margins = Margins { margin_m: 0.01, grasp_margin_m };
+        let cell = Cell::for_grasp(robot.clone(), World::new(bodies).unwrap(), 0, margins).unwrap();
         let (mut scratch, mut frames) = (cell.scratch(), robot.frames());
         let q = random_q(&robot, &mut random);
         robot.forward_kinematics(&q, &mut frames);

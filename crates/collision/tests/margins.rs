@@ -59,10 +59,9 @@ fn the_grasp_margin_holds_between_the_hand_and_what_it_grasps_only() {
     let target = world.body_index("object").expect("it is there");
     let table = world.body_index("table").expect("it is there");
     // Both margins exceed every distance, so that every pair is listed with what is demanded of it.
-    let margins =
-        Margins { margin_m: 10.0, grasp_margin_m: 9.0, hand_links: hand(&robot), ..Margins::default() };
-    let cell =
-        Cell::new(robot.clone(), world.clone(), margins.for_target(&world, target)).expect("good margins");
+    let margins = Margins { margin_m: 10.0, grasp_margin_m: 9.0 };
+    let cell = Cell::for_grasp(robot.clone(), world.clone(), target, margins).expect("good margins");
+    assert_eq!(robot.hand_links(), hand(&robot));
     let contacts = cell.contacts(&[0.0; 4], &mut cell.scratch());
     let moving = ["cart", "upper", "lower", "palm", "left_finger", "right_finger"];
     assert_eq!(contacts.len(), moving.len() * world.bodies().len() + cell.self_pairs().len());
@@ -78,9 +77,9 @@ fn the_grasp_margin_holds_between_the_hand_and_what_it_grasps_only() {
 fn a_grasp_margin_above_the_other_is_demanded_as_well() {
     let (robot, bodies) = (ball(), vec![block("object", [0.0; 3], [0.1; 3])]);
     let world = World::new(bodies).expect("good poses");
-    let margins =
-        Margins { grasp_margin_m: 0.03, hand_links: vec![link(&robot, "ball")], ..Margins::default() };
-    let cell = Cell::new(robot, world.clone(), margins.for_target(&world, 0)).expect("good margins");
+    let margins = Margins { grasp_margin_m: 0.03, ..Margins::default() };
+    assert_eq!(robot.hand_links(), [link(&robot, "ball")]);
+    let cell = Cell::for_grasp(robot, world, 0, margins).expect("good margins");
     let mut scratch = cell.scratch();
     assert!(!cell.is_free(&[0.0, 0.0, 0.1 + RADIUS_M + 0.029], &mut scratch));
     assert!(cell.is_free(&[0.0, 0.0, 0.1 + RADIUS_M + 0.031], &mut scratch));

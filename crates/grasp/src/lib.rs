@@ -13,7 +13,7 @@ mod contact;
 mod error;
 mod file;
 mod grasp;
-mod gripper;
+mod hand;
 mod homogeneous;
 mod metric;
 mod sampler;
@@ -24,7 +24,7 @@ pub use contact::{Contact, friction_needed, friction_score};
 pub use error::GraspError;
 pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
-pub use gripper::Gripper;
+pub use hand::{BoxHand, Finger, Hand};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use metric::{
     COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, pairwise_distances, spread,

@@ -46,7 +46,7 @@ pub struct SamplerSettings {
     /// opening beside the origin of the gripper frame, would lie below it are left out. Default none. The
     /// released grasps keep to this rule; that the whole hand stays above is for `accept` to say.
     pub ground_m: Option<f64>,
-    /// How far behind the gripper frame the palm is, in metres ([`Gripper::finger_depth_m`](crate::Gripper::finger_depth_m)):
+    /// How far behind the gripper frame the palm is, in metres ([`Hand::finger_depth_m`](crate::Hand::finger_depth_m)):
     /// grasps where the object reaches farther back, on the line of approach through the frame, are left out,
     /// for the palm would be in it. The released grasps keep to this rule for a Panda's 46.6 mm. Default none:
     /// for `accept` to say.

@@ -1,7 +1,7 @@
 //! Sampled grasps against what makes a grasp, checked triangle by triangle.
 
 use cranny_grasp::{
-    FirstApproach, GraspError, Gripper, SampledGrasp, SamplerSettings, Sampling, grasp_distance,
+    BoxHand, FirstApproach, GraspError, SampledGrasp, SamplerSettings, Sampling, grasp_distance,
     sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
@@ -166,8 +166,7 @@ fn depths_and_ground_are_kept_to() {
 fn no_object_is_deeper_between_the_fingers_than_to_the_palm() {
     let half = Vector::new(0.02, 0.05, 0.09);
     let surface = Surface::new(&cuboid()).unwrap();
-    let finger_depth_m = Gripper::panda_hand().finger_depth_m();
-    assert!((finger_depth_m - 0.0466).abs() < 1e-12);
+    let finger_depth_m = 0.0466;
     // How far back from the gripper frame the way out of the box is, axis by axis.
     let way_out_m = |grasp: &SampledGrasp| {
         let pose = grasp.grasp.world_from_gripper;
@@ -235,13 +234,30 @@ fn settings_that_are_none_are_refused() {
 
 #[test]
 fn a_gripper_of_boxes_leaves_its_opening_free() {
-    let gripper = Gripper::panda_hand();
-    let parts = gripper.parts().unwrap();
-    assert_eq!(parts.len(), 3);
-    let inner = |index: usize| {
-        let (pose, solid) = &parts[index];
-        pose.translation.y.abs() - solid.as_cuboid().unwrap().y
+    let boxes = BoxHand {
+        name: "boxes".into(),
+        opening_m: 0.08,
+        finger_width_m: 0.02,
+        finger_thickness_m: 0.015,
+        finger_length_m: 0.0536,
+        tip_ahead_m: 0.007,
+        palm_size_m: [0.06, 0.204, 0.066],
+        closing_force_n: 40.0,
     };
-    assert!((inner(0) - 0.04).abs() < 1e-12 && (inner(1) - 0.04).abs() < 1e-12);
-    assert!(Gripper { finger_width_m: -0.01, ..gripper }.parts().is_err());
+    let hand = boxes.hand().unwrap();
+    assert_eq!(hand.parts.len(), 3);
+    assert!((hand.finger_depth_m - 0.0466).abs() < 1e-12);
+    for finger in &hand.fingers {
+        let [(pose, solid)] = &hand.parts[finger.parts.clone()] else { panic!("a box each") };
+        assert!((pose.translation.y.abs() - solid.as_cuboid().unwrap().y - 0.04).abs() < 1e-12);
+        // Closed on nothing, each pad is in the middle.
+        assert!((finger.stroke_m + pose.translation.y.signum() * 0.04 * Vector::y()).norm() < 1e-12);
+    }
+    for bad in [
+        BoxHand { finger_width_m: -0.01, ..boxes.clone() },
+        BoxHand { opening_m: 0.0, ..boxes.clone() },
+        BoxHand { closing_force_n: f64::NAN, ..boxes.clone() },
+    ] {
+        assert!(bad.hand().is_err(), "{bad:?}");
+    }
 }

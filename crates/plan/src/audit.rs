@@ -6,8 +6,9 @@ use cranny_spatial::{CONTACT_M, PoseDifference};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::problem::Validity;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, NotChecked, Place, PlanError, Problem, Validity, Violation};
+use crate::{Goal, NotChecked, Place, PlanError, Problem, Violation};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,6 +27,13 @@ pub struct Audit {
     pub clearances_per_edge_m: Vec<Option<f64>>,
     /// What touches and was not compared (`exact` only): all that is said holds but for these.
     pub not_checked: Vec<NotChecked>,
+}
+
+impl Audit {
+    /// The score of the grasp that the path ends at, if it ends at one that has a score.
+    pub fn grasp_score(&self, problem: &Problem) -> Option<f64> {
+        problem.grasps()?.grasps()[self.goal?.grasp].score
+    }
 }
 
 /// The end of a path against the nearest grasp.
@@ -95,8 +103,8 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PlanError::EmptyPath) };
     let mut violations = Vec::new();
     // 1.
-    let (joint_names, limits) = (problem.robot.joint_names(), problem.robot.limits());
-    for (joint, (a, b)) in first.iter().zip(&problem.start).enumerate() {
+    let (joint_names, limits) = (problem.robot().joint_names(), problem.robot().limits());
+    for (joint, (a, b)) in first.iter().zip(problem.start()).enumerate() {
         let off = (a - b).abs();
         if off > START_TOLERANCE {
             violations.push(Violation::Start {
@@ -119,7 +127,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     // 3.
     let mut clearances_per_edge_m = Vec::new();
     let mut not_checked = Vec::new();
-    match &problem.validity {
+    match problem.validity() {
         Validity::Exact(cell) => {
             let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             not_checked = NotChecked::of(cell);
@@ -141,16 +149,16 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         }
         Validity::Paper { check, .. } => {
             let mut scratch = check.scratch();
-            let mut stepper = Stepper::new(&problem.robot);
+            let mut stepper = Stepper::new(problem.robot());
             for (edge, pair) in path.windows(2).enumerate() {
-                let moved_m = stepper.displacement_between(&problem.robot, &pair[0], &pair[1]);
+                let moved_m = stepper.displacement_between(problem.robot(), &pair[0], &pair[1]);
                 if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
                     let excess_m = moved_m - RELEASED_STEP_M;
                     violations.push(Violation::Step { edge, excess_m });
                 }
             }
             for (way_point, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
-                if problem.robot.within_limits(q) && !check.is_free(q, &mut scratch) {
+                if problem.robot().within_limits(q) && !check.is_free(q, &mut scratch) {
                     violations.push(Violation::NotFree { way_point });
                 }
             }
@@ -158,7 +166,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     }
     // 4.
     let way_point = path.len() - 1;
-    let goal = match &problem.goal {
+    let goal = match problem.goal() {
         Goal::Grasps(grasps) => {
             let end = end_at_grasp(problem, grasps, last);
             let nearest = end.map(|(grasp, difference)| GoalError {
@@ -166,7 +174,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                 translation_error_m: difference.translation_m,
                 rotation_error_rad: difference.rotation_rad,
             });
-            let has_arrived = end.is_some_and(|(_, difference)| problem.validity.is_arrival(&difference));
+            let has_arrived = end.is_some_and(|(_, difference)| problem.is_arrival(&difference));
             if settings.at_goal && !has_arrived {
                 violations.push(Violation::Grasp { way_point, nearest });
             }
@@ -196,12 +204,12 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
 /// else the nearest.
 fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {
-    let mut frames = problem.robot.frames();
-    problem.robot.forward_kinematics(q, &mut frames);
-    let gripper = frames.link(problem.robot.tip());
+    let mut frames = problem.robot().frames();
+    problem.robot().forward_kinematics(q, &mut frames);
+    let gripper = frames.link(problem.robot().tip());
     let arrived = |&grasp: &usize| {
         let difference = grasps.grasps()[grasp].difference(gripper);
-        problem.validity.is_arrival(&difference)
+        problem.is_arrival(&difference)
     };
     match grasps.by_score().into_iter().find(|g| problem.criterion() == crate::Criterion::Exact && arrived(g))
     {

@@ -59,10 +59,10 @@ impl<'a> GoalPool<'a> {
         let both = |(index, grasp)| poses(grasp).map(|pose| (index, pose));
         Self {
             cell,
-            start: &problem.start,
+            start: problem.start(),
             poses: grasps.grasps().iter().enumerate().flat_map(both).collect(),
             open: 0,
-            batch: IkBatch::new(&problem.robot, IkSettings::default()),
+            batch: IkBatch::new(problem.robot(), IkSettings::default()),
             attempts: 0,
             goals: 0,
             waited: 0,

@@ -1,39 +1,58 @@
 use cranny_collision::World;
-use cranny_grasp::{Grasp, Gripper};
-use cranny_robot::Robot;
+use cranny_grasp::{Finger, Grasp, Hand};
+use cranny_robot::{JointKind, Robot, RobotFinger, RobotHand};
 use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Vector};
 
 use crate::grasp_poses;
 
-/// A hand with its fingers open, as solids placed in the gripper frame.
-#[derive(Clone, Debug)]
-pub struct Hand {
-    parts: Vec<(Pose, Solid)>,
-}
-
-impl Hand {
-    /// The links `hand_links` of a robot, which move as one with its tip. Fingers stand where the robot has
-    /// them outside its group of joints: open.
-    pub fn of_robot(robot: &Robot, hand_links: &[usize]) -> Self {
-        // Any configuration gives the rigid transforms between the links of the hand and the tip.
-        let frames = robot.frames();
-        let gripper_from_root = frames.link(robot.tip()).inverse();
-        let parts_of = |&link: &usize| {
+/// The hand of a robot: the links that move as one with its tip. Fingers stand where the robot has them outside its
+/// group of joints: open. What nobody describes of it ([`Robot::hand`]) is 0, and it has no fingers.
+pub fn robot_hand(robot: &Robot) -> Hand {
+    // Any configuration gives the rigid transforms between the links of the hand and the tip.
+    let frames = robot.frames();
+    let gripper_from_root = frames.link(robot.tip()).inverse();
+    let mut hand = Hand {
+        name: robot.name().to_owned(),
+        parts: Vec::new(),
+        fingers: Vec::new(),
+        opening_m: 0.0,
+        finger_depth_m: 0.0,
+        closing_force_n: 0.0,
+    };
+    let known = robot.hand();
+    let fingers = known.map_or(&[][..], |known| &known.fingers[..]);
+    let is_below = |link: usize, finger: &RobotFinger| {
+        std::iter::successors(Some(link), |&link| robot.links()[link].parent).any(|link| link == finger.link)
+    };
+    let mut add_links = |is_wanted: &dyn Fn(usize) -> bool| {
+        let begin = hand.parts.len();
+        for &link in robot.hand_links().iter().filter(|link| is_wanted(**link)) {
             let gripper_from_link = gripper_from_root * frames.link(link);
             let shapes = robot.links()[link].collisions.iter();
-            shapes.map(move |shape| (gripper_from_link * shape.link_from_shape, shape.solid.clone()))
+            hand.parts
+                .extend(shapes.map(|shape| (gripper_from_link * shape.link_from_shape, shape.solid.clone())));
+        }
+        begin..hand.parts.len()
+    };
+    add_links(&|link| !fingers.iter().any(|finger| is_below(link, finger)));
+    for finger in fingers {
+        let parts = add_links(&|link| is_below(link, finger));
+        let gripper_from_link = gripper_from_root * frames.link(finger.link);
+        let stroke = finger.range.closed - finger.range.open;
+        let stroke_m = match finger.kind {
+            JointKind::Prismatic => gripper_from_link.rotation * finger.axis_in_link * stroke,
+            JointKind::Revolute => continue,
         };
-        Self { parts: hand_links.iter().flat_map(parts_of).collect() }
+        hand.fingers.push(Finger { parts, stroke_m });
     }
-
-    /// The boxes of a gripper that is given as data.
-    ///
-    /// # Errors
-    /// [`ShapeError::Size`] for a size that is none.
-    pub fn of_gripper(gripper: &Gripper) -> Result<Self, ShapeError> {
-        Ok(Self { parts: gripper.parts()? })
+    if let Some(RobotHand { description, .. }) = known {
+        hand.name.clone_from(&description.name);
+        hand.opening_m = description.opening_m;
+        hand.finger_depth_m = description.finger_depth_m;
+        hand.closing_force_n = description.closing_force_n;
     }
+    hand
 }
 
 /// Whether a hand can take a grasp in a world: with open fingers, at the grasp and along the last of a

@@ -7,7 +7,7 @@ use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream};
 use rayon::prelude::*;
 
 use crate::grasp_poses::open_poses;
-use crate::{Goal, PlanError, Problem, Validity};
+use crate::{PlanError, Problem};
 
 /// How hard to look for configurations at the grasps of a problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +119,7 @@ pub fn annotate_ik(
     done: &(dyn Fn() + Sync),
     stop: &AtomicBool,
 ) -> Result<Vec<IkAnnotation>, PlanError> {
-    let (Goal::Grasps(grasps), Validity::Exact(cell)) = (&problem.goal, &problem.validity) else {
+    let (Some(grasps), Some(cell)) = (problem.grasps(), problem.cell()) else {
         return Err(PlanError::Annotation);
     };
     let reach = cell.robot().reach_bound();
@@ -130,7 +130,7 @@ pub fn annotate_ik(
             let status = IkStatus::OutOfReach { beyond_m };
             IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 }
         } else {
-            annotate_one(cell, &problem.start, (grasp, g), settings, stop)
+            annotate_one(cell, problem.start(), (grasp, g), settings, stop)
         };
         done();
         annotation

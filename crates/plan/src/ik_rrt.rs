@@ -5,14 +5,11 @@ use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::{Pose, Stream};
 use serde::{Deserialize, Serialize};
 
-use crate::grasp_poses::{all_open_poses, poses};
+use crate::baseline_check::BaselineCheck;
 use crate::planner::Clock;
 use crate::search_tree::SearchTree;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{
-    Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, Validity,
-    ValidityScratch,
-};
+use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics};
 
 /// IK-RRT (the paper's §V.B): first a configuration for a grasp by inverse kinematics, then a bidirectional
 /// RRT to it; if that fails, the next grasp, from the highest score down.
@@ -69,13 +66,13 @@ impl Planner for IkRrt {
             settings: self,
             problem,
             random: Stream::new(seed, 0),
-            stepper: Stepper::new(&problem.robot),
-            scratch: problem.validity.scratch(),
+            stepper: Stepper::new(problem.robot()),
+            check: BaselineCheck::of(problem),
             clock,
             observer,
             statistics: Statistics::default(),
         };
-        let ended = search.run()?;
+        let ended = search.run(problem.some_goal()?);
         let mut statistics = search.statistics;
         statistics.planning_time_s = clock.elapsed_s();
         Ok(PlanReport::of(ended, statistics))
@@ -97,52 +94,41 @@ struct Search<'a> {
     problem: &'a Problem,
     random: Stream,
     stepper: Stepper,
-    scratch: ValidityScratch,
+    check: BaselineCheck<'a>,
     clock: Clock,
     observer: &'a mut dyn Observer,
     statistics: Statistics,
 }
 
 impl Search<'_> {
-    fn run(&mut self) -> Result<Result<Path, Outcome>, PlanError> {
-        let start = &self.problem.start;
-        if !self.problem.validity.is_free(start, &mut self.scratch) {
-            return Ok(Err(Outcome::StartInvalid));
+    fn run(&mut self, goal: &Goal) -> Result<Path, Outcome> {
+        if !self.check.is_free(self.problem.start()) {
+            return Err(Outcome::StartInvalid);
         }
-        match &self.problem.goal {
-            Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
-            Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
+        match goal {
             Goal::Configurations(goals) => {
                 let mut outcome = Outcome::GoalsInvalid;
                 for goal in goals {
-                    match self.connect(goal) {
-                        Ok(Connection::Path(path)) => return Ok(Ok(path)),
-                        Ok(Connection::Spent) => outcome = Outcome::GaveUp,
-                        Ok(Connection::GoalInvalid) => {}
-                        Err(outcome) => return Ok(Err(outcome)),
+                    match self.connect(goal)? {
+                        Connection::Path(path) => return Ok(path),
+                        Connection::Spent => outcome = Outcome::GaveUp,
+                        Connection::GoalInvalid => {}
                     }
                 }
-                Ok(Err(outcome))
+                Err(outcome)
             }
-            Goal::Grasps(grasps) => Ok(self.pipeline(grasps)),
+            Goal::Grasps(grasps) => self.pipeline(grasps),
         }
     }
 
     fn pipeline(&mut self, grasps: &GraspSet) -> Result<Path, Outcome> {
-        let problem = self.problem;
         // 1.
-        let both = |grasp: usize| poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
-        let open: Vec<(usize, Pose)> = match (&problem.validity, &mut self.scratch) {
-            (Validity::Exact(cell), ValidityScratch::Exact(scratch)) => all_open_poses(cell, grasps, scratch),
-            (Validity::Exact(_) | Validity::Paper { .. }, _) => {
-                grasps.by_score().into_iter().flat_map(both).collect()
-            }
-        };
+        let open = self.check.open_poses(grasps);
         if open.is_empty() {
             return Err(Outcome::NoReachableGrasp);
         }
-        let new_search =
-            |(_, pose): &(usize, Pose)| IkSearch::new(&problem.robot, pose, IkSearchSettings::default());
+        let robot = self.problem.robot();
+        let new_search = |(_, pose): &(usize, Pose)| IkSearch::new(robot, pose, IkSearchSettings::default());
         let mut searches: Vec<IkSearch> = open.iter().map(new_search).collect();
         loop {
             for search in &mut searches {
@@ -164,18 +150,16 @@ impl Search<'_> {
     fn next_goal(&mut self, search: &mut IkSearch) -> Option<Vec<f64>> {
         let begin = Instant::now();
         let attempts_before = search.attempts();
-        let (validity, scratch) = (&self.problem.validity, &mut self.scratch);
+        let start = self.problem.start();
+        let check = &mut self.check;
         let checks = &mut self.statistics.collision_checks;
-        let mut is_free = |q: &[f64]| match validity {
-            Validity::Exact(_) => {
-                *checks += 1;
-                validity.is_free(q, scratch)
-            }
-            Validity::Paper { .. } => true,
+        let mut is_free = |q: &[f64]| {
+            *checks += u64::from(check.looks_at_goals());
+            !check.looks_at_goals() || check.is_free(q)
         };
         // The paper's way first: from the start, pulled towards it; then from random configurations.
         let from_start = match attempts_before {
-            0 => search.next_from(&self.problem.start, &mut is_free).map(|solution| solution.q.clone()),
+            0 => search.next_from(start, &mut is_free).map(|solution| solution.q.clone()),
             _ => None,
         };
         let found = from_start.or_else(|| {
@@ -185,7 +169,7 @@ impl Search<'_> {
         self.statistics.ik_attempts += (search.attempts() - attempts_before) as u64;
         self.statistics.ik_time_s += begin.elapsed().as_secs_f64();
         found.map(|mut q| {
-            self.problem.robot.turn_towards(&self.problem.start, &mut q);
+            self.problem.robot().turn_towards(start, &mut q);
             q
         })
     }
@@ -194,13 +178,11 @@ impl Search<'_> {
     fn connect(&mut self, goal: &[f64]) -> Result<Connection, Outcome> {
         self.statistics.goals_tried += 1;
         let problem = self.problem;
-        if matches!(problem.validity, Validity::Exact(_))
-            && !problem.validity.is_free(goal, &mut self.scratch)
-        {
+        if self.check.looks_at_goals() && !self.check.is_free(goal) {
             return Ok(Connection::GoalInvalid);
         }
-        let mut trees = [SearchTree::new(&problem.start), SearchTree::new(goal)];
-        for (index, root) in [&problem.start[..], goal].into_iter().enumerate() {
+        let mut trees = [SearchTree::new(problem.start()), SearchTree::new(goal)];
+        for (index, root) in [problem.start(), goal].into_iter().enumerate() {
             self.observer.node_added(index, root, None);
         }
         let mut sample = goal.to_vec();
@@ -213,7 +195,7 @@ impl Search<'_> {
                 if self.random.uniform() < self.settings.p_goal {
                     sample.copy_from_slice(goal);
                 } else {
-                    for (value, limits) in sample.iter_mut().zip(problem.robot.limits()) {
+                    for (value, limits) in sample.iter_mut().zip(problem.robot().limits()) {
                         *value = self.random.uniform_between(limits.lower, limits.upper);
                     }
                 }
@@ -244,10 +226,10 @@ impl Search<'_> {
             if from == target {
                 return Some(node);
             }
-            let (q, is_end) = self.stepper.towards(&self.problem.robot, from, target, self.settings.step_m);
+            let (q, is_end) = self.stepper.towards(self.problem.robot(), from, target, self.settings.step_m);
             self.statistics.collision_checks += 1;
             let begin = Instant::now();
-            let is_free = self.problem.validity.edge_is_free(from, q, &mut self.scratch);
+            let is_free = self.check.edge_is_free(from, q);
             self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
             if !is_free {
                 return None;

@@ -5,13 +5,12 @@ use cranny_robot::{Jacobian, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::{Pose, PoseDifference, Stream};
 use serde::{Deserialize, Serialize};
 
+use crate::baseline_check::BaselineCheck;
 use crate::goal_meter::GoalMeter;
 use crate::planner::Clock;
 use crate::search_tree::SearchTree;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{
-    Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics, ValidityScratch,
-};
+use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics};
 
 /// J⁺-RRT (Vahrenkamp, Asfour & Dillmann 2009; Shkolnik & Tedrake 2009; the paper's §V.A): one tree from the
 /// start that grows towards random configurations and, now and then, towards a grasp by the pseudo-inverse
@@ -73,12 +72,9 @@ impl Planner for JPlusRrt {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
         let mut clock = Clock::new(budget);
-        let Goal::Grasps(grasps) = &problem.goal else {
+        let Goal::Grasps(grasps) = problem.some_goal()? else {
             return Err(PlanError::Goal { planner: "j-plus-rrt", needs: "grasps" });
         };
-        if grasps.is_empty() {
-            return Err(PlanError::NoGoal);
-        }
         let mut search = Search::new(self, problem, grasps, seed);
         let ended = search.run(&mut clock, observer);
         let mut statistics = search.statistics;
@@ -97,24 +93,24 @@ struct Search<'a> {
     tree: SearchTree,
     meter: GoalMeter,
     stepper: Stepper,
-    scratch: ValidityScratch,
+    check: BaselineCheck<'a>,
     jacobian: Jacobian,
     statistics: Statistics,
 }
 
 impl<'a> Search<'a> {
     fn new(settings: &'a JPlusRrt, problem: &'a Problem, grasps: &'a GraspSet, seed: u64) -> Self {
-        let robot = problem.robot.as_ref();
+        let robot = problem.robot().as_ref();
         Self {
             settings,
             problem,
             robot,
             grasps,
             random: Stream::new(seed, 0),
-            tree: SearchTree::new(&problem.start),
+            tree: SearchTree::new(problem.start()),
             meter: GoalMeter::new(grasps),
             stepper: Stepper::new(robot),
-            scratch: problem.validity.scratch(),
+            check: BaselineCheck::of(problem),
             jacobian: robot.empty_jacobian(),
             statistics: Statistics::default(),
         }
@@ -122,8 +118,8 @@ impl<'a> Search<'a> {
 
     /// The node at which the search arrived, or why it ended without.
     fn run(&mut self, clock: &mut Clock, observer: &mut dyn Observer) -> Result<usize, Outcome> {
-        let start = self.problem.start.clone();
-        if !self.problem.validity.is_free(&start, &mut self.scratch) {
+        let start = self.problem.start().to_vec();
+        if !self.check.is_free(&start) {
             return Err(Outcome::StartInvalid);
         }
         observer.node_added(0, &start, None);
@@ -226,7 +222,7 @@ impl<'a> Search<'a> {
         let (q, frames) = (self.stepper.q(), self.stepper.frames());
         self.statistics.collision_checks += 1;
         let begin = Instant::now();
-        let is_free = self.problem.validity.edge_to_frames_is_free(from, q, frames, &mut self.scratch);
+        let is_free = self.check.edge_to_frames_is_free(from, q, frames);
         self.statistics.collision_time_s += begin.elapsed().as_secs_f64();
         if !is_free {
             return None;
@@ -238,8 +234,8 @@ impl<'a> Search<'a> {
     }
 
     fn measure(&mut self, node: usize, gripper: &Pose) -> Option<usize> {
-        let validity = &self.problem.validity;
-        self.meter.measure(node, gripper, |difference| validity.is_arrival(difference)).map(|_| node)
+        let problem = self.problem;
+        self.meter.measure(node, gripper, |difference| problem.is_arrival(difference)).map(|_| node)
     }
 
     fn pick(&mut self) -> usize {

@@ -11,6 +11,7 @@
 //! stand still.
 
 mod audit;
+mod baseline_check;
 mod box_pages;
 mod corner_blend;
 mod error;
@@ -48,7 +49,7 @@ mod violation;
 pub use audit::{Audit, AuditSettings, GoalError, audit, audit_with, path_length};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
-pub use hand_filter::{APPROACH_M, Hand, HandFilter};
+pub use hand_filter::{APPROACH_M, HandFilter, robot_hand};
 pub use ik_annotation::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
 };
@@ -60,7 +61,7 @@ pub use not_checked::{NotChecked, NotCheckedReason, search};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, optimise};
 pub use path_cost::PathCost;
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
-pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem, Validity, ValidityScratch};
+pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};

@@ -1,10 +1,9 @@
-use std::sync::Arc;
 use std::time::Instant;
 
 use cranny_collision::{Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
 
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Validity};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
 
 /// Two things that touch and are compared by no check and no proof, by name: "proven" is said of a path but for these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +57,7 @@ pub fn search(
     observer: &mut dyn Observer,
 ) -> Result<PlanReport, PlanError> {
     let begin = Instant::now();
-    while let Validity::Exact(cell) = &problem.validity {
+    while let Some(cell) = problem.cell() {
         if !cell.unchecked().iter().any(|unchecked| unchecked.reason == UncheckedReason::AlwaysTouching) {
             break;
         }
@@ -76,7 +75,7 @@ pub fn search(
             report.statistics.planning_time_s += before.as_secs_f64();
             return Ok(report);
         }
-        problem.validity = Validity::Exact(Arc::new(cell.with_pairs(&free)));
+        problem.checking_pairs(&free);
     }
     let before = begin.elapsed();
     let budget = Budget { time: budget.time.saturating_sub(before), ..*budget };

@@ -4,8 +4,8 @@ use cranny_grasp::GraspSet;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Budget, Criterion, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem,
-    ShortcutSettings, audit, search, shortcut,
+    Budget, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem, ShortcutSettings,
+    audit, search, shortcut,
 };
 
 /// How to go on once there is a path.
@@ -75,10 +75,8 @@ pub fn optimise(
     observer: &mut dyn Observer,
 ) -> Result<Optimised, PlanError> {
     let begin = Instant::now();
-    if problem.criterion() != Criterion::Exact {
-        return Err(PlanError::Goal { planner: "optimise", needs: "the exact criterion" });
-    }
-    let cost = PathCost::new(&problem.robot, settings.score_weight)?;
+    problem.exact_cell("optimise")?;
+    let cost = PathCost::new(problem.robot(), settings.score_weight)?;
     // 1.
     let mut report = search(planner, problem, budget, seed, observer)?;
     let first_iterations = report.statistics.iterations;
@@ -128,10 +126,7 @@ impl Best<'_> {
             return Ok(false);
         }
         let verification = audit(self.problem, &path)?;
-        let score = match (&self.problem.goal, verification.goal) {
-            (Goal::Grasps(set), Some(goal)) => set.grasps()[goal.grasp].score,
-            _ => None,
-        };
+        let score = verification.grasp_score(self.problem);
         let cost = self.cost.of(&path, score);
         if !verification.valid || cost >= bar {
             return Ok(false);
@@ -144,12 +139,12 @@ impl Best<'_> {
 
     /// The problem with those grasps alone that are worth more than the best path's; `None` if there are none.
     fn with_better_grasps(&self) -> Option<Problem> {
-        let Goal::Grasps(set) = &self.problem.goal else { return None };
+        let set = self.problem.grasps()?;
         let reward = self.cost.reward(self.score);
         let better: Vec<_> =
             set.grasps().iter().filter(|grasp| self.cost.reward(grasp.score) > reward).copied().collect();
         let goal = Goal::Grasps(GraspSet::new(better).ok().filter(|set| !set.is_empty())?);
-        Some(Problem { goal, ..self.problem.clone() })
+        self.problem.with_goal(goal).ok()
     }
 }
 

@@ -1,25 +1,22 @@
 use std::sync::Arc;
 
-use cranny_collision::{Cell, Margins, Motion, ReleasedCheck, ReleasedScratch, Scratch, World};
+use cranny_collision::{Cell, Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
-use cranny_robot::{LinkFrames, Robot};
+use cranny_robot::Robot;
 use cranny_spatial::PoseDifference;
 
+use crate::baseline_check::BaselineCheck;
 use crate::{NotChecked, PlanError};
 
-/// What a path must do, and what makes it valid.
+/// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
+/// was made for: whoever has a problem need not look again.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The robot; its root frame is the planning frame.
-    pub robot: Arc<Robot>,
-    /// Which body of the world is to be grasped and may later be carried, by index.
-    pub target: Option<usize>,
-    /// The configuration to start from (m, rad; one value per joint).
-    pub start: Vec<f64>,
-    /// Where to go.
-    pub goal: Goal,
-    /// What counts as free.
-    pub validity: Validity,
+    robot: Arc<Robot>,
+    target: Option<usize>,
+    start: Vec<f64>,
+    goal: Goal,
+    validity: Validity,
 }
 
 /// Where a path must end.
@@ -53,105 +50,12 @@ impl Criterion {
 
 /// What counts as free, with the geometry that decides it.
 #[derive(Clone, Debug)]
-pub enum Validity {
+pub(crate) enum Validity {
     /// Exact shapes, and proofs of whole motions.
     Exact(Arc<Cell>),
-    /// The released check of single configurations.
-    Paper {
-        /// The check.
-        check: Arc<ReleasedCheck>,
-        /// The gripper has arrived where `d = ½·mm + ½·deg` is below this; [`PAPER_THRESHOLD`] in the paper,
-        /// 0 for a search that never arrives.
-        threshold: f64,
-    },
-}
-
-/// Room for a [`Validity`] to compute in.
-#[derive(Clone, Debug)]
-pub enum ValidityScratch {
-    /// For the exact check.
-    Exact(Box<Scratch>),
-    /// For the released check.
-    Paper(Box<ReleasedScratch>),
-}
-
-impl Validity {
-    /// The criterion that this is the validity of.
-    pub fn criterion(&self) -> Criterion {
-        match self {
-            Self::Exact(_) => Criterion::Exact,
-            Self::Paper { .. } => Criterion::Paper,
-        }
-    }
-
-    /// Room to compute in.
-    pub fn scratch(&self) -> ValidityScratch {
-        match self {
-            Self::Exact(cell) => ValidityScratch::Exact(Box::new(cell.scratch())),
-            Self::Paper { check, .. } => ValidityScratch::Paper(Box::new(check.scratch())),
-        }
-    }
-
-    /// Whether a single configuration is free.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint, or the scratch was made by another kind of validity.
-    pub fn is_free(&self, q: &[f64], scratch: &mut ValidityScratch) -> bool {
-        match (self, scratch) {
-            (Self::Exact(cell), ValidityScratch::Exact(scratch)) => cell.is_free(q, scratch),
-            (Self::Paper { check, .. }, ValidityScratch::Paper(scratch)) => check.is_free(q, scratch),
-            _ => panic!("the scratch belongs to another kind of validity"),
-        }
-    }
-
-    /// Whether a tree may grow from `a`, which is free, to `b`: under `exact` if the whole motion is
-    /// proven, under `paper` if `b` alone is free.
-    ///
-    /// # Panics
-    /// As [`Self::is_free`].
-    pub fn edge_is_free(&self, a: &[f64], b: &[f64], scratch: &mut ValidityScratch) -> bool {
-        match (self, scratch) {
-            // A blocked end is the usual reason, and cheaper to find than the whole proof.
-            (Self::Exact(cell), ValidityScratch::Exact(scratch)) => {
-                cell.is_free(b, scratch) && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven)
-            }
-            (Self::Paper { check, .. }, ValidityScratch::Paper(scratch)) => check.is_free(b, scratch),
-            _ => panic!("the scratch belongs to another kind of validity"),
-        }
-    }
-
-    /// [`Self::edge_is_free`] for one who knows the link frames at `b` already.
-    pub(crate) fn edge_to_frames_is_free(
-        &self,
-        a: &[f64],
-        b: &[f64],
-        frames_at_b: &LinkFrames,
-        scratch: &mut ValidityScratch,
-    ) -> bool {
-        match self {
-            Self::Exact(_) => self.edge_is_free(a, b, scratch),
-            Self::Paper { check, .. } => check.robot().within_limits(b) && check.holds(frames_at_b),
-        }
-    }
-
-    /// Whether a gripper this far from a grasp has arrived.
-    pub fn is_arrival(&self, difference: &PoseDifference) -> bool {
-        match self {
-            Self::Exact(_) => difference.is_exact(),
-            Self::Paper { threshold, .. } => difference.paper_metric() < *threshold,
-        }
-    }
-}
-
-impl ValidityScratch {
-    /// The link frames of the configuration that was asked about last. After a proof of a motion that is
-    /// some configuration of the motion.
-    pub fn frames(&self) -> &LinkFrames {
-        match self {
-            Self::Exact(scratch) => scratch.frames(),
-            Self::Paper(scratch) => scratch.frames(),
-        }
-    }
+    /// The released check of single configurations, and the value of `d = ½·mm + ½·deg` below which the gripper has
+    /// arrived.
+    Paper { check: Arc<ReleasedCheck>, threshold: f64 },
 }
 
 /// The released planners stop below this value of `d = ½·mm + ½·deg`.
@@ -170,12 +74,12 @@ impl Problem {
         target: Option<usize>,
         start: Vec<f64>,
         goal: Goal,
-        mut margins: Margins,
+        margins: Margins,
     ) -> Result<Self, PlanError> {
-        if let Some(target) = target {
-            margins = margins.for_target(&world, target);
-        }
-        let cell = Cell::new(robot.clone(), world, margins)?;
+        let cell = match target {
+            Some(target) => Cell::for_grasp(robot.clone(), world, target, margins)?,
+            None => Cell::new(robot.clone(), world, margins)?,
+        };
         let mut problem =
             Self { robot, target, start, goal, validity: Validity::Exact(Arc::new(cell)) }.checked()?;
         if let Validity::Exact(cell) = &problem.validity {
@@ -196,25 +100,92 @@ impl Problem {
         Self { robot, target: None, start, goal, validity }.checked()
     }
 
-    /// The criterion that decides.
-    pub fn criterion(&self) -> Criterion {
-        self.validity.criterion()
+    /// The robot; its root frame is the planning frame.
+    pub fn robot(&self) -> &Arc<Robot> {
+        &self.robot
     }
 
-    /// The same problem with one goal configuration instead of its grasps.
+    /// Which body of the world is to be grasped and may later be carried, by index.
+    pub fn target(&self) -> Option<usize> {
+        self.target
+    }
+
+    /// The configuration to start from (m, rad; one value per joint).
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Where to go.
+    pub fn goal(&self) -> &Goal {
+        &self.goal
+    }
+
+    /// The grasps to go to, if it is any of these.
+    pub fn grasps(&self) -> Option<&GraspSet> {
+        match &self.goal {
+            Goal::Grasps(grasps) => Some(grasps),
+            Goal::Configurations(_) => None,
+        }
+    }
+
+    /// The criterion that decides.
+    pub fn criterion(&self) -> Criterion {
+        match self.validity {
+            Validity::Exact(_) => Criterion::Exact,
+            Validity::Paper { .. } => Criterion::Paper,
+        }
+    }
+
+    /// Robot and world, under `exact`.
+    pub fn cell(&self) -> Option<&Arc<Cell>> {
+        match &self.validity {
+            Validity::Exact(cell) => Some(cell),
+            Validity::Paper { .. } => None,
+        }
+    }
+
+    /// Under `paper`: the gripper has arrived where `d = ½·mm + ½·deg` is below this; 0 for a search that never arrives.
+    pub fn goal_threshold(&self) -> Option<f64> {
+        match self.validity {
+            Validity::Exact(_) => None,
+            Validity::Paper { threshold, .. } => Some(threshold),
+        }
+    }
+
+    /// Whether the start is free.
+    pub fn start_is_free(&self) -> bool {
+        BaselineCheck::of(self).is_free(&self.start)
+    }
+
+    /// The same problem from another start.
     ///
     /// # Errors
     /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] if it does not fit the robot.
-    pub fn with_goal(&self, q: Vec<f64>) -> Result<Self, PlanError> {
-        Self { goal: Goal::Configurations(vec![q]), ..self.clone() }.checked()
+    pub fn with_start(&self, start: Vec<f64>) -> Result<Self, PlanError> {
+        Self { start, ..self.clone() }.checked()
+    }
+
+    /// The same problem with another goal.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a goal configuration that does not fit the robot.
+    pub fn with_goal(&self, goal: Goal) -> Result<Self, PlanError> {
+        Self { goal, ..self.clone() }.checked()
+    }
+
+    /// The same problem, under `paper` with another threshold.
+    #[must_use]
+    pub fn with_goal_threshold(mut self, value: f64) -> Self {
+        if let Validity::Paper { threshold, .. } = &mut self.validity {
+            *threshold = value;
+        }
+        self
     }
 
     /// The same problem with all pairs of links checked but those that are exempt by declaration.
     #[must_use]
     pub fn checking_all_pairs(mut self) -> Self {
-        if let Validity::Exact(cell) = &self.validity
-            && !cell.unchecked().is_empty()
-        {
+        if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
             self.validity = Validity::Exact(Arc::new(cell.with_all_pairs()));
         }
         self
@@ -222,9 +193,39 @@ impl Problem {
 
     /// What touches and is not checked, under `exact`.
     pub fn not_checked(&self) -> Vec<NotChecked> {
-        match &self.validity {
-            Validity::Exact(cell) => NotChecked::of(cell),
-            Validity::Paper { .. } => Vec::new(),
+        self.cell().map_or_else(Vec::new, |cell| NotChecked::of(cell))
+    }
+
+    /// Robot and world for `asker`, which proves what it does.
+    pub(crate) fn exact_cell(&self, asker: &'static str) -> Result<&Arc<Cell>, PlanError> {
+        self.cell().ok_or(PlanError::Goal { planner: asker, needs: "the exact criterion" })
+    }
+
+    /// The goal of a problem that has any.
+    pub(crate) fn some_goal(&self) -> Result<&Goal, PlanError> {
+        let is_empty = match &self.goal {
+            Goal::Grasps(grasps) => grasps.is_empty(),
+            Goal::Configurations(goals) => goals.is_empty(),
+        };
+        if is_empty { Err(PlanError::NoGoal) } else { Ok(&self.goal) }
+    }
+
+    /// The same problem with these pairs of links checked too (under `exact`).
+    pub(crate) fn checking_pairs(&mut self, pairs: &[(usize, usize)]) {
+        if let Validity::Exact(cell) = &mut self.validity {
+            *cell = Arc::new(cell.with_pairs(pairs));
+        }
+    }
+
+    pub(crate) fn validity(&self) -> &Validity {
+        &self.validity
+    }
+
+    /// Whether a gripper this far from a grasp has arrived.
+    pub(crate) fn is_arrival(&self, difference: &PoseDifference) -> bool {
+        match self.validity {
+            Validity::Exact(_) => difference.is_exact(),
+            Validity::Paper { threshold, .. } => difference.paper_metric() < threshold,
         }
     }
 

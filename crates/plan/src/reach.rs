@@ -10,7 +10,6 @@ use crate::joint_metric::JointMetric;
 use crate::planner::Clock;
 use crate::{
     Budget, Goal, GraspFailure, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics,
-    Validity,
 };
 
 /// The flagship: one search for grasp and motion at exact tolerance.
@@ -69,10 +68,8 @@ impl Planner for Reach {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
         let clock = Clock::new(budget);
-        let Validity::Exact(cell) = &problem.validity else {
-            return Err(PlanError::Goal { planner: "reach", needs: "the exact criterion" });
-        };
-        let forest = Forest::new(problem.robot.dof(), JointMetric::by_reach(&problem.robot));
+        let cell = problem.exact_cell("reach")?;
+        let forest = Forest::new(problem.robot().dof(), JointMetric::by_reach(problem.robot()));
         let mut search = Search {
             settings: self,
             problem,
@@ -81,7 +78,7 @@ impl Planner for Reach {
             sides: [forest.clone(), forest],
             goals: Vec::new(),
             scratch: cell.scratch(),
-            sample: problem.start.clone(),
+            sample: problem.start().to_vec(),
             from: Vec::new(),
             q: Vec::new(),
             clock,
@@ -90,7 +87,7 @@ impl Planner for Reach {
             statistics: Statistics::default(),
             failures: Vec::new(),
         };
-        let ended = search.run()?;
+        let ended = search.run(problem.some_goal()?);
         let mut statistics = search.statistics;
         statistics.nodes = search.sides.iter().map(|side| side.len() as u64).sum();
         statistics.planning_time_s = clock.elapsed_s();
@@ -140,41 +137,34 @@ struct Growth {
 }
 
 impl Search<'_> {
-    fn run(&mut self) -> Result<Result<Path, Outcome>, PlanError> {
-        let problem = self.problem;
-        let goals: &[Vec<f64>] = match &problem.goal {
-            Goal::Configurations(goals) => goals,
-            Goal::Grasps(_) => &[],
-        };
-        let mut free = Vec::new();
-        let ends: Vec<f64> = std::iter::once(&problem.start).chain(goals).flatten().copied().collect();
-        self.cell.are_free(&ends, &mut self.scratch, &mut free);
-        if !free[0] {
-            return Ok(Err(Outcome::StartInvalid));
+    fn run(&mut self, goal: &Goal) -> Result<Path, Outcome> {
+        let start = self.problem.start();
+        if !self.cell.is_free(start, &mut self.scratch) {
+            return Err(Outcome::StartInvalid);
         }
-        self.add_root(0, &problem.start);
-        match &problem.goal {
-            Goal::Configurations(goals) if goals.is_empty() => Err(PlanError::NoGoal),
-            Goal::Grasps(grasps) if grasps.is_empty() => Err(PlanError::NoGoal),
+        self.add_root(0, start);
+        match goal {
             Goal::Configurations(goals) => {
-                for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
+                let mut free = Vec::new();
+                self.cell.are_free(&goals.concat(), &mut self.scratch, &mut free);
+                for (goal, _) in goals.iter().zip(&free).filter(|(_, is_free)| **is_free) {
                     if let Some(path) = self.add_goal(goal) {
-                        return Ok(Ok(path));
+                        return Ok(path);
                     }
                 }
                 // With no goal that is free there is nothing to search for.
                 if self.goals.is_empty() {
-                    return Ok(Err(Outcome::GoalsInvalid));
+                    return Err(Outcome::GoalsInvalid);
                 }
-                Ok(self.search(None))
+                self.search(None)
             }
             Goal::Grasps(grasps) => {
-                let mut pool = GoalPool::new(problem, self.cell, grasps);
+                let mut pool = GoalPool::new(self.problem, self.cell, grasps);
                 let ended = self.search(Some(&mut pool));
                 if ended.is_err() {
                     self.failures = pool.failures(&mut self.scratch);
                 }
-                Ok(ended)
+                ended
             }
         }
     }
@@ -237,7 +227,7 @@ impl Search<'_> {
         let goal = self.sides[1].q(self.goals[self.random.index(self.goals.len())]);
         let beyond =
             self.settings.detour * (1.0 + self.statistics.iterations as f64 / ITERATIONS_PER_DETOUR as f64);
-        let joints = self.problem.start.iter().zip(goal).zip(self.problem.robot.limits());
+        let joints = self.problem.start().iter().zip(goal).zip(self.problem.robot().limits());
         for (value, ((start, goal), limits)) in sample.iter_mut().zip(joints) {
             let lower = limits.lower.max(start.min(*goal) - beyond);
             let upper = limits.upper.min(start.max(*goal) + beyond);

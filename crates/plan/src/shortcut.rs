@@ -6,7 +6,7 @@ use cranny_robot::{IkSettings, IkSolver, Robot};
 use cranny_spatial::{LANES, Pose, Stream};
 
 use crate::grasp_poses::poses;
-use crate::{Goal, PlanError, Problem, Validity};
+use crate::{Goal, PlanError, Problem};
 
 /// How hard to shorten a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,13 +61,11 @@ pub fn shortcut(
     settings: ShortcutSettings,
 ) -> Result<Shortened, PlanError> {
     let begin = Instant::now();
-    let Validity::Exact(cell) = &problem.validity else {
-        return Err(PlanError::Goal { planner: "shortcut", needs: "the exact criterion" });
-    };
+    let cell = problem.exact_cell("shortcut")?;
     let mut scratch = cell.scratch();
     let mut random = Stream::new(settings.seed, 1);
-    let mut hold = match (&problem.goal, path.last()) {
-        (Goal::Grasps(_), Some(end)) => Some(Hold::at(&problem.robot, end)),
+    let mut hold = match (problem.goal(), path.last()) {
+        (Goal::Grasps(_), Some(end)) => Some(Hold::at(problem.robot(), end)),
         _ => None,
     };
     let mut path = path.to_vec();

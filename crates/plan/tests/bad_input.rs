@@ -22,7 +22,8 @@ fn a_configuration_of_the_wrong_length_is_refused() {
         let bad = vec![0.0; length];
         let starts = built(bad.clone(), to(vec![0.0; 3])).map(|_| ());
         let goals = built(vec![0.0; 3], to(bad.clone())).map(|_| ());
-        let other_goal = exact(&ball(), Vec::new(), &[0.0; 3], to(vec![0.0; 3])).with_goal(bad).map(|_| ());
+        let other_goal =
+            exact(&ball(), Vec::new(), &[0.0; 3], to(vec![0.0; 3])).with_goal(to(bad)).map(|_| ());
         for (refused, whose) in [(starts, "start"), (goals, "goal"), (other_goal, "goal")] {
             assert!(matches!(
                 refused,

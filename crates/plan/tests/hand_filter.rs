@@ -1,17 +1,26 @@
 //! Which grasps the hand alone can take.
 
 use cranny_collision::{Body, World};
-use cranny_grasp::{Grasp, Gripper};
-use cranny_plan::{Hand, HandFilter};
+use cranny_grasp::{BoxHand, Grasp, Hand};
+use cranny_plan::HandFilter;
 use cranny_shape::{Solid, Surface, TriangleSoup, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
 
-fn gripper() -> Gripper {
-    Gripper::panda_hand()
+fn gripper() -> BoxHand {
+    BoxHand {
+        name: "boxes".into(),
+        opening_m: 0.08,
+        finger_width_m: 0.02,
+        finger_thickness_m: 0.015,
+        finger_length_m: 0.0536,
+        tip_ahead_m: 0.007,
+        palm_size_m: [0.06, 0.204, 0.066],
+        closing_force_n: 40.0,
+    }
 }
 
 fn hand() -> Hand {
-    Hand::of_gripper(&gripper()).unwrap()
+    gripper().hand().unwrap()
 }
 
 fn world(bodies: Vec<Body>) -> World {
@@ -72,7 +81,7 @@ fn the_sweep_blocks_exactly_where_some_place_on_the_way_does() {
     let filter_world = world(vec![ball(), Body::floor(-0.05)]);
     let approach_m = 0.06;
     let filter = HandFilter::new(&hand(), filter_world.clone(), approach_m).unwrap();
-    let parts = gripper().parts().unwrap();
+    let parts = hand().parts;
     let mut random = Stream::new(3, 0);
     let (mut free, mut blocked) = (0, 0);
     for _ in 0..400 {

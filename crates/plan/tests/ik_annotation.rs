@@ -5,9 +5,7 @@ mod fixture;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cranny_collision::Cell;
-use cranny_plan::{
-    IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, Validity, annotate_ik,
-};
+use cranny_plan::{IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, annotate_ik};
 use cranny_spatial::PoseDifference;
 use fixture::{
     OBJECT, START, arm, block, easy_grasps, exact, grasp_at, grasp_out_of_reach, grasps, off, paper,
@@ -40,10 +38,7 @@ fn annotated(problem: &Problem, settings: &IkAnnotationSettings) -> Vec<IkAnnota
 }
 
 fn cell(problem: &Problem) -> &Cell {
-    match &problem.validity {
-        Validity::Exact(cell) => cell,
-        Validity::Paper { .. } => panic!("the problem is exact"),
-    }
+    problem.cell().expect("the problem is exact")
 }
 
 #[test]
@@ -83,7 +78,7 @@ fn solutions_are_exact_free_and_as_many_as_asked_for() {
     let problem = problem();
     let cell = cell(&problem);
     let mut scratch = cell.scratch();
-    let cranny_plan::Goal::Grasps(set) = &problem.goal else { panic!("the problem has grasps") };
+    let set = problem.grasps().expect("the problem has grasps");
     for annotation in annotated(&problem, &SETTINGS) {
         let is_solved = annotation.status == IkStatus::Solved;
         assert_eq!(annotation.solutions.len(), if is_solved { SETTINGS.solutions } else { 0 });
@@ -138,7 +133,9 @@ fn no_attempts_find_nothing_and_are_not_an_error() {
 
 #[test]
 fn only_grasps_under_the_exact_criterion_are_annotated() {
-    let configurations = problem().with_goal(START.to_vec()).expect("a configuration of the arm");
+    let configurations = problem()
+        .with_goal(cranny_plan::Goal::Configurations(vec![START.to_vec()]))
+        .expect("a configuration of the arm");
     let released = paper(&arm(), Vec::new(), &START, grasps(easy_grasps()));
     for refused in [configurations, released] {
         let refused = annotate_ik(&refused, &SETTINGS, &|| (), &AtomicBool::new(false));

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use cranny_grasp::Grasp;
 use cranny_plan::{
-    Budget, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    ShortcutSettings, Unobserved, audit, default_planner, optimise, planner, shortcut,
+    Budget, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem, ShortcutSettings,
+    Unobserved, audit, default_planner, optimise, planner, shortcut,
 };
 use fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use proptest::prelude::*;
@@ -32,9 +32,9 @@ fn scored() -> Problem {
 
 fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
     let goal = audit(problem, path).expect("way points of the robot").goal.expect("a grasp");
-    let Goal::Grasps(set) = &problem.goal else { panic!("a problem of grasps") };
+    let set = problem.grasps().expect("a problem of grasps");
     let weight = OptimiseSettings::default().score_weight;
-    let cost = PathCost::new(&problem.robot, weight).expect("a good weight");
+    let cost = PathCost::new(problem.robot(), weight).expect("a good weight");
     cost.of(path, set.grasps()[goal.grasp].score)
 }
 
@@ -94,7 +94,7 @@ fn time_only_cuts_the_same_sequence_short() {
 #[test]
 fn a_higher_weight_of_the_score_takes_a_better_grasp() {
     let problem = scored();
-    let Goal::Grasps(set) = &problem.goal else { panic!("a problem of grasps") };
+    let set = problem.grasps().expect("a problem of grasps");
     let score = |score_weight: f64| {
         let budget = Budget { iterations: 400, time: FOR_EVER };
         let settings = OptimiseSettings { time: FOR_EVER, score_weight };

@@ -7,21 +7,23 @@ use cranny_spatial::Pose;
 
 use crate::derived::Derived;
 use crate::full_turn::full_turns;
+use crate::hand::hand_links;
 use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::kinematics::{LinkFrames, Motion, Step, Value};
 use crate::limits::{RateLimits, parse_rate_limits};
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
+use crate::robot_files::{HAND, LIMITS};
 use crate::tree::Tree;
 use crate::urdf::{Urdf, UrdfCollision, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLink, UrdfVisual};
 use crate::{
-    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkShape, LinkVisual, MeshUse, Mover, Robot,
-    RobotError, RobotOptions, Srdf, TextSource, VisualForm, mesh_path,
+    GroupJoint, HandDescription, JointKind, JointLimits, JointUnit, Link, LinkShape, LinkVisual, MeshUse,
+    Mover, Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, VisualForm, mesh_path,
 };
 
 impl Robot {
     /// Builds a robot from the URDF file at `path`, with the SRDF and the `limits.yaml` beside it unless
-    /// `options` name others.
+    /// `options` name others, and the hand of the `hand.yaml` beside it before those of `options`.
     ///
     /// # Errors
     /// Whatever is wrong with the files or the options: see [`RobotError`].
@@ -44,6 +46,7 @@ impl Robot {
         // 1. What the files say, and that it fits together.
         let urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
+        let options = &options.with_open_hands(&tree);
         let srdf = options.srdf.as_ref().map(|source| {
             let (name, text) = content(source)?;
             Srdf::parse(&text, &name)
@@ -98,6 +101,8 @@ impl Robot {
             joints,
             full_turns: full_turns(&limits, &movers),
             limits,
+            hand_links: hand_links(&links, &movers, resolved.tip),
+            hand: RobotHand::of(&urdf, &tree, options),
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),
             links,
@@ -136,7 +141,11 @@ impl UrdfFile {
         let beside = |file: PathBuf| file.is_file().then_some(TextSource::Path(file));
         let mut options = options.clone();
         options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
-        options.limits = options.limits.or_else(|| beside(path.with_file_name("limits.yaml")));
+        options.limits = options.limits.or_else(|| beside(path.with_file_name(LIMITS)));
+        if let Some(hand) = beside(path.with_file_name(HAND)) {
+            let (name, text) = content(&hand)?;
+            options.hands.insert(0, HandDescription::parse(&text, &name)?);
+        }
         Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
     }
 }
@@ -158,7 +167,7 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
         let motion = described.motion.as_ref()?;
         Some(GroupJoint {
             name: described.name.clone(),
-            kind: kind_of(motion.kind),
+            kind: motion.kind.into(),
             child_link: tree.node_of_joint[joint],
             axis_in_child: motion.axis_in_child,
         })
@@ -166,10 +175,12 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
     group.iter().filter_map(describe).collect()
 }
 
-fn kind_of(kind: UrdfJointKind) -> JointKind {
-    match kind {
-        UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointKind::Revolute,
-        UrdfJointKind::Prismatic => JointKind::Prismatic,
+impl From<UrdfJointKind> for JointKind {
+    fn from(kind: UrdfJointKind) -> Self {
+        match kind {
+            UrdfJointKind::Revolute | UrdfJointKind::Continuous => Self::Revolute,
+            UrdfJointKind::Prismatic => Self::Prismatic,
+        }
     }
 }
 
@@ -208,7 +219,7 @@ fn joint_motion(
         return Motion::Rigid { parent_from_link: parent_from_joint };
     };
     let value = resolved.values[joint];
-    let kind = kind_of(motion.kind);
+    let kind: JointKind = motion.kind.into();
     let build = |value: Value| match kind {
         JointKind::Revolute => Motion::turn(value, &parent_from_joint, &motion.axis_in_child),
         JointKind::Prismatic => Motion::slide(value, &parent_from_joint, &motion.axis_in_child),

@@ -348,9 +348,9 @@ pub enum RobotError {
         /// What is wrong with it.
         reason: Box<ShapeError>,
     },
-    /// A `limits.yaml` is malformed.
+    /// A `limits.yaml` or `hand.yaml` is malformed.
     #[error("{at}: {reason}")]
-    Limits {
+    Yaml {
         /// Where.
         at: Location,
         /// What is wrong with it.

@@ -36,6 +36,7 @@ mod derived;
 mod error;
 mod frame_error;
 mod full_turn;
+mod hand;
 mod ik_batch;
 mod ik_lanes;
 mod ik_search;
@@ -64,6 +65,7 @@ mod xml;
 
 pub use assembly::UrdfFile;
 pub use error::{Hindrance, Location, RobotError};
+pub use hand::{FingerRange, HandDescription, RobotFinger, RobotHand};
 pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
 pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver, solve_single};

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_saphyr::Spanned;
 
 use crate::{Location, RobotError};
@@ -86,17 +87,11 @@ pub(crate) struct RateLimits {
 
 /// Reads a `limits.yaml`; `file` is the name for it in errors.
 pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<String, RateLimits>, RobotError> {
-    if text.trim().is_empty() {
-        return Err(RobotError::Empty { file: file.to_owned() });
-    }
     let at = |location: serde_saphyr::Location| Location {
         file: file.to_owned(),
         line: u32::try_from(location.line()).unwrap_or(u32::MAX).max(1),
     };
-    let parsed: LimitsFile = cranny_file::yaml(text).map_err(|reason| RobotError::Limits {
-        at: Location { file: file.to_owned(), line: u32::try_from(reason.line).unwrap_or(u32::MAX) },
-        reason,
-    })?;
+    let parsed: LimitsFile = parse_yaml(text, file)?;
     let mut limits = BTreeMap::new();
     for (joint, entry) in parsed.joints {
         let at = at(entry.referenced);
@@ -113,6 +108,17 @@ pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<Strin
         limits.insert(joint, RateLimits { at, acceleration, jerk });
     }
     Ok(limits)
+}
+
+/// What stands in a YAML file beside a URDF; `file` is the name for it in errors.
+pub(crate) fn parse_yaml<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, RobotError> {
+    if text.trim().is_empty() {
+        return Err(RobotError::Empty { file: file.to_owned() });
+    }
+    cranny_file::yaml(text).map_err(|reason| RobotError::Yaml {
+        at: Location { file: file.to_owned(), line: u32::try_from(reason.line).unwrap_or(u32::MAX) },
+        reason,
+    })
 }
 
 #[derive(Deserialize)]

@@ -5,7 +5,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::derived::Derived;
 use crate::kinematics::Step;
-use crate::{JointLimits, LimitViolation, LinkVisual};
+use crate::{JointLimits, LimitViolation, LinkVisual, RobotHand};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
 /// an `Arc`.
@@ -24,6 +24,8 @@ pub struct Robot {
     /// Per joint of the group.
     pub(crate) full_turns: Vec<bool>,
     pub(crate) tip: usize,
+    pub(crate) hand_links: Vec<usize>,
+    pub(crate) hand: Option<RobotHand>,
     /// Per link.
     pub(crate) movers: Vec<Vec<Mover>>,
     pub(crate) disabled_pairs: Vec<(usize, usize)>,
@@ -139,6 +141,17 @@ impl Robot {
     /// The link that reaches for grasps.
     pub fn tip(&self) -> usize {
         self.tip
+    }
+
+    /// The links of hand and fingers, by index: those with geometry that move as one with the tip, beyond the last
+    /// joint of the arm.
+    pub fn hand_links(&self) -> &[usize] {
+        &self.hand_links
+    }
+
+    /// What is known of the hand, if it is described ([`RobotOptions::hands`](crate::RobotOptions::hands)).
+    pub fn hand(&self) -> Option<&RobotHand> {
+        self.hand.as_ref()
     }
 
     /// The root link: always 0. Its frame is the planning frame.

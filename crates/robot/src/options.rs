@@ -1,6 +1,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use crate::HandDescription;
+
 /// What a URDF leaves open when a robot is built from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotOptions {
@@ -20,6 +22,9 @@ pub struct RobotOptions {
     /// Values at which joints outside the group are held, in metres or radians. Default of a joint: 0, or
     /// the limit next to it.
     pub fixed: BTreeMap<String, f64>,
+    /// Hands that the robot may have: where it has their joints these stand open, unless `fixed` says otherwise, and
+    /// where it has their gripper frame that is its tip, unless `tip` does. What the robot lacks is left out.
+    pub hands: Vec<HandDescription>,
     /// Folders in which `package://` names are looked for, before the folders above the URDF.
     pub packages: Vec<PathBuf>,
     /// What solid a mesh stands for.

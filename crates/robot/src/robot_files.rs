@@ -21,11 +21,12 @@ pub struct RobotFiles {
 const MESHES: &str = "meshes";
 
 /// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
-const LIMITS: &str = "limits.yaml";
+pub(crate) const LIMITS: &str = "limits.yaml";
+pub(crate) const HAND: &str = "hand.yaml";
 
 impl RobotFiles {
-    /// Reads the files of the robot at `urdf`: the SRDF given, or else the one beside it, `limits.yaml` beside
-    /// it, and every mesh that it names, for collision or for looks; `package://` as in
+    /// Reads the files of the robot at `urdf`: the SRDF given, or else the one beside it, `limits.yaml` and `hand.yaml`
+    /// beside it, and every mesh that it names, for collision or for looks; `package://` as in
     /// [`RobotOptions::packages`](crate::RobotOptions::packages). A mesh for looks alone that is not there is
     /// left out. What a mesh file itself refers to, such as textures, is not followed.
     ///
@@ -61,9 +62,8 @@ impl RobotFiles {
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let beside = urdf.with_extension("srdf");
         let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
-        for extra in
-            srdf.iter().cloned().chain([urdf.with_file_name(LIMITS)].into_iter().filter(|p| p.is_file()))
-        {
+        let others = [LIMITS, HAND].map(|name| urdf.with_file_name(name)).into_iter();
+        for extra in srdf.iter().cloned().chain(others.filter(|path| path.is_file())) {
             contents.insert(name_of(&extra), bytes_of(&extra)?);
         }
         contents.insert(name_of(urdf), text.into_bytes());

@@ -6,7 +6,6 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cranny_collision::between;
-use cranny_plan::Validity;
 use cranny_spatial::Stream;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -19,12 +18,12 @@ const EDGE: f64 = 0.05;
 fn checks(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("checks");
     for (id, problem) in task::all() {
-        let Validity::Exact(cell) = &problem.validity else { unreachable!("the default criterion") };
-        let (limits, mut random) = (problem.robot.limits(), Stream::new(0, 0));
+        let cell = problem.cell().expect("the default criterion");
+        let (limits, mut random) = (problem.robot().limits(), Stream::new(0, 0));
         let configurations: Vec<f64> = (0..CONFIGURATIONS)
             .flat_map(|_| limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect::<Vec<_>>())
             .collect();
-        let dof = problem.robot.dof();
+        let dof = problem.robot().dof();
         let (mut scratch, mut verdicts) = (cell.scratch(), Vec::new());
 
         group.throughput(Throughput::Elements(CONFIGURATIONS as u64));

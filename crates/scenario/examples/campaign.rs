@@ -6,8 +6,9 @@
 
 use std::time::Duration;
 
+use cranny_collision::Margins;
 use cranny_plan::{Budget, Outcome, ShortcutSettings, Unobserved, audit, path_length, shortcut};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -16,7 +17,7 @@ fn main() {
         std::process::exit(2);
     };
     let number = |text: &String| text.parse::<f64>().expect("a number of millimetres") / 1000.0;
-    let demands = PlanMargins { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
+    let demands = Margins { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
     let planner = cranny_plan::planner(planner).expect("a planner");
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
@@ -26,7 +27,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for id in scenarios {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
-        let problem = scenario.problem(&demands).expect("a problem");
+        let problem = scenario.problem(demands).expect("a problem");
         let (mut times, mut lengths, mut clearances) = (Vec::new(), Vec::new(), Vec::new());
         let (mut shortened, mut apart, mut shortcut_times) = (Vec::new(), Vec::new(), Vec::new());
         let (mut solved, mut verified) = (0, 0);

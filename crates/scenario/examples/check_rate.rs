@@ -3,20 +3,20 @@
 
 use std::time::Instant;
 
-use cranny_plan::Validity;
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_collision::Margins;
+use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
 
 fn main() {
     for id in std::env::args().skip(1) {
         let scenario = Scenario::open(&id, &OpenOptions::default()).expect("a scenario");
         let begin = Instant::now();
-        let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+        let problem = scenario.problem(Margins::default()).expect("a problem");
         let preparation_ms = begin.elapsed().as_secs_f64() * 1e3;
-        let Validity::Exact(cell) = &problem.validity else { panic!("the exact criterion is the default") };
+        let cell = problem.cell().expect("the exact criterion is the default");
         let mut random = Stream::new(0, 0);
         const COUNT: usize = 100_000;
-        let limits = problem.robot.limits();
+        let limits = problem.robot().limits();
         let configurations: Vec<f64> = (0..COUNT * limits.len())
             .map(|index| {
                 let l = &limits[index % limits.len()];

@@ -6,10 +6,11 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use cranny_collision::Margins;
 use cranny_plan::{
-    AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
+    AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
 };
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
 
 fn main() {
     let scenarios: Vec<String> = std::env::args().skip(1).collect();
@@ -23,8 +24,8 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for id in &scenarios {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
-        let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
-        let Goal::Grasps(grasps) = &problem.goal else { panic!("a scenario has grasps") };
+        let problem = scenario.problem(Margins::default()).expect("a problem");
+        let grasps = problem.grasps().expect("a scenario has grasps");
         let (shot, shot_ms) = timed(&problem, IkMethod::SingleShot);
         let (full, full_ms) = timed(&problem, IkMethod::Restarts);
         let count = |annotations: &[IkAnnotation], is_counted: fn(&IkStatus) -> bool| {

@@ -13,9 +13,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use cranny_collision::Cell;
-use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, Validity, planner};
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanMargins};
+use cranny_collision::{Cell, Margins};
+use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, planner};
+use cranny_scenario::{MoveItOptions, MoveItProblem};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (flags, words): (Vec<String>, Vec<String>) =
@@ -120,8 +120,8 @@ fn run(
     tally: &mut Tally,
 ) -> Result<(), Box<dyn Error>> {
     let opened = MoveItProblem::open(scene, &request_of(scene), options)?;
-    let problem = opened.problem(&PlanMargins::default())?;
-    let Validity::Exact(cell) = &problem.validity else { return Err("a MoveIt problem is exact".into()) };
+    let problem = opened.problem(Margins::default())?;
+    let cell = problem.cell().ok_or("a MoveIt problem is exact")?;
     tally.problems += 1;
     let family = scene.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy();
     let name = format!("{family}/{}", opened.id);
@@ -145,11 +145,12 @@ fn run(
         tally.search_s.push(statistics.planning_time_s - statistics.proof_time_s);
         // Proven once more, by whichever planner: the reports of all are compared.
         let mut scratch = cell.scratch();
-        let is_goal = |q: &Vec<f64>| match &problem.goal {
+        let is_goal = |q: &Vec<f64>| match problem.goal() {
             Goal::Configurations(goals) => goals.contains(q),
             Goal::Grasps(_) => false,
         };
-        let is_whole = report.path.first() == Some(&problem.start) && report.path.last().is_some_and(is_goal);
+        let is_whole = report.path.first().is_some_and(|q| q == problem.start())
+            && report.path.last().is_some_and(is_goal);
         let refuted = report
             .path
             .windows(2)
@@ -168,8 +169,8 @@ fn run(
 fn faults(problem: &Problem, cell: &Cell) -> Vec<String> {
     let mut scratch = cell.scratch();
     let mut faults_of = |what: &str, q: &[f64]| -> Vec<String> {
-        let limit = problem.robot.first_limit_violation(q).map(|found| {
-            let joint = &problem.robot.joint_names()[found.joint];
+        let limit = problem.robot().first_limit_violation(q).map(|found| {
+            let joint = &problem.robot().joint_names()[found.joint];
             format!("{what}: {joint} at {} is outside {} to {}", found.value, found.lower, found.upper)
         });
         let contacts = cell.contacts(q, &mut scratch);
@@ -179,8 +180,8 @@ fn faults(problem: &Problem, cell: &Cell) -> Vec<String> {
         });
         limit.into_iter().chain(touching).collect()
     };
-    let mut faults = faults_of("start", &problem.start);
-    if let Goal::Configurations(goals) = &problem.goal {
+    let mut faults = faults_of("start", problem.start());
+    if let Goal::Configurations(goals) = problem.goal() {
         let of_goals: Vec<Vec<String>> = goals.iter().map(|goal| faults_of("goal", goal)).collect();
         if !of_goals.iter().any(Vec::is_empty) {
             faults.extend(of_goals.into_iter().flatten());

@@ -1,8 +1,8 @@
 use cranny_collision::{Body, World};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, Hand, HandFilter};
+use cranny_plan::{APPROACH_M, HandFilter};
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Vector};
 

@@ -1,18 +1,5 @@
-use cranny_robot::Robot;
+use cranny_robot::{JointKind, Mover, Robot};
 use cranny_shape::{Solid, overlap};
-
-/// The links of hand and fingers, by index: those with collision geometry that move as one with the tip,
-/// without the link that the last joint moves, which belongs to the arm. A gripper mounted right on the last
-/// joint, as one link with its flange, is that link itself.
-pub(crate) fn hand_links(robot: &Robot) -> Vec<usize> {
-    let tip_movers = robot.ancestors(robot.tip());
-    let last_arm_link = tip_movers.last().map(|mover| mover.child_link);
-    let moves_with_tip =
-        |link: &usize| !robot.links()[*link].collisions.is_empty() && robot.ancestors(*link) == tip_movers;
-    let rigid: Vec<usize> = (0..robot.links().len()).filter(moves_with_tip).collect();
-    let hand: Vec<usize> = rigid.iter().copied().filter(|&link| Some(link) != last_arm_link).collect();
-    if hand.is_empty() { rigid } else { hand }
-}
 
 /// A hand that nothing fits into: the frame that reaches for grasps, which lies between the finger pads, lies inside
 /// the convex hull of a mesh that moves with it.
@@ -43,21 +30,23 @@ impl FilledHand {
                 overlap(solid, &root_from_solid, &point, root_from_tip).is_some()
             })
         };
-        let link = hand_links(robot).into_iter().find(is_filled)?;
+        let link = robot.hand_links().iter().copied().find(is_filled)?;
         let name = |link: usize| robot.links()[link].name.clone();
         Some(Self { link: name(link), tip: name(robot.tip()) })
     }
 }
 
-/// The link frames whose origins the `paper` criterion keeps above its floor: those of the chain to the tip
-/// from `panda_link2` on; where the chain has no such link, those that at least three joints move.
+/// The link frames whose origins the `paper` criterion keeps above its floor: those of the chain to the tip that at
+/// least two joints turn. Of the Panda these are the links from the second on, as released.
 pub(crate) fn floor_links(robot: &Robot) -> Vec<usize> {
-    let mut chain: Vec<usize> =
-        std::iter::successors(Some(robot.tip()), |&link| robot.links()[link].parent).collect();
-    chain.reverse();
-    let named = chain.iter().position(|&link| robot.links()[link].name == "panda_link2");
-    let third = chain.iter().position(|&link| robot.ancestors(link).len() >= 3);
-    chain.split_off(named.or(third).unwrap_or(chain.len()))
+    let turns = |link: &usize| {
+        let is_turn = |mover: &&Mover| mover.kind == JointKind::Revolute;
+        robot.ancestors(*link).iter().filter(is_turn).count()
+    };
+    let chain = std::iter::successors(Some(robot.tip()), |&link| robot.links()[link].parent);
+    let mut links: Vec<usize> = chain.take_while(|link| turns(link) >= 2).collect();
+    links.reverse();
+    links
 }
 
 #[cfg(test)]
@@ -94,8 +83,8 @@ mod tests {
             ("hand", "flange", "fixed"),
             ("finger", "hand", "prismatic"),
         ]);
-        assert_eq!(names(&robot, &hand_links(&robot)), ["hand", "finger"]);
-        assert_eq!(names(&robot, &floor_links(&robot)), ["flange", "hand"]);
+        assert_eq!(names(&robot, robot.hand_links()), ["hand", "finger"]);
+        assert_eq!(names(&robot, &floor_links(&robot)), ["lower", "flange", "hand"]);
     }
 
     #[test]
@@ -103,11 +92,11 @@ mod tests {
         let robot = robot(&[
             ("a", "base", "revolute"),
             ("b", "a", "revolute"),
-            ("panda_link2", "b", "revolute"),
-            ("tool", "panda_link2", "revolute"),
+            ("c", "b", "prismatic"),
+            ("tool", "c", "revolute"),
         ]);
-        assert_eq!(names(&robot, &hand_links(&robot)), ["tool"]);
-        assert_eq!(names(&robot, &floor_links(&robot)), ["panda_link2", "tool"]);
+        assert_eq!(names(&robot, robot.hand_links()), ["tool"]);
+        assert_eq!(names(&robot, &floor_links(&robot)), ["b", "c", "tool"]);
     }
 
     /// One mesh for palm and fingers made every grasp collide, and nothing said why.

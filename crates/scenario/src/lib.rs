@@ -3,11 +3,11 @@
 //! bare way points.
 //!
 //! ```
-//! use cranny_scenario::{PlanMargins, OpenOptions, Scenario};
+//! use cranny_scenario::{Margins, OpenOptions, Scenario};
 //!
 //! let scenario = Scenario::open("021", &OpenOptions::default())?;
 //! assert_eq!(scenario.grasps.len(), 200);
-//! let problem = scenario.problem(&PlanMargins::default())?;
+//! let problem = scenario.problem(Margins::default())?;
 //! # Ok::<(), cranny_scenario::ScenarioError>(())
 //! ```
 //!
@@ -89,7 +89,7 @@ pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object_folder::OBJECT_FILE;
 pub use obstacle::Obstacle;
 pub use plan_betterment::{PlanOptimisation, PlanShortening};
-pub use plan_file::{PlanBudget, PlanFile, PlanMargins, PlanSource, PlanTiming};
+pub use plan_file::{PlanBudget, PlanFile, PlanSource, PlanTiming};
 pub use plan_segment::PlanSegment;
 pub use recipe::{Recipe, RecipeBody, RecipeShape};
 pub use scenario::{Geometry, OpenOptions, Scenario, is_scenario};

@@ -10,7 +10,7 @@ use cranny_robot::Robot;
 use crate::moveit_file::RowEntry;
 use crate::moveit_request::Files;
 use crate::moveit_world::{MessageFile, bodies};
-use crate::{PlanMargins, ScenarioError, yaml};
+use crate::{ScenarioError, yaml};
 
 /// A problem in `MoveIt`'s YAML, as `MotionBenchMaker` publishes them: a `PlanningScene`, and a
 /// `MotionPlanRequest` with goals in joint space.
@@ -125,8 +125,7 @@ impl MoveItProblem {
     ///
     /// # Errors
     /// [`ScenarioError::Plan`] for a margin that is none.
-    pub fn problem(&self, margins: &PlanMargins) -> Result<Problem, ScenarioError> {
-        let margins = Margins { margin_m: margins.margin_m, ..Margins::default() };
+    pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let goal = Goal::Configurations(self.goals.clone());
         let (robot, world) = (self.robot.clone(), self.world.clone());
         Ok(Problem::exact(robot, world, None, self.start.clone(), goal, margins)?)

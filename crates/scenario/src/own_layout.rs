@@ -13,7 +13,7 @@ use serde_saphyr::Spanned;
 
 use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
 use crate::{
-    OBJECT_FILE, ObjectType, OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, hand,
+    OBJECT_FILE, ObjectType, OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot,
     number_table, robot_file, scenario, sizes, yaml,
 };
 
@@ -83,7 +83,6 @@ pub(crate) fn open_texts(
     Scenario {
         id,
         criterion,
-        hand_links: hand::hand_links(&robot),
         start: layout.start(&file.start, &robot)?,
         robot,
         world: World::new(bodies)?,

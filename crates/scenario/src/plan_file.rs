@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use cranny_collision::Margins;
 use cranny_plan::{
     AuditSettings, Budget, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
     Trajectory, path_length,
@@ -44,7 +45,7 @@ pub struct PlanFile {
     /// How the search ended.
     pub outcome: Outcome,
     /// The clearance that was demanded.
-    pub margins: PlanMargins,
+    pub margins: Margins,
     /// What the search was allowed to spend.
     pub budget: PlanBudget,
     /// Names of the joints, in the order of every way point.
@@ -92,15 +93,6 @@ struct Head {
     format: Option<String>,
 }
 
-/// The clearance that a plan was made with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PlanMargins {
-    /// Between any two things, in metres.
-    pub margin_m: f64,
-    /// Between the hand and what it grasps, in metres.
-    pub grasp_margin_m: f64,
-}
-
 /// When a path is run through. With the limits of the robot it determines the trajectory:
 /// [`Trajectory::along`] the way points by the same method, or [`Trajectory::blended`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,7 +117,7 @@ pub struct PlanSource {
     /// The geometry of a released scenario, where it was asked for.
     pub geometry: Option<Geometry>,
     /// The clearance that was demanded.
-    pub margins: PlanMargins,
+    pub margins: Margins,
 }
 
 impl PlanTiming {
@@ -327,7 +319,7 @@ mod tests {
             seed: u64::MAX,
             version: PlanFile::VERSION.into(),
             outcome: Outcome::Solved,
-            margins: PlanMargins { margin_m: 0.001, grasp_margin_m: 0.0 },
+            margins: Margins { margin_m: 0.001, grasp_margin_m: 0.0 },
             budget: PlanBudget { iterations: None, time_limit_s: Some(120.0) },
             joint_names: vec!["a".into(), "b".into()],
             grasp: Some(7),

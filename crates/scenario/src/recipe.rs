@@ -5,7 +5,7 @@ use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, hand, robot_file};
+use crate::{OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, robot_file};
 
 /// A scenario of the built-in robot in the making: what its files will say. Poses are in the scene, whose
 /// floor is z = 0 and in which the robot stands where the paper has it; grasps are in the planning frame.
@@ -106,7 +106,6 @@ impl Recipe {
         Scenario {
             id: id.to_owned(),
             criterion: options.criterion.unwrap_or_default(),
-            hand_links: hand::hand_links(&robot),
             robot,
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),

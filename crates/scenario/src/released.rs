@@ -13,7 +13,7 @@ use serde_saphyr::Spanned;
 
 use crate::object_library::{ObjectEntry, ObjectLibrary};
 use crate::{
-    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, builtin_robot, grasp_array, hand, number_table,
+    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, builtin_robot, grasp_array, number_table,
     robot_file, scenario, yaml,
 };
 
@@ -76,7 +76,6 @@ pub(crate) fn open_with(
     Scenario {
         id: scenario::id_of(folder),
         criterion,
-        hand_links: hand::hand_links(&robot),
         robot,
         world: World::new(bodies)?,
         target,

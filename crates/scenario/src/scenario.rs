@@ -9,7 +9,7 @@ use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::Pose;
 
 use crate::archive::Unpacked;
-use crate::{PlanMargins, RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
+use crate::{RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -30,8 +30,6 @@ pub struct Scenario {
     pub grasps: GraspSet,
     /// Configurations that reach a grasp, as known from the files; often none.
     pub ik: Vec<Vec<f64>>,
-    /// The links of hand and fingers, by index.
-    pub hand_links: Vec<usize>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,
@@ -119,26 +117,19 @@ impl Scenario {
     ///
     /// Under `exact`, the world decides, with the demanded margins. Under `paper`, the released check does:
     /// the triangles of the export where there is one, else the boxes of the world's bodies, and the frames
-    /// of the links from `panda_link2` on (of another robot: from the third moving joint on), whose origins
-    /// must stay 4 cm above the root frame.
+    /// of the links from the second turning joint on, whose origins must stay 4 cm above the root frame.
     ///
     /// # Errors
     /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none,
     /// [`ScenarioError::MarginUnderPaper`] for a margin that nothing would check.
-    pub fn problem(&self, margins: &PlanMargins) -> Result<Problem, ScenarioError> {
+    pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let (robot, start) = (self.robot.clone(), self.start.clone());
         let goal = Goal::Grasps(self.grasps.clone());
         match self.criterion {
             Criterion::Exact => {
-                let margins = Margins {
-                    margin_m: margins.margin_m,
-                    grasp_margin_m: margins.grasp_margin_m,
-                    hand_links: self.hand_links.clone(),
-                    grasp_bodies: Vec::new(),
-                };
                 Ok(Problem::exact(robot, self.world.clone(), self.target, start, goal, margins)?)
             }
-            Criterion::Paper if *margins != PlanMargins::default() => Err(ScenarioError::MarginUnderPaper),
+            Criterion::Paper if margins != Margins::default() => Err(ScenarioError::MarginUnderPaper),
             Criterion::Paper => {
                 let obstacles = match &self.export {
                     Some(surface) => vec![(Pose::identity(), surface.clone())],

@@ -1,9 +1,9 @@
 //! Scenarios made from others, and written as files of our own and of others.
 
-use cranny_collision::Body;
-use cranny_plan::{Criterion, Validity};
+use cranny_collision::{Body, Margins};
+use cranny_plan::Criterion;
 use cranny_scenario::{
-    MoveItProblem, OpenOptions, PlanMargins, Scenario, ScenarioError, moveit_scene_text, read_moveit_scene,
+    MoveItProblem, OpenOptions, Scenario, ScenarioError, moveit_scene_text, read_moveit_scene,
     write_moveit_scene,
 };
 use cranny_shape::{Solid, TriangleSoup};
@@ -98,10 +98,8 @@ fn a_world_survives_a_planning_scene() {
     let read = Scenario { world, ..scenario.clone() };
     assert_eq!(names(&read), names(&scenario));
     let clearances = [&scenario, &read].map(|scenario| {
-        let problem = scenario.problem(&PlanMargins::default()).unwrap();
-        let Validity::Exact(cell) = &problem.validity else {
-            unreachable!("the exact criterion is the default")
-        };
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let cell = problem.cell().expect("the exact criterion is the default");
         let mut scratch = cell.scratch();
         let mut clearance = |scale: f64| {
             let q: Vec<f64> = scenario.start.iter().map(|value| value * scale).collect();

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use cranny_collision::Body;
-use cranny_plan::{Criterion, Validity};
-use cranny_scenario::{Family, OpenOptions, PlanMargins, Scenario, ScenarioError, catalogue};
+use cranny_collision::{Body, Margins};
+use cranny_plan::Criterion;
+use cranny_scenario::{Family, OpenOptions, Scenario, ScenarioError, catalogue};
 use cranny_shape::Aabb;
 use cranny_spatial::Vector;
 
@@ -15,9 +15,8 @@ fn every_built_in_scenario_opens_with_a_free_start() {
             let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
             let scenario = Scenario::open(entry.id, &options).unwrap();
             assert_eq!(scenario.id, entry.id);
-            let problem = scenario.problem(&PlanMargins::default()).unwrap();
-            let mut scratch = problem.validity.scratch();
-            let is_free = problem.validity.is_free(&problem.start, &mut scratch);
+            let problem = scenario.problem(Margins::default()).unwrap();
+            let is_free = problem.start_is_free();
             // The boxes around the built-in robot's links are larger than the released ones: under `paper` they
             // meet the two lowest gates.
             let is_low = criterion == Criterion::Paper && ["044", "045"].contains(&entry.id);
@@ -89,8 +88,8 @@ fn the_twenty_are_the_papers_in_size_and_place() {
 fn every_grasp_is_scored_and_free_for_the_hand() {
     for entry in catalogue() {
         let scenario = open(entry.id);
-        let problem = scenario.problem(&PlanMargins::default()).unwrap();
-        let Validity::Exact(cell) = &problem.validity else { panic!("exact is the default") };
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let cell = problem.cell().expect("exact is the default");
         let mut scratch = cell.scratch();
         assert_eq!(scenario.grasps.len(), 200);
         for grasp in scenario.grasps.grasps() {

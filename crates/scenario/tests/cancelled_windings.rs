@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use cranny_collision::Margins;
 use cranny_plan::audit;
 use cranny_robot::{MeshUse, Robot, RobotOptions};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario, check, mesh_repairs, read_waypoints};
+use cranny_scenario::{OpenOptions, Scenario, check, mesh_repairs, read_waypoints};
 
 fn false_proofs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/fixtures/false_proofs")
@@ -16,8 +17,8 @@ fn false_proofs() -> PathBuf {
 /// Whether the path of the folder is valid in it, and what was repaired.
 fn judged(folder: &Path) -> (bool, String) {
     let scenario = Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).unwrap();
-    let problem = scenario.problem(&PlanMargins::default()).unwrap();
-    let path = read_waypoints(&folder.join("p.csv"), problem.robot.dof()).unwrap();
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let path = read_waypoints(&folder.join("p.csv"), problem.robot().dof()).unwrap();
     let verification = audit(&problem, &path).unwrap();
     (verification.valid, mesh_repairs(&scenario.robot, &scenario.world).join("\n"))
 }

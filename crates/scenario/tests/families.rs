@@ -5,10 +5,11 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_scenario::{
-    Family, OpenOptions, PlanMargins, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check,
-    write_set, write_sweep,
+    Family, OpenOptions, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check, write_set,
+    write_sweep,
 };
 use cranny_shape::overlap;
 use cranny_spatial::Pose;
@@ -61,12 +62,9 @@ fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
             assert!(check(&path).unwrap().is_empty());
             let scenario = Scenario::open(&path, &OpenOptions::default()).unwrap();
             assert!(rests_beside_everything(&scenario), "{path}");
-            let problem = scenario.problem(&PlanMargins::default()).unwrap();
-            let mut scratch = problem.validity.scratch();
-            assert!(problem.validity.is_free(&problem.start, &mut scratch), "{path}");
-            let cranny_plan::Validity::Exact(cell) = &problem.validity else {
-                panic!("exact is the default")
-            };
+            let problem = scenario.problem(Margins::default()).unwrap();
+            assert!(problem.start_is_free(), "{path}");
+            let cell = problem.cell().expect("exact is the default");
             let mut scratch = cell.scratch();
             assert!(scenario.grasps.grasps().iter().all(|grasp| {
                 let twin = grasp.twin().world_from_gripper;

@@ -4,9 +4,8 @@
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
-use cranny_collision::Cell;
-use cranny_plan::Validity;
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_collision::{Cell, Margins};
+use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
 use fearless_simd::Level;
 
@@ -48,8 +47,8 @@ fn verdicts_are_exact(environment: usize) {
         let id = format!("0{environment}{level}");
         let folder = data.join("jogramop/scenarios").join(&id);
         let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
-        let problem = scenario.problem(&PlanMargins::default()).unwrap();
-        let Validity::Exact(cell) = &problem.validity else { panic!("the default criterion is exact") };
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let cell = problem.cell().expect("the default criterion is exact");
         let (configurations, exact) = judged(cell, &mut Stream::new(level, environment as u64));
         let mut verdicts = Vec::new();
         for level in levels() {

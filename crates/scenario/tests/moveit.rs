@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::Duration;
 
-use cranny_plan::{Budget, Goal, Outcome, Problem, Unobserved, Validity, audit, planner};
-use cranny_scenario::{MoveItDeviation, MoveItOptions, MoveItProblem, PlanMargins, ScenarioError};
+use cranny_collision::Margins;
+use cranny_plan::{Budget, Goal, Outcome, Problem, Unobserved, audit, planner};
+use cranny_scenario::{MoveItDeviation, MoveItOptions, MoveItProblem, ScenarioError};
 use cranny_spatial::{Point, Vector};
 
 /// Two turning joints, a hand, a sliding finger and one that follows it.
@@ -170,10 +171,9 @@ fn a_scene_and_a_request_make_a_problem() {
     let corner = bodies[0].parts[0].world_from_solid.inverse_transform_point(&Point::new(0.19, 3.09, 0.29));
     assert!(corner.x.abs() < 0.1 && corner.y.abs() < 0.2 && corner.z.abs() < 0.3, "{corner}");
 
-    let problem = problem.problem(&PlanMargins::default()).unwrap();
-    assert!(matches!(&problem.goal, Goal::Configurations(goals) if goals.len() == 1));
-    let fault =
-        Copy::new().open().unwrap().problem(&PlanMargins { margin_m: -1.0, ..PlanMargins::default() });
+    let problem = problem.problem(Margins::default()).unwrap();
+    assert!(matches!(problem.goal(), Goal::Configurations(goals) if goals.len() == 1));
+    let fault = Copy::new().open().unwrap().problem(Margins { margin_m: -1.0, ..Margins::default() });
     assert!(matches!(fault, Err(ScenarioError::Plan(_))));
 }
 
@@ -384,12 +384,12 @@ fn open(family: &Path, number: usize, options: &MoveItOptions) -> MoveItProblem 
 
 /// Whether start and goal are free, and what is in the way if not.
 fn faults(problem: &Problem) -> Vec<String> {
-    let Validity::Exact(cell) = &problem.validity else { panic!("the criterion is exact") };
-    let Goal::Configurations(goals) = &problem.goal else { panic!("the goal is a configuration") };
+    let cell = problem.cell().expect("the criterion is exact");
+    let Goal::Configurations(goals) = problem.goal() else { panic!("the goal is a configuration") };
     let mut scratch = cell.scratch();
     let mut faults = Vec::new();
-    for q in std::iter::once(&problem.start).chain(goals) {
-        assert!(problem.robot.within_limits(q));
+    for q in std::iter::once(problem.start()).chain(goals.iter().map(Vec::as_slice)) {
+        assert!(problem.robot().within_limits(q));
         let contacts = cell.contacts(q, &mut scratch);
         assert_eq!(contacts.is_empty(), cell.is_free(q, &mut scratch));
         faults.extend(contacts.iter().map(|c| format!("{} {}", cell.name(c.first), cell.name(c.second))));
@@ -407,7 +407,7 @@ fn of_five_hundred_published_problems_all_but_one_are_valid() {
             let opened = open(&folder.join(family), number, &MoveItOptions::default());
             assert_eq!((opened.robot.dof(), opened.goals.len()), (7, 1), "{family} {number}");
             assert_eq!(opened.deviations, [], "{family} {number}");
-            let faults = faults(&opened.problem(&PlanMargins::default()).unwrap());
+            let faults = faults(&opened.problem(Margins::default()).unwrap());
             valid += usize::from(faults.is_empty());
             invalid.extend(faults.into_iter().map(|fault| format!("{family} {number}: {fault}")));
         }
@@ -423,7 +423,7 @@ fn published_problems_are_solved_and_the_path_holds() {
     for name in ["reach", "ik-rrt"] {
         for family in FAMILIES {
             let problem = open(&folder.join(family), 7, &MoveItOptions::default());
-            let problem = problem.problem(&PlanMargins::default()).unwrap();
+            let problem = problem.problem(Margins::default()).unwrap();
             let budget = Budget { time: Duration::from_secs(20), ..Budget::default() };
             let report = planner(name).unwrap().plan(&problem, &budget, 0, &mut Unobserved).unwrap();
             assert_eq!(report.outcome, Outcome::Solved, "{name} {family}");

@@ -6,10 +6,9 @@ use std::path::PathBuf;
 use std::sync::Once;
 use std::sync::atomic::AtomicBool;
 
-use cranny_plan::{
-    Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, Validity, annotate_ik, audit,
-};
-use cranny_scenario::{Geometry, OpenOptions, PlanMargins, Scenario};
+use cranny_collision::Margins;
+use cranny_plan::{Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, annotate_ik, audit};
+use cranny_scenario::{Geometry, OpenOptions, Scenario};
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector};
 
 /// The folder of the released scenarios; `None`, said loudly, where there is none.
@@ -73,9 +72,8 @@ fn all_twenty_open_under_both_criteria() {
             assert!((found - center_in_scene).amax() < 0.002, "{id}: {found} {center_in_scene}");
 
             assert_eq!(scenario.export.is_some(), criterion == Criterion::Paper);
-            let problem = scenario.problem(&PlanMargins::default()).unwrap();
-            let mut scratch = problem.validity.scratch();
-            assert!(problem.validity.is_free(&problem.start, &mut scratch), "{id} {criterion:?}: start");
+            let problem = scenario.problem(Margins::default()).unwrap();
+            assert!(problem.start_is_free(), "{id} {criterion:?}: start");
         }
     }
 }
@@ -122,10 +120,10 @@ fn the_hand_is_palm_and_two_open_fingers() {
     for criterion in [Criterion::Exact, Criterion::Paper] {
         let scenario = open(&folder.join("011"), criterion, None);
         let name = |&link: &usize| scenario.robot.links()[link].name.clone();
-        let names: Vec<String> = scenario.hand_links.iter().map(name).collect();
+        let names: Vec<String> = scenario.robot.hand_links().iter().map(name).collect();
         assert_eq!(names, ["panda_hand", "panda_leftfinger", "panda_rightfinger"]);
         let frames = scenario.robot.frames();
-        let at = |link: usize| frames.link(scenario.hand_links[link]).translation.vector;
+        let at = |link: usize| frames.link(scenario.robot.hand_links()[link]).translation.vector;
         assert!(((at(1) - at(2)).norm() - 0.08).abs() < 1e-9);
     }
 }
@@ -138,8 +136,8 @@ fn the_export_is_one_obstacle_under_exact_and_a_surface_under_paper() {
     assert_eq!((names, exact.target), (vec!["obstacles", "floor"], None));
     let paper = open(&folder.join("021"), Criterion::Paper, Some(Geometry::Scene));
     assert!(paper.export.is_none());
-    let problem = paper.problem(&PlanMargins::default()).unwrap();
-    assert!(matches!(problem.validity, Validity::Paper { .. }));
+    let problem = paper.problem(Margins::default()).unwrap();
+    assert_eq!(problem.criterion(), Criterion::Paper);
 }
 
 #[test]
@@ -169,7 +167,7 @@ fn as_many_grasps_are_within_reach_as_an_outside_search_found() {
     for (environment, level) in ids() {
         let id = format!("0{environment}{level}");
         let scenario = open(&folder.join(&id), Criterion::Exact, None);
-        let problem = scenario.problem(&PlanMargins::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
         let settings = IkAnnotationSettings::default();
         let annotated = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false)).unwrap();
         let count = annotated.iter().filter(|annotation| annotation.status == IkStatus::Solved).count();
@@ -182,7 +180,7 @@ fn reach_ends_at_many_grasps_and_base_positions() {
     let Some(folder) = scenarios() else { return };
     for id in ["012", "034", "044"] {
         let scenario = open(&folder.join(id), Criterion::Exact, None);
-        let problem = scenario.problem(&PlanMargins::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
         let reach = cranny_plan::planner("reach").unwrap();
         let (mut grasps, mut bases) = (BTreeSet::new(), BTreeSet::new());
         for seed in 0..20 {

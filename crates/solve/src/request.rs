@@ -1,6 +1,6 @@
 use cranny_plan::{
     AuditSettings, Budget, Criterion, MotionLimits, OptimiseSettings, Planner, Problem, TimingMethod,
-    Validity, default_planner, planner_with,
+    default_planner, planner_with,
 };
 use serde_json::{Map, Value};
 
@@ -51,7 +51,7 @@ impl Request {
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         self.planner_for(problem.criterion())?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
-        let is_paper = matches!(problem.validity, Validity::Paper { .. });
+        let is_paper = problem.criterion() == Criterion::Paper;
         match self.goal_threshold {
             Some(value) if !(value.is_finite() && value >= 0.0) => {
                 return refuse(
@@ -93,7 +93,7 @@ impl Request {
             return refuse("blend", "only under the exact criterion is a cut corner proven".to_owned());
         }
         if is_demanded || blend || method == TimingMethod::JerkLimited {
-            MotionLimits::of(&problem.robot, method)?;
+            MotionLimits::of(problem.robot(), method)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use cranny_plan::{
     Criterion, MotionLimits, Observer, Outcome, PlanError, PlanReport, Problem, ShortcutSettings, Shortened,
-    Trajectory, Validity, audit_with, optimise, search, shortcut,
+    Trajectory, audit_with, optimise, search, shortcut,
 };
 
 use crate::{Answer, Optimisation, Request, Segment, Shortening, SolveError, Timed, Timing};
@@ -25,9 +25,8 @@ pub fn solve(
 ) -> Result<Answer, SolveError> {
     request.check(problem)?;
     let mut problem = problem.clone();
-    if let (Validity::Paper { threshold, .. }, Some(asked)) = (&mut problem.validity, request.goal_threshold)
-    {
-        *threshold = asked;
+    if let Some(threshold) = request.goal_threshold {
+        problem = problem.with_goal_threshold(threshold);
     }
     let planner = request.planner_for(problem.criterion())?;
     // 1.
@@ -64,20 +63,17 @@ pub fn solve(
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = if holds { request.timing.of(&problem, &path)? } else { None };
     let untimed =
-        MotionLimits::of(&problem.robot, request.timing.method).err().map(|fault| fault.to_string());
+        MotionLimits::of(problem.robot(), request.timing.method).err().map(|fault| fault.to_string());
     let clearances_m = audit.as_ref().map(|audit| audit.clearances_per_edge_m.clone()).unwrap_or_default();
     let segments = if path.is_empty() { Vec::new() } else { vec![Segment { waypoints: path, clearances_m }] };
     Ok(Answer {
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
-        goal_threshold: match &problem.validity {
-            Validity::Paper { threshold, .. } => Some(*threshold),
-            Validity::Exact(_) => None,
-        },
+        goal_threshold: problem.goal_threshold(),
         budget: request.budget,
         seed,
-        joint_names: problem.robot.joint_names().to_vec(),
+        joint_names: problem.robot().joint_names().to_vec(),
         outcome,
         segments,
         audit,
@@ -97,11 +93,11 @@ impl Timing {
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
     pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Timed>, PlanError> {
-        let Ok(limits) = MotionLimits::of(&problem.robot, self.method) else { return Ok(None) };
+        let Ok(limits) = MotionLimits::of(problem.robot(), self.method) else { return Ok(None) };
         let begin = Instant::now();
-        let trajectory = match &problem.validity {
-            Validity::Exact(cell) if self.blend => Trajectory::blended(path, &limits, cell)?,
-            Validity::Exact(_) | Validity::Paper { .. } => Trajectory::along(path, &limits)?,
+        let trajectory = match problem.cell().filter(|_| self.blend) {
+            Some(cell) => Trajectory::blended(path, &limits, cell)?,
+            None => Trajectory::along(path, &limits)?,
         };
         Ok(Some(Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
     }

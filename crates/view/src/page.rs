@@ -91,7 +91,6 @@ impl PageData {
 /// # Errors
 /// [`ViewError::Plan`] as [`Cell::new`].
 pub fn page_cell(scenario: &Scenario) -> Result<Arc<Cell>, ViewError> {
-    let margins = Margins { hand_links: scenario.hand_links.clone(), ..Margins::default() };
-    let cell = Cell::new(scenario.robot.clone(), scenario.world.clone(), margins);
+    let cell = Cell::new(scenario.robot.clone(), scenario.world.clone(), Margins::default());
     Ok(Arc::new(cell.map_err(PlanError::from)?))
 }

@@ -1,11 +1,9 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use cranny_collision::Cell;
+use cranny_collision::{Cell, Margins};
 use cranny_grasp::Grasp;
-use cranny_plan::{
-    FailureReason, Goal, IkAnnotationSettings, IkStatus, PlanError, Problem, Validity, annotate_ik,
-};
+use cranny_plan::{FailureReason, IkAnnotationSettings, IkStatus, PlanError, annotate_ik};
 use cranny_scenario::Scenario;
 use serde::Serialize;
 
@@ -49,13 +47,8 @@ pub(crate) fn all(
         }
     }
     // 2.
-    let problem = Problem {
-        robot: scenario.robot.clone(),
-        target: scenario.target,
-        start: scenario.start.clone(),
-        goal: Goal::Grasps(scenario.grasps.clone()),
-        validity: Validity::Exact(cell.clone()),
-    };
+    let exact = Scenario { criterion: cranny_plan::Criterion::Exact, ..scenario.clone() };
+    let problem = exact.problem(Margins::default()).map_err(|_| PlanError::Annotation)?;
     let settings = IkAnnotationSettings { attempts, ..IkAnnotationSettings::default() };
     let annotations = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false))?;
     let statuses = annotations

@@ -1,4 +1,4 @@
-use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, TimingMethod, Trajectory, Validity, path_length};
+use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, TimingMethod, Trajectory, path_length};
 use cranny_scenario::{PlanFile, Scenario};
 
 use crate::ViewError;
@@ -48,9 +48,9 @@ impl ShownPath {
         };
         let limits = MotionLimits::of(&scenario.robot, timing.method)?;
         let trajectory = if timing.blended {
-            match &scenario.problem(&plan.margins)?.validity {
-                Validity::Exact(cell) => Trajectory::blended(&plan.waypoints, &limits, cell)?,
-                Validity::Paper { .. } => Trajectory::along(&plan.waypoints, &limits)?,
+            match scenario.problem(plan.margins)?.cell() {
+                Some(cell) => Trajectory::blended(&plan.waypoints, &limits, cell)?,
+                None => Trajectory::along(&plan.waypoints, &limits)?,
             }
         } else {
             Trajectory::along(&plan.waypoints, &limits)?

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use cranny_collision::{Body, World};
+use cranny_collision::{Body, Margins, World};
 use cranny_plan::{FailureReason, GraspFailure, Observer, Outcome};
 use cranny_robot::{Robot, RobotOptions};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
 use cranny_shape::Solid;
 use cranny_spatial::nalgebra::{Quaternion, Translation3, Unit};
 use cranny_spatial::{Pose, Rotation, Vector};
@@ -115,7 +115,7 @@ const CRANE: &str = r#"<robot name="crane">
 fn crane() -> Scenario {
     let robot = Robot::from_urdf_text(CRANE, "crane.urdf", None, &RobotOptions::default()).expect("a robot");
     let start = vec![0.0; robot.dof()];
-    Scenario { robot: Arc::new(robot), start, ik: Vec::new(), hand_links: Vec::new(), ..scenario("021") }
+    Scenario { robot: Arc::new(robot), start, ik: Vec::new(), ..scenario("021") }
 }
 
 proptest! {
@@ -244,7 +244,7 @@ fn short_path(scenario: &Scenario) -> Vec<Vec<f64>> {
 #[test]
 fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
     let scenario = scenario("021");
-    let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
     let waypoints = short_path(&scenario);
     let plan = PagePlan::of_waypoints("way.csv", &waypoints, &scenario, &problem).expect("a plan");
     let page = page(&scenario, &[plan]);
@@ -283,7 +283,7 @@ fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
 #[test]
 fn a_failed_plan_says_what_blocked_each_grasp() {
     let scenario = scenario("021");
-    let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
     let collides = FailureReason::ArmCollides { link: "panda_link5".into(), body: "table".into() };
     let reasons = [FailureReason::NoIk, collides.clone(), collides, FailureReason::NotConnected { goals: 2 }];
     let failures = reasons
@@ -327,7 +327,7 @@ fn trees_are_recorded_node_by_node_and_no_more_than_asked_for() {
     recording.node_added(0, &q, Some(0));
     recording.node_added(0, &q, Some(1));
     assert_eq!((recording.len(), recording.left_out()), (5, 1));
-    let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
     let plan = PagePlan {
         search_tree: Some(recording),
         ..PagePlan::of_waypoints("way.csv", &short_path(&scenario), &scenario, &problem).expect("a plan")
@@ -354,7 +354,7 @@ fn trees_of_one_goal_after_the_other_do_not_mix() {
         recording.node_added(1, &scenario.start, None);
         recording.node_added(0, &scenario.start, Some(0));
     }
-    let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
     let plan = PagePlan {
         search_tree: Some(recording),
         ..PagePlan::of_waypoints("way.csv", &[], &scenario, &problem).expect("a plan")

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use cranny_collision::Margins;
 use cranny_plan::Problem;
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
 
 /// The built-in 021, and released 011 and 044 where the data folder is given in `CRANNY_DATA`.
 pub fn all() -> Vec<(String, Problem)> {
@@ -18,7 +19,7 @@ pub fn all() -> Vec<(String, Problem)> {
     }
     let open = |name: String| {
         let scenario = Scenario::open(&name, &OpenOptions::default()).expect("a scenario");
-        let problem = scenario.problem(&PlanMargins::default()).expect("a problem");
+        let problem = scenario.problem(Margins::default()).expect("a problem");
         (scenario.id, problem)
     };
     names.into_iter().map(open).collect()

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use cranny_grasp::{Grasp, Gripper, SamplerSettings, pose_of_rows, read_csv};
+use cranny_grasp::{Grasp, SamplerSettings, pose_of_rows, read_csv};
+use cranny_scenario::panda_hand;
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde::Deserialize;
@@ -68,7 +69,7 @@ impl ReleasedObject {
             up,
             steepest_rise_rad: 0.0,
             ground_m: Some(heights.fold(f64::INFINITY, f64::min)),
-            finger_depth_m: Some(Gripper::panda_hand().finger_depth_m()),
+            finger_depth_m: Some(panda_hand().expect("the built-in hand").finger_depth_m),
             seed,
             ..SamplerSettings::default()
         }

@@ -12,7 +12,6 @@ use cranny_spatial::{Pose, Stream, Vector};
 /// to be reached. Fewer boxes are the first of the many.
 pub struct Clutter {
     robot: Arc<Robot>,
-    hand_links: Vec<usize>,
     start: Vec<f64>,
     floor: Body,
     boxes: Vec<Body>,
@@ -36,18 +35,19 @@ const KEPT_FREE_M: f64 = 0.02;
 
 impl Clutter {
     pub fn draw(seed: u64, boxes: usize) -> Self {
-        let Scenario { robot, hand_links, start, world, .. } =
+        let Scenario { robot, start, world, .. } =
             Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
         let floor = world.bodies()[world.body_index("floor").expect("a floor")].clone();
         let mut random = Stream::new(seed, 0);
-        let mut clutter = Self { robot, hand_links, start, floor, boxes: Vec::new(), grasps: Vec::new() };
+        let mut clutter = Self { robot, start, floor, boxes: Vec::new(), grasps: Vec::new() };
         let mut kept_free = vec![clutter.frames_at(&clutter.start)];
         let empty = clutter.problem(0);
-        let mut scratch = empty.validity.scratch();
+        let cell = empty.cell().expect("the criterion is exact");
+        let mut scratch = cell.scratch();
         while clutter.grasps.len() < GRASPS {
             let limits = clutter.robot.limits();
             let q: Vec<f64> = limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect();
-            if empty.validity.is_free(&q, &mut scratch) {
+            if cell.is_free(&q, &mut scratch) {
                 let frames = clutter.frames_at(&q);
                 let world_from_gripper = *frames.link(clutter.robot.tip());
                 clutter.grasps.push(Grasp { world_from_gripper, score: None, width_m: None });
@@ -77,8 +77,7 @@ impl Clutter {
         let bodies = self.boxes[..boxes].iter().chain([&self.floor]).cloned().collect();
         let world = World::new(bodies).expect("finite poses");
         let goal = Goal::Grasps(GraspSet::new(self.grasps.clone()).expect("good grasps"));
-        let margins = Margins { hand_links: self.hand_links.clone(), ..Margins::default() };
-        Problem::exact(self.robot.clone(), world, None, self.start.clone(), goal, margins)
+        Problem::exact(self.robot.clone(), world, None, self.start.clone(), goal, Margins::default())
             .expect("a good problem")
     }
 

@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Scratch, between};
-use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, Validity, audit};
+use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, audit};
 use cranny_spatial::Stream;
 
 use crate::chart::{Panel, Series};
@@ -91,11 +91,11 @@ fn measured(worlds: &[Clutter], boxes: usize) -> Row {
     let (mut solved, mut verified) = (0, 0);
     for world in worlds {
         let problem = world.problem(boxes);
-        let Validity::Exact(cell) = &problem.validity else { unreachable!("the criterion is exact") };
+        let cell = problem.cell().expect("the criterion is exact");
         let (mut scratch, mut verdicts) = (cell.scratch(), Vec::new());
         let all = random_configurations(cell, CONFIGURATIONS);
         cell.are_free(&all, &mut scratch, &mut verdicts);
-        let dof = problem.robot.dof();
+        let dof = problem.robot().dof();
         let free: Vec<f64> =
             all.chunks(dof).zip(&verdicts).filter(|(_, free)| **free).flat_map(|(q, _)| q.to_vec()).collect();
         shares.push(free.len() as f64 / all.len() as f64);

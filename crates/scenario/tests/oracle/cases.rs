@@ -7,11 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, Once, OnceLock};
 use std::time::Duration;
 
-use cranny_collision::Cell;
-use cranny_plan::{
-    Budget, Criterion, Outcome, Problem, ShortcutSettings, Unobserved, Validity, planner, shortcut,
-};
-use cranny_scenario::{OpenOptions, PlanMargins, Scenario};
+use cranny_collision::{Cell, Margins};
+use cranny_plan::{Budget, Criterion, Outcome, Problem, ShortcutSettings, Unobserved, planner, shortcut};
+use cranny_scenario::{OpenOptions, Scenario};
 
 use crate::judge::Oracle;
 
@@ -53,13 +51,13 @@ fn scenarios() -> Option<PathBuf> {
 fn case(folder: &Path) -> Case {
     let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
     assert_eq!(scenario.criterion, Criterion::Exact);
-    let problem = scenario.problem(&PlanMargins::default()).unwrap();
-    let Validity::Exact(cell) = &problem.validity else { panic!("{}: not exact", scenario.id) };
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let cell = problem.cell().expect("{}: not exact");
     Case {
         id: scenario.id.clone(),
         oracle: Oracle::new(scenario.robot.clone(), folder),
         cell: cell.clone(),
-        start: problem.start.clone(),
+        start: problem.start().to_vec(),
         path: path(&scenario.id, &problem),
     }
 }

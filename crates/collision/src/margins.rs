@@ -1,0 +1,29 @@
+use cranny_spatial::CONTACT_M;
+use serde::{Deserialize, Serialize};
+
+use crate::CollisionError;
+
+/// How much clearance every check and every proof demands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Margins {
+    /// Between any two things, in metres, ≥ 0. Default 0: contact alone counts.
+    pub margin_m: f64,
+    /// Instead of that between the hand and what it grasps, and what carries that, in metres, ≥ 0. Default 0: fingers
+    /// must come close to what they grasp.
+    pub grasp_margin_m: f64,
+}
+
+impl Margins {
+    pub(crate) fn check(&self) -> Result<(), CollisionError> {
+        for value in [self.margin_m, self.grasp_margin_m] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(CollisionError::Margin { value });
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn between_links(&self) -> f64 {
+        CONTACT_M.max(self.margin_m)
+    }
+}

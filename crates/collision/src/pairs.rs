@@ -1,0 +1,138 @@
+use cranny_robot::Robot;
+use cranny_spatial::CONTACT_M;
+
+use crate::Margins;
+use crate::link_body::LinkBody;
+use crate::part_tree::PartTree;
+use crate::travel::shared_joints;
+use crate::world::Part;
+
+/// Two things that are checked against each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Index into the link bodies.
+    pub first: usize,
+    pub second: Other,
+    /// The least distance that counts as free, in metres.
+    pub required_m: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Other {
+    /// Index into the link bodies, and how many joints move both links alike.
+    Link { body: usize, shared_joints: usize },
+    /// Index into the parts of all bodies of the world.
+    Part(usize),
+}
+
+/// All that is checked against each other, by index: every link that moves with every part, in the order of the tree;
+/// then links with links. Of the former there is no list: ten links among 10⁵ boxes make a million.
+#[derive(Clone, Debug)]
+pub(crate) struct Pairs {
+    moving: Vec<Moving>,
+    /// The parts in the order of the tree, and whether the hand may come as near as its margin says.
+    parts: Vec<(usize, bool)>,
+    links: Vec<Pair>,
+    margins: Margins,
+}
+
+/// A link that moves.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    /// Index into the link bodies.
+    body: usize,
+    is_of_hand: bool,
+}
+
+/// The pairs of a link with every part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartPairs {
+    /// Index into the link bodies.
+    pub body: usize,
+    /// The first of them.
+    pub begin: usize,
+    /// The greatest distance that any of them demands, in metres.
+    pub required_m: f64,
+    /// Whether the link belongs to the hand.
+    pub is_of_hand: bool,
+}
+
+impl Pairs {
+    /// `link_pairs` are those of link bodies that are checked, `grasp_bodies` the bodies that get the grasp margin.
+    pub fn new(
+        robot: &Robot,
+        bodies: &[LinkBody],
+        link_pairs: impl IntoIterator<Item = (usize, usize)>,
+        (parts, tree): (&[(usize, Part)], &PartTree),
+        grasp_bodies: &[usize],
+        margins: Margins,
+    ) -> Self {
+        // Hand and wrist first: they are what touches first.
+        let moving = (0..bodies.len()).rev().filter(|&body| !robot.ancestors(bodies[body].link).is_empty());
+        let is_of_hand = |body: usize| robot.hand_links().contains(&bodies[body].link);
+        let is_grasped = |part: usize| grasp_bodies.contains(&parts[part].0);
+        let link_pair = |(first, second): (usize, usize)| {
+            let shared_joints = shared_joints(robot, bodies[first].link, bodies[second].link);
+            let second = Other::Link { body: second, shared_joints };
+            Pair { first, second, required_m: margins.between_links() }
+        };
+        Self {
+            moving: moving.map(|body| Moving { body, is_of_hand: is_of_hand(body) }).collect(),
+            parts: tree.parts().iter().map(|&part| (part, is_grasped(part))).collect(),
+            links: link_pairs.into_iter().map(link_pair).collect(),
+            margins,
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.first_of_links() + self.links.len()
+    }
+
+    /// # Panics
+    /// If there is no pair of that index.
+    pub fn get(&self, index: u32) -> Pair {
+        let index = index as usize;
+        match index.checked_sub(self.first_of_links()) {
+            Some(index) => self.links[index],
+            None => self.with_part(self.moving[index / self.parts.len()], index % self.parts.len()),
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Pair> {
+        let places = 0..self.parts.len();
+        let with_parts = move |moving: &Moving| {
+            let moving = *moving;
+            places.clone().map(move |place| self.with_part(moving, place))
+        };
+        self.moving.iter().flat_map(with_parts).chain(self.links.iter().copied())
+    }
+
+    /// The pairs of links, and the index of the first.
+    pub fn of_links(&self) -> (&[Pair], usize) {
+        (&self.links, self.first_of_links())
+    }
+
+    /// Of each link that moves its pairs with parts, in order.
+    pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
+        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand })| {
+            let required =
+                self.parts.iter().map(|(_, is_grasped)| self.required_m(is_of_hand && *is_grasped));
+            let required_m = required.fold(0.0, f64::max);
+            PartPairs { body, begin: index * self.parts.len(), required_m, is_of_hand }
+        })
+    }
+
+    fn first_of_links(&self) -> usize {
+        self.moving.len() * self.parts.len()
+    }
+
+    fn with_part(&self, Moving { body, is_of_hand }: Moving, place: usize) -> Pair {
+        let (part, is_grasped) = self.parts[place];
+        let required_m = self.required_m(is_of_hand && is_grasped);
+        Pair { first: body, second: Other::Part(part), required_m }
+    }
+
+    fn required_m(&self, is_grasp: bool) -> f64 {
+        CONTACT_M.max(if is_grasp { self.margins.grasp_margin_m } else { self.margins.margin_m })
+    }
+}

@@ -1,0 +1,68 @@
+use cranny_collision::{Cell, Motion, ReleasedCheck, ReleasedScratch, Scratch};
+use cranny_grasp::GraspSet;
+use cranny_robot::LinkFrames;
+use cranny_spatial::Pose;
+
+use crate::Problem;
+use crate::grasp_poses::{all_open_poses, poses};
+use crate::problem::Validity;
+
+/// What the two baselines ask, which plan under either criterion, with the room to compute it in. Planners that prove
+/// what they do ask the [`Cell`] itself.
+pub(crate) enum BaselineCheck<'a> {
+    Exact(&'a Cell, Box<Scratch>),
+    Paper(&'a ReleasedCheck, Box<ReleasedScratch>),
+}
+
+impl<'a> BaselineCheck<'a> {
+    pub fn of(problem: &'a Problem) -> Self {
+        match problem.validity() {
+            Validity::Exact(cell) => Self::Exact(cell, Box::new(cell.scratch())),
+            Validity::Paper { check, .. } => Self::Paper(check, Box::new(check.scratch())),
+        }
+    }
+
+    /// Whether a single configuration is free.
+    pub fn is_free(&mut self, q: &[f64]) -> bool {
+        match self {
+            Self::Exact(cell, scratch) => cell.is_free(q, scratch),
+            Self::Paper(check, scratch) => check.is_free(q, scratch),
+        }
+    }
+
+    /// Whether goals are looked at: the released planners do not.
+    pub fn looks_at_goals(&self) -> bool {
+        matches!(self, Self::Exact(..))
+    }
+
+    /// Whether a tree may grow from `a`, which is free, to `b`: under `exact` if the whole motion is
+    /// proven, under `paper` if `b` alone is free.
+    pub fn edge_is_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        match self {
+            // A blocked end is the usual reason, and cheaper to find than the whole proof.
+            Self::Exact(cell, scratch) => {
+                cell.is_free(b, scratch) && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven)
+            }
+            Self::Paper(check, scratch) => check.is_free(b, scratch),
+        }
+    }
+
+    /// [`Self::edge_is_free`] for one who knows the link frames at `b` already.
+    pub fn edge_to_frames_is_free(&mut self, a: &[f64], b: &[f64], frames_at_b: &LinkFrames) -> bool {
+        match self {
+            Self::Exact(..) => self.edge_is_free(a, b),
+            Self::Paper(check, _) => check.robot().within_limits(b) && check.holds(frames_at_b),
+        }
+    }
+
+    /// The poses of grasps, from the highest score down, that the hand alone can take (`exact`), or all (`paper`).
+    pub fn open_poses(&mut self, grasps: &GraspSet) -> Vec<(usize, Pose)> {
+        match self {
+            Self::Exact(cell, scratch) => all_open_poses(cell, grasps, scratch),
+            Self::Paper(..) => {
+                let both = |grasp: usize| poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
+                grasps.by_score().into_iter().flat_map(both).collect()
+            }
+        }
+    }
+}
