@@ -82,11 +82,11 @@ pub fn plan(
         goal_threshold,
         keep_path: !shortcut,
         optimise: optimise.map(|time| OptimiseSettings { time, score_weight }),
-        timing: Timing {
+        timing: Some(Timing {
             method: if jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal },
             blend,
             is_demanded: false,
-        },
+        }),
         audit: AuditSettings::default(),
     };
     let mut observer = InterruptObserver::new();

@@ -75,7 +75,7 @@ impl PyResultsFile {
         column!("clearance_m", |t: &StoredTrial| t.record.clearance_m);
         column!("grasp", |t: &StoredTrial| t.record.grasp);
         column!("grasp_score", |t: &StoredTrial| t.record.grasp_score);
-        column!("also_solved", |t: &StoredTrial| t.also_solved);
+        column!("also_solved", |t: &StoredTrial| t.record.also_solved);
         Ok(columns)
     }
 

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use crate::worker_message::{Request, TrialAnswer};
+use crate::worker_message::Request;
 use crate::worker_process::{Served, WorkerProcess};
 use crate::{BenchError, Question, Results, RunInformation, Schedule, TrialRecord, WorkerProgram};
 
@@ -110,7 +110,7 @@ pub fn run_campaign(
                     // 2.
                     let asked = ask(&mut worker, question, settings, exports, stop);
                     let is_end = !matches!(asked, Ok(Some(_)));
-                    if sender.send((*question, asked)).is_err() || is_end {
+                    if sender.send(asked).is_err() || is_end {
                         return;
                     }
                 }
@@ -119,10 +119,9 @@ pub fn run_campaign(
         drop(sender);
         // 3.
         let mut store = || -> Result<(), BenchError> {
-            for (question, asked) in &answers {
-                let Some(answer) = asked? else { continue };
-                let (record, also_solved, path) = record_of(question, answer);
-                results.append(run, &record, also_solved, &path)?;
+            for asked in &answers {
+                let Some((record, path)) = asked? else { continue };
+                results.append(run, &record, &path)?;
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
                 observer.trial_ended(&record);
@@ -138,14 +137,15 @@ pub fn run_campaign(
     Ok(summary)
 }
 
-/// Asks `worker`, or a new one where there is none; nothing where somebody stopped the campaign.
+/// Asks `worker`, or a new one where there is none, how a trial goes and for its path; nothing where somebody stopped
+/// the campaign.
 fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,
     settings: &CampaignSettings,
     exports: &Path,
     stop: &AtomicBool,
-) -> Result<Option<TrialAnswer>, BenchError> {
+) -> Result<Option<(TrialRecord, Vec<Vec<f64>>)>, BenchError> {
     // One that ended between two trials takes none with it.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
         *worker = Some(WorkerProcess::start(&settings.worker)?);
@@ -157,15 +157,15 @@ fn ask(
         memory_limit_bytes: settings.memory_limit_bytes,
     };
     match serving.serve(&request, stop) {
-        Served::Answered(answer) => Ok(Some(answer)),
+        Served::Answered(record, path) => Ok(Some((record, path))),
         Served::Refused(reason) => Err(BenchError::Refused {
             scenario: question.trial.scenario.clone(),
             planner: question.trial.planner.clone(),
             reason,
         }),
-        Served::Lost(answer) => {
+        Served::Lost(record) => {
             *worker = None;
-            Ok(Some(answer))
+            Ok(Some((record, Vec::new())))
         }
         Served::Stopped => Ok(None),
     }
@@ -179,7 +179,7 @@ pub(crate) fn ask_once(
     question: &Question,
     settings: &CampaignSettings,
     stop: &AtomicBool,
-) -> Result<Option<TrialAnswer>, BenchError> {
+) -> Result<Option<(TrialRecord, Vec<Vec<f64>>)>, BenchError> {
     let exports = exports()?;
     ask(&mut None, question, settings, exports.path(), stop)
 }
@@ -191,26 +191,4 @@ fn exports() -> Result<tempfile::TempDir, BenchError> {
         program: "a campaign".to_owned(),
         reason: format!("no temporary folder: {reason}"),
     })
-}
-
-/// The record of an answer, whether the path meets the other criterion too, and the path.
-pub(crate) fn record_of(
-    question: &Question,
-    answer: TrialAnswer,
-) -> (TrialRecord, Option<bool>, Vec<Vec<f64>>) {
-    let TrialAnswer {
-        outcome,
-        detail,
-        statistics,
-        path_length,
-        clearance_m,
-        grasp,
-        grasp_score,
-        also_solved,
-        path,
-    } = answer;
-    let trial = question.trial.clone();
-    let record =
-        TrialRecord { trial, outcome, detail, statistics, path_length, clearance_m, grasp, grasp_score };
-    (record, also_solved, path)
 }

@@ -82,6 +82,9 @@ pub enum BenchError {
     /// A planner.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// A question to a built-in planner.
+    #[error(transparent)]
+    Solve(#[from] cranny_solve::SolveError),
     /// Nothing has an id of this pattern.
     #[error(
         "no built-in scenario matches '{pattern}' ('x' stands for any digit: 01x, 0x5; 'all' for all of them), and \

@@ -11,8 +11,8 @@ use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
 use crate::opened_scenario::OpenedScenario;
 use crate::process_group::{self, Leash};
-use crate::worker_message::{Request, TrialAnswer};
-use crate::{BenchError, PlannerCall, TrialOutcome};
+use crate::worker_message::Request;
+use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord};
 
 /// The program of others, with the files of one scenario.
 pub struct ForeignPlanner {
@@ -70,8 +70,12 @@ impl ForeignPlanner {
         Ok(Self { command, is_released, files: ForeignFiles::write(request, opened)? })
     }
 
-    /// What the program makes of a trial, not yet judged.
-    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<TrialAnswer, BenchError> {
+    /// What the program makes of a trial, and its path, not yet judged.
+    pub fn plan(
+        &self,
+        task: &ForeignTask,
+        leash: &Leash,
+    ) -> Result<(TrialRecord, Vec<Vec<f64>>), BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let limits =
@@ -89,7 +93,8 @@ impl ForeignPlanner {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
             })?;
         let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
-        let without = |outcome, detail| TrialAnswer::without_path(outcome, detail, statistics);
+        let without =
+            |outcome, detail| (TrialRecord::without_path(trial, outcome, detail, statistics), Vec::new());
         let answer = match ending {
             Ending::Hung => without(TrialOutcome::Hung, Some(format!("ended after {elapsed_s:.1} s"))),
             Ending::OutOfMemory(bytes) => {
@@ -114,14 +119,10 @@ impl ForeignPlanner {
                     foreign_answer::read_output(&output, joints)
                 };
                 match read {
-                    Ok(ForeignAnswer { outcome, path, statistics }) => TrialAnswer {
-                        path,
-                        ..TrialAnswer::without_path(
-                            outcome,
-                            None,
-                            Statistics { planning_time_s: elapsed_s, ..statistics },
-                        )
-                    },
+                    Ok(ForeignAnswer { outcome, path, statistics }) => {
+                        let statistics = Statistics { planning_time_s: elapsed_s, ..statistics };
+                        (TrialRecord::without_path(trial, outcome, None, statistics), path)
+                    }
                     Err(fault) => without(TrialOutcome::Garbled, Some(fault)),
                 }
             }

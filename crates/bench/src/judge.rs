@@ -1,37 +1,39 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{AuditSettings, PlanError, Problem, Violation, audit_with, path_length};
+use cranny_plan::{Audit, AuditSettings, PlanError, Problem, Violation, audit_with, path_length};
 
-use crate::TrialOutcome;
-use crate::worker_message::TrialAnswer;
+use crate::{TrialOutcome, TrialRecord};
 
-/// Puts the judge's word on the path of `answer`, whatever its planner says: solved, rejected with the first
-/// objection, or garbled where it is no path of this robot.
-pub fn judge(problem: &Problem, answer: TrialAnswer, settings: AuditSettings) -> TrialAnswer {
-    let verification = match audit_with(problem, &answer.path, settings) {
-        Ok(verification) => verification,
+/// Writes into `record` what the judge's word makes of `path`, whatever its planner says: solved, rejected with the
+/// first objection, or garbled, and then no path, where it is none of this robot.
+pub fn decide(
+    record: &mut TrialRecord,
+    path: &mut Vec<Vec<f64>>,
+    problem: &Problem,
+    word: Result<Audit, PlanError>,
+) {
+    let audit = match word {
+        Ok(audit) => audit,
         Err(fault) => {
-            let (outcome, detail) = (TrialOutcome::Garbled, Some(fault.to_string()));
-            return TrialAnswer { outcome, detail, path: Vec::new(), ..answer };
+            (record.outcome, record.detail) = (TrialOutcome::Garbled, Some(fault.to_string()));
+            path.clear();
+            return;
         }
     };
-    if let Some(violation) = verification.violations.first() {
-        let others = verification.violations.len() - 1;
+    if let Some(violation) = audit.violations.first() {
+        let others = audit.violations.len() - 1;
         let mut detail = violation.to_string();
         if others > 0 {
             let _ = write!(detail, " (and {others} more)");
         }
-        return TrialAnswer { outcome: TrialOutcome::Rejected, detail: Some(detail), ..answer };
+        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(detail));
+        return;
     }
-    let grasp = verification.goal.map(|goal| goal.grasp);
-    TrialAnswer {
-        outcome: TrialOutcome::Solved,
-        path_length: Some(path_length(&answer.path)),
-        clearance_m: verification.clearance_m,
-        grasp,
-        grasp_score: verification.grasp_score(problem),
-        ..answer
-    }
+    record.outcome = TrialOutcome::Solved;
+    record.path_length = Some(path_length(path));
+    record.clearance_m = audit.clearance_m;
+    record.grasp = audit.goal.map(|goal| goal.grasp);
+    record.grasp_score = audit.grasp_score(problem);
 }
 
 /// Whether a path also meets the criterion of `problem`. Where that looks at way points alone, they are made as

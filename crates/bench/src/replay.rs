@@ -2,7 +2,7 @@ use std::sync::atomic::AtomicBool;
 
 use cranny_scenario::Identity;
 
-use crate::campaign_run::{ask_once, record_of};
+use crate::campaign_run::ask_once;
 use crate::{BenchError, CampaignSettings, PlannerCall, Question, Results, StoredTrial, Trial, TrialRecord};
 
 /// A trial that was run again.
@@ -61,8 +61,7 @@ pub fn replay(
         trial.clone()
     };
     let question = Question { trial: asked, source, call, judge_both: false, measure_clearance: false };
-    let Some(answer) = ask_once(&question, settings, stop)? else { return Ok(None) };
-    let (mut record, _, path) = record_of(&question, answer);
+    let Some((mut record, path)) = ask_once(&question, settings, stop)? else { return Ok(None) };
     record.trial = trial.clone();
     let bits = |path: &[Vec<f64>]| -> Vec<Vec<u64>> {
         path.iter().map(|q| q.iter().map(|value| value.to_bits()).collect()).collect()

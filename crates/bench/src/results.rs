@@ -37,8 +37,6 @@ pub struct StoredTrial {
     pub run: u64,
     /// The trial and how it went.
     pub record: TrialRecord,
-    /// Whether the path also meets the other of the two criteria, where that was asked.
-    pub also_solved: Option<bool>,
 }
 
 /// Where a scenario was found: what its id and hash alone do not tell.
@@ -121,14 +119,8 @@ impl Results {
     ///
     /// # Errors
     /// [`BenchError::Database`].
-    pub fn append(
-        &mut self,
-        run: u64,
-        record: &TrialRecord,
-        also_solved: Option<bool>,
-        path: &[Vec<f64>],
-    ) -> Result<bool, BenchError> {
-        let added = results_row::insert(&self.connection, run, record, also_solved, path);
+    pub fn append(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<bool, BenchError> {
+        let added = results_row::insert(&self.connection, run, record, path);
         Ok(self.done(added)? == 1)
     }
 

@@ -24,7 +24,6 @@ pub fn insert(
     connection: &Connection,
     run: u64,
     record: &TrialRecord,
-    also_solved: Option<bool>,
     path: &[Vec<f64>],
 ) -> rusqlite::Result<usize> {
     let sql = format!(
@@ -59,7 +58,7 @@ pub fn insert(
         record.clearance_m,
         record.grasp,
         record.grasp_score,
-        also_solved,
+        record.also_solved,
         (!path.is_empty()).then(|| bytes_of_path(path)),
     ])
 }
@@ -126,8 +125,9 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
         clearance_m: row.get(24)?,
         grasp: row.get(25)?,
         grasp_score: row.get(26)?,
+        also_solved: row.get(27)?,
     };
-    Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record, also_solved: row.get(27)? })
+    Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record })
 }
 
 /// The number of joints (4 bytes), then every value of every way point (8 bytes each), little-endian.

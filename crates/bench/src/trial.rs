@@ -125,7 +125,7 @@ impl TrialOutcome {
 }
 
 /// A trial and how it went: one row of the results.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialRecord {
     /// The question.
     pub trial: Trial,
@@ -144,9 +144,31 @@ pub struct TrialRecord {
     pub grasp: Option<usize>,
     /// The score of that grasp, in [0, 1].
     pub grasp_score: Option<f64>,
+    /// Whether the path also meets the other of the two criteria, where that was asked.
+    pub also_solved: Option<bool>,
 }
 
 impl TrialRecord {
+    /// Of a trial without a path, or with one that is not judged yet.
+    pub(crate) fn without_path(
+        trial: &Trial,
+        outcome: TrialOutcome,
+        detail: Option<String>,
+        statistics: Statistics,
+    ) -> Self {
+        Self {
+            trial: trial.clone(),
+            outcome,
+            detail,
+            statistics,
+            path_length: None,
+            clearance_m: None,
+            grasp: None,
+            grasp_score: None,
+            also_solved: None,
+        }
+    }
+
     /// Whether the judge found a path that meets the criterion.
     pub fn is_solved(&self) -> bool {
         self.outcome == TrialOutcome::Solved

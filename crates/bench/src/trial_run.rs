@@ -1,14 +1,15 @@
 use std::time::Duration;
 
-use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Outcome, PlanReport, Unobserved, search};
+use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Observer, Outcome, audit_with};
+use cranny_solve::solve;
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
-use crate::worker_message::{Message, Request, TrialAnswer};
-use crate::{BenchError, PlannerCall, Trial, TrialOutcome, judge};
+use crate::worker_message::{Message, Request};
+use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord, judge};
 
-/// Runs one trial.
+/// Runs one trial, and returns how it went and the planner's own path.
 ///
 /// 1. Open the scenario, unless that was done before.
 /// 2. Let the planner look for a path.
@@ -21,7 +22,7 @@ pub fn run(
     scenarios: &mut OpenedScenarios,
     leash: &Leash,
     tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
-) -> Result<TrialAnswer, BenchError> {
+) -> Result<(TrialRecord, Vec<Vec<f64>>), BenchError> {
     let question = &request.question;
     let trial = &question.trial;
     // 1.
@@ -38,41 +39,67 @@ pub fn run(
     };
     tell(&Message::Opened)?;
     // 2.
-    let answer = match (&question.call, &foreign) {
+    let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
+    let (mut record, mut path, audit) = match (&question.call, &foreign) {
         (_, Some(foreign)) => {
             let task = ForeignTask { request, opened: &opened, goal: goal.as_deref() };
-            foreign.plan(&task, leash)?
+            let (record, path) = foreign.plan(&task, leash)?;
+            tell(&Message::Planned)?;
+            (record, path, None)
         }
-        (PlannerCall::BuiltIn { planner, settings }, None) => {
-            let planner = cranny_plan::planner_with(planner, settings)?;
-            let budget = Budget {
-                iterations: trial.iteration_limit.unwrap_or(u64::MAX),
-                time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),
+        (PlannerCall::BuiltIn { planner, settings: planner_settings }, None) => {
+            let asked = cranny_solve::Request {
+                planner: Some(planner.clone()),
+                settings: planner_settings.clone(),
+                budget: Budget {
+                    iterations: trial.iteration_limit.unwrap_or(u64::MAX),
+                    time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),
+                },
+                seed: trial.seed,
+                keep_path: true,
+                audit: settings,
+                ..cranny_solve::Request::default()
             };
-            let mut problem = match goal {
-                Some(goal) => opened.problem.with_goal(Goal::Configurations(vec![goal]))?,
-                None => opened.problem.clone(),
-            };
-            of_report(search(planner.as_ref(), &mut problem, &budget, trial.seed, &mut Unobserved)?)
+            let aimed =
+                goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
+            let mut end = EndOfSearch { tell, told: Ok(()) };
+            let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
+            end.told?;
+            let outcome = outcome_without_path(answer.outcome);
+            let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
+            let path = answer.waypoints().cloned().collect();
+            // A path to one goal is judged as one to any grasp.
+            (record, path, answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),
     };
-    tell(&Message::Planned)?;
     // 3.
-    if answer.path.is_empty() {
-        return Ok(given_up(answer, trial));
+    if path.is_empty() {
+        return Ok((given_up(record), path));
     }
-    let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
-    let mut answer = judge::judge(&opened.problem, answer, settings);
-    if let (Some(other), false) = (other, answer.path.is_empty()) {
-        answer.also_solved = judge::also_meets(&other.problem, &answer.path).ok();
+    let word = audit.map_or_else(|| audit_with(&opened.problem, &path, settings), Ok);
+    judge::decide(&mut record, &mut path, &opened.problem, word);
+    if let (Some(other), false) = (other, path.is_empty()) {
+        record.also_solved = judge::also_meets(&other.problem, &path).ok();
     }
-    let late_s = answer.statistics.planning_time_s - trial.time_limit_s;
-    if answer.outcome == TrialOutcome::Solved && late_s > 0.0 {
-        answer.outcome = TrialOutcome::BudgetExhausted;
-        answer.detail = Some(format!("a path came {late_s:.3} s after the limit"));
+    let late_s = record.statistics.planning_time_s - trial.time_limit_s;
+    if record.is_solved() && late_s > 0.0 {
+        record.outcome = TrialOutcome::BudgetExhausted;
+        record.detail = Some(format!("a path came {late_s:.3} s after the limit"));
     }
-    Ok(answer)
+    Ok((record, path))
+}
+
+/// Tells that the search is over: judging has a time limit of its own.
+struct EndOfSearch<'a> {
+    tell: &'a mut dyn FnMut(&Message) -> Result<(), BenchError>,
+    told: Result<(), BenchError>,
+}
+
+impl Observer for EndOfSearch<'_> {
+    fn search_ended(&mut self) {
+        self.told = (self.tell)(&Message::Planned);
+    }
 }
 
 fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError> {
@@ -82,34 +109,33 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
     goals.get(index).cloned().ok_or_else(missing)
 }
 
-/// What a built-in planner says, not yet judged.
-fn of_report(report: PlanReport) -> TrialAnswer {
-    let outcome = match report.outcome {
-        // Whether a path is one says the judge.
+/// How a search ended, unless the judge finds that its path is one.
+fn outcome_without_path(outcome: Outcome) -> TrialOutcome {
+    match outcome {
         Outcome::Solved | Outcome::BudgetExhausted => TrialOutcome::BudgetExhausted,
         Outcome::Cancelled => TrialOutcome::Cancelled,
         Outcome::GaveUp => TrialOutcome::GaveUp,
         Outcome::StartInvalid => TrialOutcome::StartInvalid,
         Outcome::GoalsInvalid => TrialOutcome::GoalsInvalid,
         Outcome::NoReachableGrasp => TrialOutcome::NoReachableGrasp,
-    };
-    TrialAnswer { path: report.path, ..TrialAnswer::without_path(outcome, None, report.statistics) }
+    }
 }
 
 /// A planner that stops at its limit may look at its clock so much before it, as a share of the limit.
 const EARLY: f64 = 0.05;
 
-/// Says of an answer without a path that its planner gave up, if it claims a budget that is not spent: it would else
+/// Says of a trial without a path that its planner gave up, if it claims a budget that is not spent: it would else
 /// count as one that might have found a path later.
-fn given_up(answer: TrialAnswer, trial: &Trial) -> TrialAnswer {
-    let time_s = answer.statistics.planning_time_s;
-    let iterations = answer.statistics.iterations;
+fn given_up(record: TrialRecord) -> TrialRecord {
+    let TrialRecord { trial, outcome, statistics, .. } = &record;
+    let time_s = statistics.planning_time_s;
+    let iterations = statistics.iterations;
     // A program need not tell its iterations.
     let has_iterations_left = trial.iteration_limit.is_none_or(|limit| iterations > 0 && iterations < limit);
     let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
-    if answer.outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {
-        return answer;
+    if *outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {
+        return record;
     }
     let detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
-    TrialAnswer { outcome: TrialOutcome::GaveUp, detail: answer.detail.or(Some(detail)), ..answer }
+    TrialRecord { outcome: TrialOutcome::GaveUp, detail: record.detail.or(Some(detail)), ..record }
 }

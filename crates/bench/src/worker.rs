@@ -37,7 +37,7 @@ pub fn serve(input: impl BufRead + Send + 'static, output: &mut impl Write) -> R
     for line in requests {
         let request: Request = serde_json::from_str(&line).map_err(|reason| BenchError::message(&reason))?;
         let message = match trial_run::run(&request, &mut scenarios, &leash, &mut tell) {
-            Ok(answer) => Message::Answered(Box::new(answer)),
+            Ok((record, path)) => Message::Answered(Box::new(record), path),
             Err(fault) => Message::Refused(fault.to_string()),
         };
         tell(&message)?;

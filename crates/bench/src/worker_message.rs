@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use cranny_plan::Statistics;
 use serde::{Deserialize, Serialize};
 
-use crate::{Question, TrialOutcome};
+use crate::{Question, TrialRecord};
 
 /// What a worker is asked.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,39 +24,8 @@ pub enum Message {
     Opened,
     /// The search has ended, and the path is judged.
     Planned,
-    /// How the trial went.
-    Answered(Box<TrialAnswer>),
+    /// How the trial went, and the planner's own path.
+    Answered(Box<TrialRecord>, Vec<Vec<f64>>),
     /// The trial cannot be run at all: what is wrong with the question.
     Refused(String),
-}
-
-/// How a trial went, with the planner's own path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrialAnswer {
-    pub outcome: TrialOutcome,
-    pub detail: Option<String>,
-    pub statistics: Statistics,
-    pub path_length: Option<f64>,
-    pub clearance_m: Option<f64>,
-    pub grasp: Option<usize>,
-    pub grasp_score: Option<f64>,
-    pub also_solved: Option<bool>,
-    pub path: Vec<Vec<f64>>,
-}
-
-impl TrialAnswer {
-    /// Of a trial that ended without a path.
-    pub fn without_path(outcome: TrialOutcome, detail: Option<String>, statistics: Statistics) -> Self {
-        Self {
-            outcome,
-            detail,
-            statistics,
-            path_length: None,
-            clearance_m: None,
-            grasp: None,
-            grasp_score: None,
-            also_solved: None,
-            path: Vec::new(),
-        }
-    }
 }

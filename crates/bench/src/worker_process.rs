@@ -11,8 +11,8 @@ use cranny_plan::Statistics;
 
 use crate::foreign_process::LOOK_EVERY;
 use crate::process_group;
-use crate::worker_message::{Message, Request, TrialAnswer};
-use crate::{BenchError, TrialOutcome};
+use crate::worker_message::{Message, Request};
+use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 
 /// The program that serves trials: `cranny bench worker`, or whatever else calls [`serve`](crate::serve).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,12 +35,12 @@ pub struct WorkerProcess {
 
 /// What became of a request.
 pub enum Served {
-    /// The worker answered, and serves on.
-    Answered(TrialAnswer),
+    /// The worker answered, and serves on: how the trial went, and the planner's path.
+    Answered(TrialRecord, Vec<Vec<f64>>),
     /// The question is wrong; the worker serves on.
     Refused(String),
     /// The worker is gone, with the trial.
-    Lost(TrialAnswer),
+    Lost(TrialRecord),
     /// Somebody stopped the campaign; the worker is gone.
     Stopped,
 }
@@ -105,10 +105,11 @@ impl WorkerProcess {
             requests.write_all(b"\n")?;
             requests.flush()
         });
+        let trial = &request.question.trial;
         if asked.is_err() {
-            return self.lost(Instant::now());
+            return self.lost(trial, Instant::now());
         }
-        let limit = Duration::try_from_secs_f64(request.question.trial.time_limit_s).unwrap_or(Duration::MAX);
+        let limit = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let mut begin = Instant::now();
         let mut deadline = begin.checked_add(PATIENCE);
         // What the worker holds before the search is not the planner's.
@@ -123,14 +124,14 @@ impl WorkerProcess {
                         memory_bytes = held.map(|held| held + request.memory_limit_bytes);
                     }
                     Ok(Message::Planned) => deadline = Instant::now().checked_add(PATIENCE),
-                    Ok(Message::Answered(answer)) => return Served::Answered(*answer),
+                    Ok(Message::Answered(record, path)) => return Served::Answered(*record, path),
                     Ok(Message::Refused(reason)) => return Served::Refused(reason),
                     Err(reason) => {
                         let detail = format!("the worker's answer is none: {reason}");
-                        return self.ended(TrialOutcome::Garbled, detail, begin);
+                        return self.ended(trial, TrialOutcome::Garbled, detail, begin);
                     }
                 },
-                Err(RecvTimeoutError::Disconnected) => return self.lost(begin),
+                Err(RecvTimeoutError::Disconnected) => return self.lost(trial, begin),
                 Err(RecvTimeoutError::Timeout) => {
                     if stop.load(Ordering::Relaxed) {
                         self.end();
@@ -138,14 +139,14 @@ impl WorkerProcess {
                     }
                     if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
-                        return self.ended(TrialOutcome::Hung, detail, begin);
+                        return self.ended(trial, TrialOutcome::Hung, detail, begin);
                     }
                     let held = process_group::resident_bytes(self.child.id());
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
                     {
                         let detail = format!("held {} MiB", held >> 20);
-                        return self.ended(TrialOutcome::OutOfMemory, detail, begin);
+                        return self.ended(trial, TrialOutcome::OutOfMemory, detail, begin);
                     }
                 }
             }
@@ -153,14 +154,14 @@ impl WorkerProcess {
     }
 
     /// Ends the worker for what it does; the trial has that outcome.
-    fn ended(&mut self, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
-        let answer = lost(outcome, Some(detail), begin);
+    fn ended(&mut self, trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
+        let record = lost(trial, outcome, detail, begin);
         self.end();
-        Served::Lost(answer)
+        Served::Lost(record)
     }
 
     /// The trial of a worker that ended by itself.
-    fn lost(&mut self, begin: Instant) -> Served {
+    fn lost(&mut self, trial: &Trial, begin: Instant) -> Served {
         let mut detail = self.end().map_or_else(|| "ended".to_owned(), process_group::ending);
         // Its last words may still be on their way; what it started may hold the line open.
         let gone = Instant::now();
@@ -173,7 +174,7 @@ impl WorkerProcess {
         if !complaint.is_empty() {
             detail = format!("{detail}: {complaint}");
         }
-        Served::Lost(lost(TrialOutcome::Crashed, Some(detail), begin))
+        Served::Lost(lost(trial, TrialOutcome::Crashed, detail, begin))
     }
 
     /// Ends the worker, and what it started: told so first, then by force.
@@ -204,7 +205,7 @@ impl Drop for WorkerProcess {
     }
 }
 
-fn lost(outcome: TrialOutcome, detail: Option<String>, begin: Instant) -> TrialAnswer {
-    let planning_time_s = begin.elapsed().as_secs_f64();
-    TrialAnswer::without_path(outcome, detail, Statistics { planning_time_s, ..Statistics::default() })
+fn lost(trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> TrialRecord {
+    let statistics = Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
+    TrialRecord::without_path(trial, outcome, Some(detail), statistics)
 }

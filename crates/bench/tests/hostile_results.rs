@@ -18,7 +18,7 @@ fn results(folder: &Path) -> PathBuf {
     let mut results = Results::create(&path).expect("results");
     let run = results.begin_run(&information("a")).expect("a run");
     for seed in 0..3 {
-        assert!(results.append(run, &record(trial(seed)), None, &[vec![0.0, 1.0]]).expect("appended"));
+        assert!(results.append(run, &record(trial(seed)), &[vec![0.0, 1.0]]).expect("appended"));
     }
     path
 }
@@ -76,7 +76,7 @@ fn what_else_a_file_brings_along_is_neither_run_nor_in_the_way() {
          CREATE TRIGGER thief AFTER INSERT ON trials BEGIN DELETE FROM trials; END",
     );
     let mut results = Results::create(&path).expect("results");
-    assert!(results.append(1, &record(trial(7)), None, &[]).expect("appended"));
+    assert!(results.append(1, &record(trial(7)), &[]).expect("appended"));
     assert_eq!(results.known().expect("trials").len(), 4, "the trigger ran");
 }
 

@@ -17,7 +17,7 @@ fn results(path: &Path, machine: &str, seeds: impl Iterator<Item = u64>) -> Resu
     let mut results = Results::create(path).expect("results");
     let run = results.begin_run(&information(machine)).expect("a run");
     for seed in seeds {
-        assert!(results.append(run, &record(trial(seed)), None, &[]).expect("appended"));
+        assert!(results.append(run, &record(trial(seed)), &[]).expect("appended"));
     }
     results
 }
@@ -30,18 +30,19 @@ fn a_trial_is_read_back_bit_by_bit() {
         detail: Some("edge 3 at 0.5: hand is deep in table".into()),
         outcome: TrialOutcome::Rejected,
         clearance_m: Some(5e-324),
+        also_solved: Some(false),
         ..record(Trial { criterion: Criterion::Paper, goal: Some(3), iteration_limit: Some(0), ..trial(5) })
     };
     let way = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-300]];
     let mut written = results(&path, "a", 0..1);
-    assert!(written.append(1, &whole, Some(false), &way).expect("appended"));
+    assert!(written.append(1, &whole, &way).expect("appended"));
     written.end_run(1).expect("ended");
     drop(written);
 
     let read = Results::open(&path).expect("results");
     assert_eq!(read.records().expect("records"), [record(trial(0)), whole.clone()]);
     let stored = read.trial(2).expect("the second");
-    assert_eq!((stored.id, stored.run, stored.also_solved), (2, 1, Some(false)));
+    assert_eq!((stored.id, stored.run), (2, 1));
     let bits = |path: &[Vec<f64>]| path.concat().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&read.path_of(2).expect("a path")), bits(&way));
     assert_eq!(read.path_of(1).expect("no path"), Vec::<Vec<f64>>::new());
@@ -63,7 +64,7 @@ fn a_trial_is_never_there_twice_and_every_part_of_it_tells_it_apart() {
     let folder = folder();
     let mut results = results(&folder.path().join("results.db"), "a", 0..1);
     let slower = TrialRecord { outcome: TrialOutcome::Hung, ..record(trial(0)) };
-    assert!(!results.append(1, &slower, None, &[]).expect("no fault"));
+    assert!(!results.append(1, &slower, &[]).expect("no fault"));
     assert_eq!(results.records().expect("records"), [record(trial(0))]);
     let others = [
         Trial { scenario: "022".into(), ..trial(0) },
@@ -77,8 +78,8 @@ fn a_trial_is_never_there_twice_and_every_part_of_it_tells_it_apart() {
         Trial { goal: Some(0), ..trial(0) },
     ];
     for other in others {
-        assert!(results.append(1, &record(other.clone()), None, &[]).expect("appended"), "{other:?}");
-        assert!(!results.append(1, &record(other.clone()), None, &[]).expect("no fault"), "{other:?}");
+        assert!(results.append(1, &record(other.clone()), &[]).expect("appended"), "{other:?}");
+        assert!(!results.append(1, &record(other.clone()), &[]).expect("no fault"), "{other:?}");
     }
     assert_eq!(results.known().expect("trials").len(), 10);
 }

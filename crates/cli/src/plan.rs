@@ -108,7 +108,7 @@ fn request(arguments: &PlanArguments) -> Request {
         optimise: arguments
             .optimise
             .map(|time| OptimiseSettings { time, score_weight: arguments.score_weight }),
-        timing: Timing {
+        timing: Some(Timing {
             method: if arguments.jerk_limited {
                 TimingMethod::JerkLimited
             } else {
@@ -116,7 +116,7 @@ fn request(arguments: &PlanArguments) -> Request {
             },
             blend: arguments.blend,
             is_demanded: arguments.rate.is_some(),
-        },
+        }),
         audit: AuditSettings::default(),
     }
 }

@@ -150,7 +150,7 @@ fn each_goal_is_aimed_at_by_itself_and_both_criteria_judge() {
     let aimed: HashSet<Option<usize>> = trials.iter().map(|trial| trial.record.trial.goal).collect();
     assert_eq!(aimed.len(), goals + 1);
     for trial in trials.iter().filter(|trial| trial.record.is_solved()) {
-        assert!(trial.also_solved.is_some() && trial.record.grasp.is_some(), "{trial:?}");
+        assert!(trial.record.also_solved.is_some() && trial.record.grasp.is_some(), "{trial:?}");
     }
 }
 

@@ -127,6 +127,9 @@ pub trait Observer {
     /// So many iterations are done.
     fn progress(&mut self, _iterations: u64) {}
 
+    /// The search is over: whatever follows does something else with its path.
+    fn search_ended(&mut self) {}
+
     /// Whether the search should end with [`Outcome::Cancelled`].
     fn should_stop(&self) -> bool {
         false

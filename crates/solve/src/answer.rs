@@ -26,9 +26,10 @@ pub struct Answer {
     pub segments: Vec<Segment>,
     /// What the judge says of it.
     pub audit: Option<Audit>,
-    /// When it is run through; `None` for one that does not hold, or a robot without the limits for it.
+    /// When it is run through; `None` for one that does not hold, a robot without the limits for it, or where nobody
+    /// asked.
     pub timed: Option<Timed>,
-    /// Why a path of this robot gets no time; `None` where it does.
+    /// Why a path of this robot gets no time; `None` where it does, or nobody asked.
     pub untimed: Option<String>,
     /// How the path was shortened, if it was.
     pub shortening: Option<Shortening>,

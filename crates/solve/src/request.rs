@@ -24,8 +24,8 @@ pub struct Request {
     pub keep_path: bool,
     /// How to look for better paths once there is one; they are shortened whatever `keep_path` says.
     pub optimise: Option<OptimiseSettings>,
-    /// How the path gets its time.
-    pub timing: Timing,
+    /// How the path gets its time; `None` where nobody asks for a trajectory.
+    pub timing: Option<Timing>,
     /// What is judged of the path.
     pub audit: AuditSettings,
 }
@@ -82,7 +82,7 @@ impl Request {
                 );
             }
         }
-        let Timing { method, blend, is_demanded } = self.timing;
+        let Some(Timing { method, blend, is_demanded }) = self.timing else { return Ok(()) };
         if blend && method == TimingMethod::JerkLimited {
             return refuse(
                 "blend",

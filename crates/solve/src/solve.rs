@@ -12,7 +12,7 @@ use crate::{Answer, Optimisation, Request, Segment, Shortening, SolveError, Time
 /// 1. The planner looks for a path; better ones are looked for if that is asked.
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered.
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
-/// 4. A path that holds gets its time.
+/// 4. A path that holds gets its time, if that is asked.
 ///
 /// That there is no path is an answer ([`Outcome`]), no error.
 ///
@@ -45,6 +45,7 @@ pub fn solve(
         }
         None => search(planner.as_ref(), &mut problem, budget, seed, observer)?,
     };
+    observer.search_ended();
     let PlanReport { outcome, mut path, statistics, failures } = report;
     // 2.
     let mut shortening = None;
@@ -61,9 +62,12 @@ pub fn solve(
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
-    let timed = if holds { request.timing.of(&problem, &path)? } else { None };
-    let untimed =
-        MotionLimits::of(problem.robot(), request.timing.method).err().map(|fault| fault.to_string());
+    let timed = match request.timing {
+        Some(timing) if holds => timing.of(&problem, &path)?,
+        _ => None,
+    };
+    let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
+    let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
     let clearances_m = audit.as_ref().map(|audit| audit.clearances_per_edge_m.clone()).unwrap_or_default();
     let segments = if path.is_empty() { Vec::new() } else { vec![Segment { waypoints: path, clearances_m }] };
     Ok(Answer {

@@ -82,9 +82,10 @@ pub fn add(campaign: &mut Campaign, draw: &mut Draw, scenario: &str, manner: &Ma
             clearance_m: when_solved(clearance_m).filter(|_| manner.criterion == Criterion::Exact),
             grasp: None,
             grasp_score: when_solved(score),
+            also_solved: None,
         };
         let id = campaign.trials.len() as u64 + 1;
-        campaign.trials.push(StoredTrial { id, run: 1, record, also_solved: None });
+        campaign.trials.push(StoredTrial { id, run: 1, record });
     }
 }
 
