@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use cranny_collision::Margins;
+use cranny_plan::{Trajectory, audit};
 use cranny_scenario::Scenario;
+use cranny_solve::ik_statuses;
 use cranny_view::{
     Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,
-    StandardView, ViewError, page_cell,
+    StandardView, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -94,14 +97,24 @@ pub fn moving_picture<'py>(
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
 pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<Option<String>> {
-    let html = py.detach(|| {
+    let html = py.detach(|| -> PyResult<_> {
         let shown = &scenario.scenario;
-        let cell = page_cell(shown)?;
-        let of_plan = |plan: &PyPlan| PagePlan::of_file("plan", &plan.file, shown, &plan.task.problem);
+        let exact = scenario.exact_problem(Margins::default())?;
+        let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
+        let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
+            let (file, problem) = (&plan.file, &plan.task.problem);
+            let trajectory = trajectory_in(shown, plan)?;
+            let has_path = !file.waypoints.is_empty();
+            let verification =
+                has_path.then(|| audit(problem, &file.waypoints)).transpose().map_err(fault)?;
+            PagePlan::of_file("plan", file, &shown.robot, trajectory.as_ref(), verification).map_err(fault)
+        };
         let plans = plan.map(of_plan).transpose()?;
-        PageData::of(shown, plans.as_slice(), &cell, PageSettings::default())?.html()
+        let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
+        let page = PageData::of(shown, plans.as_slice(), cell, &statuses, PageSettings::default());
+        Ok(page.and_then(|page| page.html()))
     });
-    match html {
+    match html? {
         Err(ViewError::NoPage) => Ok(None),
         html => html.map(Some).map_err(fault),
     }
@@ -109,10 +122,19 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
 
 fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {
     let path = match plan {
-        Some(plan) => ShownPath::of_plan(scenario, &plan.file, rate_hz).map_err(fault)?,
+        Some(plan) => {
+            let trajectory = trajectory_in(scenario, plan)?;
+            ShownPath::of_plan(&scenario.robot, &plan.file, trajectory.as_ref(), rate_hz).map_err(fault)?
+        }
         None => None,
     };
     Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)
+}
+
+/// When a plan is where, if it is one for the robot of the scenario.
+fn trajectory_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<Trajectory>> {
+    plan.file.check_joints(Path::new(IN_MEMORY), &scenario.robot).map_err(fault)?;
+    plan.file.trajectory(&plan.task.problem).map_err(fault)
 }
 
 fn standard_view(name: &str) -> PyResult<StandardView> {

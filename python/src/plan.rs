@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{Outcome, Trajectory, audit};
+use cranny_plan::{Outcome, PlanError, Trajectory, audit};
 use cranny_scenario::{PlanFile, write_trajectory_csv};
-use cranny_solve::Timing;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -187,24 +186,16 @@ impl PyPlan {
             return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
         }
         let (is_valid, trajectory) = py
-            .detach(|| -> Result<_, cranny_plan::PlanError> {
+            .detach(|| -> Result<_, PlanError> {
                 if file.waypoints.is_empty() {
                     return Ok((false, None));
                 }
                 let is_valid = audit(&task.problem, &file.waypoints)?.valid;
-                let trajectory = match &file.timing {
-                    Some(timing) => {
-                        let timing =
-                            Timing { method: timing.method, blend: timing.blended, is_demanded: false };
-                        timing.of(&task.problem, &file.waypoints)?
-                    }
-                    None => None,
-                };
+                let trajectory = if file.timing.is_some() { file.trajectory(&task.problem)? } else { None };
                 Ok((is_valid, trajectory))
             })
             .map_err(fault)?;
-        let trajectory = trajectory.map(|timed| Arc::new(timed.trajectory));
-        Ok(Self { task, file, trajectory, is_valid })
+        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid })
     }
 
     fn timed(&self) -> PyResult<Arc<Trajectory>> {

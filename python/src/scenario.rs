@@ -135,8 +135,7 @@ impl PyScenario {
     /// Under the "paper" criterion too, it is the exact one.
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
-        let exact = Scenario { criterion: Criterion::Exact, ..(*slf.get().scenario).clone() };
-        let problem = exact.problem(Margins { margin_m, grasp_margin_m }).map_err(fault)?;
+        let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m })?;
         let keywords = PyDict::new(slf.py());
         keywords.set_item("margin_m", margin_m)?;
         keywords.set_item("grasp_margin_m", grasp_margin_m)?;
@@ -286,6 +285,12 @@ impl PyScenario {
     /// The problem to plan for.
     pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
         self.scenario.problem(margins).map_err(fault)
+    }
+
+    /// The same under `exact`, whatever the criterion of the scenario.
+    pub fn exact_problem(&self, margins: Margins) -> PyResult<Problem> {
+        let exact = Scenario { criterion: Criterion::Exact, ..(*self.scenario).clone() };
+        exact.problem(margins).map_err(fault)
     }
 }
 

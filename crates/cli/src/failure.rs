@@ -41,16 +41,6 @@ pub enum Failure {
         /// What is wrong with it, and what would fit.
         problem: String,
     },
-    /// The plan is of a robot with other joints.
-    #[error("{}: the plan moves joint '{found}' where this scenario's robot has '{expected}'", path.display())]
-    OtherRobot {
-        /// The plan file.
-        path: PathBuf,
-        /// The first joint of the plan that differs.
-        found: String,
-        /// The joint that the robot has in its place.
-        expected: String,
-    },
     /// A file would be written where it cannot be.
     #[error("{}: the folder does not exist, so nothing can be written there", path.display())]
     NoFolder {

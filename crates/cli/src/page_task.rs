@@ -2,9 +2,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Criterion, Problem};
+use cranny_plan::{Criterion, PlanError, Problem, audit};
 use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, read_waypoints};
-use cranny_view::{PageData, PagePlan, PageSettings, page_cell};
+use cranny_solve::{Timing, ik_statuses};
+use cranny_view::{PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
@@ -56,7 +57,8 @@ impl PageTask {
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;
         let shown = tasks.open(Some(Criterion::Exact))?;
-        let cell = page_cell(&shown)?;
+        let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
+        let cell = exact.cell().ok_or(PlanError::Annotation)?;
         let stop = if request.search_trees { Some(stop_on_interrupt()?) } else { None };
         let mut plans = Vec::new();
         for (file, read) in request.plans.iter().zip(&files) {
@@ -65,7 +67,11 @@ impl PageTask {
                 Read::Plan(plan) => {
                     check(file, plan, &shown)?;
                     let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-                    let mut shown_plan = PagePlan::of_file(name, plan, &shown, &problem)?;
+                    let trajectory = plan.trajectory(&problem)?;
+                    let has_path = !plan.waypoints.is_empty();
+                    let verification = has_path.then(|| audit(&problem, &plan.waypoints)).transpose()?;
+                    let mut shown_plan =
+                        PagePlan::of_file(name, plan, &shown.robot, trajectory.as_ref(), verification)?;
                     if let Some(stop) = &stop {
                         let replay = search_replay::replay(file, plan, &problem, stop, output)?;
                         shown_plan.search_tree = Some(replay);
@@ -75,14 +81,23 @@ impl PageTask {
                 Read::Waypoints => {
                     let waypoints = read_waypoints(file, shown.robot.dof())?;
                     let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                    plans.push(PagePlan::of_waypoints(name, &waypoints, &shown, &problem)?);
+                    let trajectory = Timing::default().of(&problem, &waypoints)?;
+                    let verification = audit(&problem, &waypoints)?;
+                    plans.push(PagePlan::of_waypoints(
+                        name,
+                        &waypoints,
+                        &shown.robot,
+                        trajectory.as_ref(),
+                        Some(verification),
+                    )?);
                 }
             }
         }
         let spinner = progress::spinner("measuring clearance and inverse kinematics", output.quiet);
-        let page = PageData::of(&shown, &plans, &cell, PageSettings::default())?;
+        let statuses = ik_statuses(&exact, &shown.ik)?;
+        let page = PageData::of(&shown, &plans, cell, &statuses, PageSettings::default())?;
         spinner.finish_and_clear();
-        Ok(Self { page, cell })
+        Ok(Self { page, cell: cell.clone() })
     }
 }
 
@@ -135,11 +150,7 @@ impl Tasks<'_> {
 
 /// Says if the plan is of another scenario, and refuses it if it is of another robot.
 fn check(file: &Path, plan: &PlanFile, scenario: &Scenario) -> Result<(), Failure> {
-    let mut pairs = plan.joint_names.iter().zip(scenario.robot.joint_names());
-    if let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) {
-        let (path, found, expected) = (file.to_owned(), found.clone(), expected.clone());
-        return Err(Failure::OtherRobot { path, found, expected });
-    }
+    plan.check_joints(file, &scenario.robot)?;
     if plan.scenario != scenario.id {
         let (planned, shown) = (&plan.scenario, &scenario.id);
         let note = format!("the plan was made for scenario '{planned}', and is shown in '{shown}'");

@@ -2,7 +2,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_scenario::{OpenOptions, PlanFile, read_waypoints};
+use cranny_collision::Margins;
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
     StandardView,
@@ -362,12 +364,19 @@ fn scene(
     };
     let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {
-        (Some(plan), _) => ShownPath::of_plan(&scenario, &plan, rate_hz)?,
+        (Some(plan), Some(file)) => {
+            plan.check_joints(file, &scenario.robot)?;
+            let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
+            let trajectory = plan.trajectory(&planned.problem(plan.margins)?)?;
+            ShownPath::of_plan(&scenario.robot, &plan, trajectory.as_ref(), rate_hz)?
+        }
         (None, Some(file)) => {
             let waypoints = read_waypoints(file, scenario.robot.dof())?;
-            ShownPath::of_waypoints(&scenario, &waypoints, rate_hz)?
+            let problem = scenario.problem(Margins::default())?;
+            let trajectory = Timing::default().of(&problem, &waypoints)?;
+            ShownPath::of_waypoints(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
         }
-        (None, None) => None,
+        (_, None) => None,
     };
     Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
 }

@@ -18,16 +18,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let PlanTask { source, problem, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
     if let Some(plan) = &plan {
-        let (found, expected) = (&plan.joint_names, problem.robot().joint_names());
-        if let Some((found, expected)) =
-            found.iter().zip(expected).find(|(found, expected)| found != expected)
-        {
-            return Err(Failure::OtherRobot {
-                path: file.to_owned(),
-                found: found.clone(),
-                expected: expected.clone(),
-            });
-        }
+        plan.check_joints(file, problem.robot())?;
         if plan.scenario != source.scenario {
             text::note(&format!(
                 "the plan was made for scenario '{}', and is judged against '{}'",

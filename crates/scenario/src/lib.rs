@@ -53,6 +53,7 @@ mod own_layout;
 mod plan_betterment;
 mod plan_file;
 mod plan_segment;
+mod plan_trajectory;
 mod recipe;
 mod recipe_file;
 mod released;

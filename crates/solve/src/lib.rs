@@ -9,10 +9,12 @@
 
 mod answer;
 mod error;
+mod ik_status;
 mod request;
 mod solve;
 
 pub use answer::{Answer, Optimisation, Segment, Shortening, Timed};
 pub use error::SolveError;
+pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
 pub use solve::solve;

@@ -63,7 +63,11 @@ pub fn solve(
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
-        Some(timing) if holds => timing.of(&problem, &path)?,
+        Some(timing) if holds => {
+            let begin = Instant::now();
+            let trajectory = timing.of(&problem, &path)?;
+            trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() })
+        }
         _ => None,
     };
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
@@ -92,17 +96,16 @@ pub fn solve(
 }
 
 impl Timing {
-    /// The time of a path; `None` for a robot without the limits that this needs.
+    /// A path in time; `None` for a robot without the limits that this needs.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
-    pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Timed>, PlanError> {
+    pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Trajectory>, PlanError> {
         let Ok(limits) = MotionLimits::of(problem.robot(), self.method) else { return Ok(None) };
-        let begin = Instant::now();
         let trajectory = match problem.cell().filter(|_| self.blend) {
             Some(cell) => Trajectory::blended(path, &limits, cell)?,
             None => Trajectory::along(path, &limits)?,
         };
-        Ok(Some(Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
+        Ok(Some(trajectory))
     }
 }

@@ -17,20 +17,12 @@ pub enum ViewError {
     /// A mesh cannot be read.
     #[error(transparent)]
     Shape(#[from] cranny_shape::ShapeError),
-    /// A path does not fit the robot.
+    /// A path cannot be sampled.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
-    /// A scenario or a plan.
+    /// What writes a file.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
-    /// A plan is of a robot with other joints.
-    #[error("the plan moves joint '{found}' where this scenario's robot has '{expected}'")]
-    OtherRobot {
-        /// The first joint of the plan that differs.
-        found: String,
-        /// The joint that the robot has in its place.
-        expected: String,
-    },
     /// A way point of another robot.
     #[error("way point {waypoint} has {actual} values instead of {expected}")]
     Waypoint {

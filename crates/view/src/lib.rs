@@ -69,7 +69,7 @@ pub use clearance_profile::ClearanceProfile;
 pub use colour::Colour;
 pub use error::ViewError;
 pub use mesh::{Mesh, MeshPiece};
-pub use page::{PageData, PageSettings, page_cell};
+pub use page::{PageData, PageSettings};
 pub use page_plan::PagePlan;
 pub use page_server::{PageLimits, PageServer, interrupted};
 pub use picture::{Picture, PictureSettings, SeeThrough};

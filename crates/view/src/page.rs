@@ -1,7 +1,5 @@
-use std::sync::Arc;
-
-use cranny_collision::{Cell, Margins};
-use cranny_plan::PlanError;
+use cranny_collision::Cell;
+use cranny_plan::IkStatus;
 use cranny_scenario::Scenario;
 use serde::Serialize;
 
@@ -33,26 +31,25 @@ pub struct PageSettings {
     /// Instants of each path at which the closest pair is measured, at least 2. Default 240: more than a plot has
     /// pixels between two of its dips, and some tens of milliseconds.
     pub clearance_instants: usize,
-    /// Attempts of inverse kinematics at each grasp. Default 200: some tens of milliseconds for the grasps of a
-    /// released scenario, and nine tenths of what can be found there.
-    pub ik_attempts: usize,
 }
 
 impl Default for PageSettings {
     fn default() -> Self {
-        Self { clearance_instants: 240, ik_attempts: 200 }
+        Self { clearance_instants: 240 }
     }
 }
 
 impl PageData {
-    /// Everything that a page shows; `cell` is the one of [`page_cell`].
+    /// Everything that a page shows; clearances are measured in `cell`, and `statuses` say of each grasp what is known
+    /// of inverse kinematics there.
     ///
     /// # Errors
-    /// As [`Scene::of_task`] and [`annotate_ik`](cranny_plan::annotate_ik).
+    /// As [`Scene::of_task`].
     pub fn of(
         scenario: &Scenario,
         plans: &[PagePlan],
-        cell: &Arc<Cell>,
+        cell: &Cell,
+        statuses: &[IkStatus],
         settings: PageSettings,
     ) -> Result<Self, ViewError> {
         let scene = Scene::of_task(scenario, None, &SceneSettings { grasps: 0 })?;
@@ -68,7 +65,7 @@ impl PageData {
             link_spheres: spheres.collect(),
             world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
             floor_area: FloorArea::of(&scenario.robot),
-            grasps: page_grasps::all(scenario, cell, plans, settings.ik_attempts)?,
+            grasps: page_grasps::all(&scenario.grasps, statuses, plans),
             plans: plans.iter().map(|plan| plan.entry(cell, settings.clearance_instants)).collect(),
             scene: PageScene::of(scene, &scenario.robot),
             is_live: false,
@@ -83,14 +80,4 @@ impl PageData {
         let page = Self { is_live, ..self.clone() };
         serde_json::to_vec(&page).map_err(|reason| ViewError::PageData { reason })
     }
-}
-
-/// The cell that a page measures in and that answers its questions: exact, with no margin, whatever the criterion
-/// of the scenario.
-///
-/// # Errors
-/// [`ViewError::Plan`] as [`Cell::new`].
-pub fn page_cell(scenario: &Scenario) -> Result<Arc<Cell>, ViewError> {
-    let cell = Cell::new(scenario.robot.clone(), scenario.world.clone(), Margins::default());
-    Ok(Arc::new(cell.map_err(PlanError::from)?))
 }

@@ -1,10 +1,5 @@
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use cranny_collision::{Cell, Margins};
-use cranny_grasp::Grasp;
-use cranny_plan::{FailureReason, IkAnnotationSettings, IkStatus, PlanError, annotate_ik};
-use cranny_scenario::Scenario;
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_plan::{FailureReason, IkStatus};
 use serde::Serialize;
 
 use crate::{PagePlan, number_row};
@@ -19,43 +14,21 @@ pub(crate) struct PageGrasp {
     ik: &'static str,
 }
 
-/// All grasps of the scenario.
-///
-/// 1. "solved" where a valid plan ends, or a free configuration of the scenario's files or of a failed search
-///    holds the grasp.
-/// 2. Else what so many attempts at each show, by the names of [`IkStatus`]: "solved"; "hand-collides" and
-///    "out-of-reach", which are certain; "no-solution", which is not.
-///
-/// # Errors
-/// As [`annotate_ik`].
-pub(crate) fn all(
-    scenario: &Scenario,
-    cell: &Arc<Cell>,
-    plans: &[PagePlan],
-    attempts: usize,
-) -> Result<Vec<PageGrasp>, PlanError> {
-    // 1.
-    let mut solved = held_by_files(scenario, cell);
+/// All grasps, with the name of what is known of each; "solved" too where a valid plan ends, or a failed search has a
+/// free configuration that holds it.
+pub(crate) fn all(grasps: &GraspSet, statuses: &[IkStatus], plans: &[PagePlan]) -> Vec<PageGrasp> {
+    let mut names: Vec<&'static str> = statuses.iter().map(IkStatus::name).collect();
     for plan in plans {
         let is_held = |reason: &FailureReason| matches!(reason, FailureReason::NotConnected { .. });
         let held =
             plan.failures.iter().filter(|failure| is_held(&failure.reason)).map(|failure| failure.grasp);
         for grasp in held.chain(plan.grasp()) {
-            if let Some(solved) = solved.get_mut(grasp) {
-                *solved = true;
+            if let Some(name) = names.get_mut(grasp) {
+                *name = IkStatus::Solved.name();
             }
         }
     }
-    // 2.
-    let exact = Scenario { criterion: cranny_plan::Criterion::Exact, ..scenario.clone() };
-    let problem = exact.problem(Margins::default()).map_err(|_| PlanError::Annotation)?;
-    let settings = IkAnnotationSettings { attempts, ..IkAnnotationSettings::default() };
-    let annotations = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false))?;
-    let statuses = annotations
-        .iter()
-        .zip(solved)
-        .map(|(annotation, solved)| if solved { IkStatus::Solved.name() } else { annotation.status.name() });
-    let grasps = scenario.grasps.grasps().iter().zip(statuses).enumerate();
+    let grasps = grasps.grasps().iter().zip(names).enumerate();
     let page_grasp = |(index, (grasp, ik)): (usize, (&Grasp, &'static str))| PageGrasp {
         index,
         world_from_gripper: number_row::pose(&grasp.world_from_gripper),
@@ -63,21 +36,5 @@ pub(crate) fn all(
         width_m: grasp.width_m,
         ik,
     };
-    Ok(grasps.map(page_grasp).collect())
-}
-
-/// Whether a configuration of the scenario's files holds each grasp freely.
-fn held_by_files(scenario: &Scenario, cell: &Cell) -> Vec<bool> {
-    let mut scratch = cell.scratch();
-    let mut held = vec![false; scenario.grasps.len()];
-    for q in &scenario.ik {
-        if q.len() != scenario.robot.dof() || !cell.is_free(q, &mut scratch) {
-            continue;
-        }
-        let gripper = scratch.frames().link(scenario.robot.tip());
-        for (held, grasp) in held.iter_mut().zip(scenario.grasps.grasps()) {
-            *held |= grasp.difference(gripper).is_exact();
-        }
-    }
-    held
+    grasps.map(page_grasp).collect()
 }

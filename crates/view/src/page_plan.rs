@@ -1,6 +1,7 @@
 use cranny_collision::Cell;
-use cranny_plan::{Audit, GraspFailure, Outcome, Problem, audit, path_length};
-use cranny_scenario::{PlanFile, Scenario};
+use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
+use cranny_robot::Robot;
+use cranny_scenario::PlanFile;
 use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
@@ -33,58 +34,54 @@ const RATE_HZ: f64 = 60.0;
 const MOST_SAMPLES: f64 = 2400.0;
 
 impl PagePlan {
-    /// The plan of a file; `problem` is what it is judged by.
+    /// The plan of a file, with its path in time and what `verify` says of it.
     ///
     /// # Errors
-    /// As [`ShownPath::of_plan`] and [`audit`].
+    /// As [`ShownPath::of_plan`].
     pub fn of_file(
         name: impl Into<String>,
         plan: &PlanFile,
-        scenario: &Scenario,
-        problem: &Problem,
+        robot: &Robot,
+        trajectory: Option<&Trajectory>,
+        verification: Option<Audit>,
     ) -> Result<Self, ViewError> {
         let duration_s = plan.timing.as_ref().map_or(plan.path_length, |timing| timing.duration_s);
-        let path = ShownPath::of_plan(scenario, plan, rate_hz(duration_s))?;
         Ok(Self {
             planner: plan.planner.clone(),
             outcome: Some(plan.outcome),
+            path: ShownPath::of_plan(robot, plan, trajectory, rate_hz(duration_s))?,
             failures: plan.failures.clone(),
-            ..Self::judged(name.into(), path, &plan.waypoints, problem)?
+            ..Self::unshown(name.into(), &plan.waypoints, verification)
         })
     }
 
-    /// Bare way points, from whoever planned them.
+    /// Bare way points, from whoever planned them, in time and with what `verify` says of them.
     ///
     /// # Errors
-    /// As [`ShownPath::of_waypoints`] and [`audit`].
+    /// As [`ShownPath::of_waypoints`].
     pub fn of_waypoints(
         name: impl Into<String>,
         waypoints: &[Vec<f64>],
-        scenario: &Scenario,
-        problem: &Problem,
+        robot: &Robot,
+        trajectory: Option<&Trajectory>,
+        verification: Option<Audit>,
     ) -> Result<Self, ViewError> {
-        let duration_s = path_length(waypoints);
-        let path = ShownPath::of_waypoints(scenario, waypoints, rate_hz(duration_s))?;
-        Self::judged(name.into(), path, waypoints, problem)
+        let rate_hz = rate_hz(path_length(waypoints));
+        let path = ShownPath::of_waypoints(robot, waypoints, trajectory, rate_hz)?;
+        Ok(Self { path, ..Self::unshown(name.into(), waypoints, verification) })
     }
 
-    fn judged(
-        name: String,
-        path: Option<ShownPath>,
-        waypoints: &[Vec<f64>],
-        problem: &Problem,
-    ) -> Result<Self, ViewError> {
-        let verification = if waypoints.is_empty() { None } else { Some(audit(problem, waypoints)?) };
-        Ok(Self {
+    fn unshown(name: String, waypoints: &[Vec<f64>], verification: Option<Audit>) -> Self {
+        Self {
             name,
             planner: String::new(),
             outcome: None,
             path_length: path_length(waypoints),
-            path,
+            path: None,
             verification,
             failures: Vec::new(),
             search_tree: None,
-        })
+        }
     }
 
     /// The grasp that the path ends at: what `verify` finds, not what the file claims.

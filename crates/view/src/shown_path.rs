@@ -1,5 +1,6 @@
-use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, TimingMethod, Trajectory, path_length};
-use cranny_scenario::{PlanFile, Scenario};
+use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
+use cranny_robot::Robot;
+use cranny_scenario::PlanFile;
 
 use crate::ViewError;
 
@@ -27,58 +28,40 @@ const UNTIMED_SPEED: f64 = 1.0;
 const MOST_INSTANTS: f64 = 1e5;
 
 impl ShownPath {
-    /// The path of a plan, at `rate_hz` samples a second, in the time that the plan says: its trajectory is
-    /// computed anew from the limits of the robot. None for a plan without a path.
+    /// The path of a plan, as [`Self::of_waypoints`], to the grasp that the plan says.
     ///
     /// # Errors
-    /// [`ViewError::OtherRobot`], [`ViewError::Waypoint`] for a plan that does not fit the robot,
-    /// [`ViewError::Plan`] or [`ViewError::Scenario`] if it cannot be timed as it says.
-    pub fn of_plan(scenario: &Scenario, plan: &PlanFile, rate_hz: f64) -> Result<Option<Self>, ViewError> {
-        let mut pairs = plan.joint_names.iter().zip(scenario.robot.joint_names());
-        if let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) {
-            return Err(ViewError::OtherRobot { found: found.clone(), expected: expected.clone() });
-        }
-        check(scenario, &plan.waypoints)?;
-        if plan.waypoints.is_empty() {
-            return Ok(None);
-        }
-        let Some(timing) = &plan.timing else {
-            let path = Self::of_waypoints(scenario, &plan.waypoints, rate_hz)?;
-            return Ok(path.map(|path| Self { grasp: plan.grasp, ..path }));
-        };
-        let limits = MotionLimits::of(&scenario.robot, timing.method)?;
-        let trajectory = if timing.blended {
-            match scenario.problem(plan.margins)?.cell() {
-                Some(cell) => Trajectory::blended(&plan.waypoints, &limits, cell)?,
-                None => Trajectory::along(&plan.waypoints, &limits)?,
-            }
-        } else {
-            Trajectory::along(&plan.waypoints, &limits)?
-        };
-        Ok(Some(Self { grasp: plan.grasp, ..Self::sampled(&trajectory, rate_hz)? }))
-    }
-
-    /// A bare row of way points, timed by the robot's limits, or shown at an even pace where it has none. None
-    /// for no way point.
-    ///
-    /// # Errors
-    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Plan`] for one that is
-    /// not finite.
-    pub fn of_waypoints(
-        scenario: &Scenario,
-        waypoints: &[Vec<f64>],
+    /// As [`Self::of_waypoints`].
+    pub fn of_plan(
+        robot: &Robot,
+        plan: &PlanFile,
+        trajectory: Option<&Trajectory>,
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
-        check(scenario, waypoints)?;
-        if waypoints.is_empty() {
-            return Ok(None);
+        let path = Self::of_waypoints(robot, &plan.waypoints, trajectory, rate_hz)?;
+        Ok(path.map(|path| Self { grasp: plan.grasp, ..path }))
+    }
+
+    /// A row of way points at `rate_hz` samples a second, in the time of its trajectory, or at an even pace where it
+    /// has none. `None` for no way point.
+    ///
+    /// # Errors
+    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Plan`] for a rate that is
+    /// none.
+    pub fn of_waypoints(
+        robot: &Robot,
+        waypoints: &[Vec<f64>],
+        trajectory: Option<&Trajectory>,
+        rate_hz: f64,
+    ) -> Result<Option<Self>, ViewError> {
+        let expected = robot.dof();
+        if let Some((waypoint, q)) = waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
+            return Err(ViewError::Waypoint { waypoint, expected, actual: q.len() });
         }
-        match MotionLimits::of(&scenario.robot, TimingMethod::TimeOptimal) {
-            Ok(limits) => {
-                let trajectory = Trajectory::along(waypoints, &limits)?;
-                Ok(Some(Self::sampled(&trajectory, rate_hz)?))
-            }
-            Err(_) => Ok(Some(Self::even(waypoints, rate_hz))),
+        match trajectory {
+            _ if waypoints.is_empty() => Ok(None),
+            Some(trajectory) => Self::sampled(trajectory, rate_hz).map(Some),
+            None => Ok(Some(Self::even(waypoints, rate_hz))),
         }
     }
 
@@ -124,12 +107,4 @@ impl ShownPath {
 fn within(rate_hz: f64, duration_s: f64) -> f64 {
     let is_too_many = rate_hz <= MAX_SAMPLE_RATE_HZ && rate_hz * duration_s > MOST_INSTANTS;
     if is_too_many { MOST_INSTANTS / duration_s } else { rate_hz }
-}
-
-fn check(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Result<(), ViewError> {
-    let expected = scenario.robot.dof();
-    match waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
-        None => Ok(()),
-        Some((waypoint, q)) => Err(ViewError::Waypoint { waypoint, expected, actual: q.len() }),
-    }
 }

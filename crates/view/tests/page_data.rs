@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use cranny_collision::{Body, Margins, World};
-use cranny_plan::{FailureReason, GraspFailure, Observer, Outcome};
+use cranny_collision::{Body, Cell, Margins, World};
+use cranny_plan::{FailureReason, GraspFailure, Observer, Outcome, Problem, audit};
 use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_shape::Solid;
+use cranny_solve::{Timing, ik_statuses};
 use cranny_spatial::nalgebra::{Quaternion, Translation3, Unit};
 use cranny_spatial::{Pose, Rotation, Vector};
-use cranny_view::{PageData, PagePlan, PageSettings, TreeRecording, page_cell};
+use cranny_view::{PageData, PagePlan, PageSettings, TreeRecording};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -19,9 +20,30 @@ fn scenario(id: &str) -> Scenario {
     Scenario::open(id, &OpenOptions::default()).expect("a built-in scenario")
 }
 
+fn problem(scenario: &Scenario) -> Problem {
+    scenario.problem(Margins::default()).expect("a problem")
+}
+
+fn cell(problem: &Problem) -> &Cell {
+    let cell = problem.cell().expect("an exact problem");
+    cell
+}
+
+/// Way points, timed and judged.
+fn plan(name: &str, waypoints: &[Vec<f64>], scenario: &Scenario) -> PagePlan {
+    let problem = problem(scenario);
+    let has_path = !waypoints.is_empty();
+    let trajectory = has_path.then(|| Timing::default().of(&problem, waypoints).expect("a path")).flatten();
+    let verification = has_path.then(|| audit(&problem, waypoints).expect("a path"));
+    PagePlan::of_waypoints(name, waypoints, &scenario.robot, trajectory.as_ref(), verification)
+        .expect("a plan")
+}
+
 fn page(scenario: &Scenario, plans: &[PagePlan]) -> Value {
-    let cell = page_cell(scenario).expect("a cell");
-    let page = PageData::of(scenario, plans, &cell, PageSettings::default()).expect("a page");
+    let problem = problem(scenario);
+    let statuses = ik_statuses(&problem, &scenario.ik).expect("grasps");
+    let cell = cell(&problem);
+    let page = PageData::of(scenario, plans, cell, &statuses, PageSettings::default()).expect("a page");
     serde_json::from_slice(&page.to_json(false).expect("finite numbers")).expect("JSON")
 }
 
@@ -206,7 +228,8 @@ fn all_grasps_are_there_with_what_is_certain_of_them() {
     bodies.push(Body::new("rod", scenario.grasps.grasps()[7].world_from_gripper, rod));
     scenario.world = World::new(bodies).expect("a world");
     let page = page(&scenario, &[]);
-    let cell = page_cell(&scenario).expect("a cell");
+    let problem = problem(&scenario);
+    let cell = cell(&problem);
     let mut scratch = cell.scratch();
     assert_eq!(list(&page["grasps"]).len(), scenario.grasps.len());
     let mut blocked = 0;
@@ -244,9 +267,8 @@ fn short_path(scenario: &Scenario) -> Vec<Vec<f64>> {
 #[test]
 fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
     let scenario = scenario("021");
-    let problem = scenario.problem(Margins::default()).expect("a problem");
     let waypoints = short_path(&scenario);
-    let plan = PagePlan::of_waypoints("way.csv", &waypoints, &scenario, &problem).expect("a plan");
+    let plan = plan("way.csv", &waypoints, &scenario);
     let page = page(&scenario, &[plan]);
     let plan = &page["plans"][0];
     let (times, rows) = (floats64(&plan["times_s"]), floats64(&plan["configurations"]));
@@ -264,7 +286,8 @@ fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
         closest.len() == instants.len()
             && closest.iter().all(|&pair| (pair as usize) < list(&clearance["pairs"]).len())
     );
-    let cell = page_cell(&scenario).expect("a cell");
+    let problem = problem(&scenario);
+    let cell = cell(&problem);
     let mut scratch = cell.scratch();
     for ((instant, distance), points) in instants.iter().zip(&distances).zip(points.chunks_exact(6)) {
         let place = times
@@ -283,7 +306,6 @@ fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
 #[test]
 fn a_failed_plan_says_what_blocked_each_grasp() {
     let scenario = scenario("021");
-    let problem = scenario.problem(Margins::default()).expect("a problem");
     let collides = FailureReason::ArmCollides { link: "panda_link5".into(), body: "table".into() };
     let reasons = [FailureReason::NoIk, collides.clone(), collides, FailureReason::NotConnected { goals: 2 }];
     let failures = reasons
@@ -294,7 +316,7 @@ fn a_failed_plan_says_what_blocked_each_grasp() {
     let plan = PagePlan {
         outcome: Some(Outcome::NoReachableGrasp),
         failures,
-        ..PagePlan::of_waypoints("failed.plan.json", &[], &scenario, &problem).expect("a plan without a path")
+        ..plan("failed.plan.json", &[], &scenario)
     };
     let page = page(&scenario, &[plan]);
     let plan = &page["plans"][0];
@@ -327,11 +349,8 @@ fn trees_are_recorded_node_by_node_and_no_more_than_asked_for() {
     recording.node_added(0, &q, Some(0));
     recording.node_added(0, &q, Some(1));
     assert_eq!((recording.len(), recording.left_out()), (5, 1));
-    let problem = scenario.problem(Margins::default()).expect("a problem");
-    let plan = PagePlan {
-        search_tree: Some(recording),
-        ..PagePlan::of_waypoints("way.csv", &short_path(&scenario), &scenario, &problem).expect("a plan")
-    };
+    let plan =
+        PagePlan { search_tree: Some(recording), ..plan("way.csv", &short_path(&scenario), &scenario) };
     let page = page(&scenario, &[plan]);
     let tree = &page["plans"][0]["search_tree"];
     assert_eq!(unsigned32(&tree["parents"]), [0, 1, 2, 2, 0]);
@@ -354,11 +373,7 @@ fn trees_of_one_goal_after_the_other_do_not_mix() {
         recording.node_added(1, &scenario.start, None);
         recording.node_added(0, &scenario.start, Some(0));
     }
-    let problem = scenario.problem(Margins::default()).expect("a problem");
-    let plan = PagePlan {
-        search_tree: Some(recording),
-        ..PagePlan::of_waypoints("way.csv", &[], &scenario, &problem).expect("a plan")
-    };
+    let plan = PagePlan { search_tree: Some(recording), ..plan("way.csv", &[], &scenario) };
     let page = page(&scenario, &[plan]);
     assert_eq!(unsigned32(&page["plans"][0]["search_tree"]["parents"]), [0, 1, 0, 3, 4, 3]);
 }

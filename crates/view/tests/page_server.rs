@@ -6,10 +6,10 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use cranny_collision::Cell;
+use cranny_collision::{Cell, Margins};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageData, PageLimits, PageServer, PageSettings, ViewError, page_cell};
+use cranny_view::{PageData, PageLimits, PageServer, PageSettings, ViewError};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
@@ -30,8 +30,9 @@ impl Running {
 
     fn with(limits: PageLimits) -> Self {
         let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
-        let cell = page_cell(&scenario).expect("a cell");
-        let page = PageData::of(&scenario, &[], &cell, PageSettings::default()).expect("a page");
+        let problem = scenario.problem(Margins::default()).expect("a problem");
+        let cell = problem.cell().expect("an exact problem").clone();
+        let page = PageData::of(&scenario, &[], &cell, &[], PageSettings::default()).expect("a page");
         let server = PageServer::bind(0, limits).expect("a free port");
         let url = server.url();
         let address = url.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/'));

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario, builtin_object};
+use cranny_solve::Timing;
 use cranny_view::{
     Animation, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath, StandardView, ViewError,
 };
@@ -20,7 +22,10 @@ fn bent_path(scenario: &Scenario) -> ShownPath {
     let mut end = middle.clone();
     (end[2], end[5], end[7]) = (0.6, -1.6, 2.2);
     let waypoints = [scenario.start.clone(), middle, end];
-    ShownPath::of_waypoints(scenario, &waypoints, 4.0).expect("a path").expect("with way points")
+    let problem = scenario.problem(Margins::default()).expect("a problem");
+    let trajectory = Timing::default().of(&problem, &waypoints).expect("a path");
+    let path = ShownPath::of_waypoints(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
+    path.expect("a path").expect("with way points")
 }
 
 fn scene(id: &str) -> Scene {

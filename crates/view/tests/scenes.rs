@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use cranny_collision::Margins;
+use cranny_plan::Trajectory;
 use cranny_robot::{Robot, RobotOptions};
-use cranny_scenario::{OpenOptions, PlanFile, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_solve::Timing;
 use cranny_view::{Role, Scene, SceneSettings, ShownPath, ViewError};
 
 fn scenario(id: &str) -> Scenario {
@@ -18,10 +21,19 @@ fn moved(scenario: &Scenario) -> Vec<Vec<f64>> {
     vec![scenario.start.clone(), end]
 }
 
+fn trajectory(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Option<Trajectory> {
+    Timing::default().of(&scenario.problem(Margins::default()).unwrap(), waypoints).unwrap()
+}
+
+fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> ShownPath {
+    let trajectory = trajectory(scenario, waypoints);
+    ShownPath::of_waypoints(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).unwrap().unwrap()
+}
+
 #[test]
 fn links_are_where_forward_kinematics_puts_them_at_every_instant() {
     let scenario = scenario("021");
-    let path = ShownPath::of_waypoints(&scenario, &moved(&scenario), 10.0).unwrap().unwrap();
+    let path = shown(&scenario, &moved(&scenario), 10.0);
     let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings::default()).unwrap();
     let mut frames = scenario.robot.frames();
     assert!(path.configurations.len() > 5);
@@ -99,32 +111,24 @@ fn distance(shape: &cranny_robot::LinkShape, point_in_link: &cranny_spatial::Poi
 }
 
 #[test]
-fn a_plan_that_does_not_fit_is_refused() {
+fn a_path_that_does_not_fit_is_refused() {
     let scenario = scenario("021");
-    let short = ShownPath::of_waypoints(&scenario, &[vec![0.0; 3]], 10.0);
+    let short = ShownPath::of_waypoints(&scenario.robot, &[vec![0.0; 3]], None, 10.0);
     assert!(matches!(short, Err(ViewError::Waypoint { waypoint: 0, expected: 9, actual: 3 })));
-    let not_finite = ShownPath::of_waypoints(&scenario, &[vec![f64::NAN; 9], vec![0.0; 9]], 10.0);
-    assert!(matches!(not_finite, Err(ViewError::Plan(_))));
-    assert_eq!(ShownPath::of_waypoints(&scenario, &[], 10.0).unwrap(), None);
+    assert_eq!(ShownPath::of_waypoints(&scenario.robot, &[], None, 10.0).unwrap(), None);
+    let waypoints = moved(&scenario);
+    let trajectory = trajectory(&scenario, &waypoints);
     for rate_hz in [0.0, -1.0, f64::NAN, 1e9] {
-        assert!(ShownPath::of_waypoints(&scenario, &moved(&scenario), rate_hz).is_err(), "{rate_hz}");
+        let refused = ShownPath::of_waypoints(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz);
+        assert!(matches!(refused, Err(ViewError::Plan(_))), "{rate_hz}");
     }
-    let text = r#"{"scenario": "021", "robot": null, "geometry": null, "planner": "x", "settings": {}, "criterion":
-        "exact", "goal_threshold": null, "seed": 0, "version": "0", "outcome": "solved", "margins": {"margin_m": 0,
-        "grasp_margin_m": 0}, "budget": {"iterations": null, "time_limit_s": null}, "joint_names": ["elbow"],
-        "grasp": null, "translation_error_m": null, "rotation_error_rad": null, "clearance_m": null,
-        "clearances_per_edge_m": [], "path_length": 0, "waypoints": [[0]], "statistics": STATISTICS}"#;
-    let statistics = serde_json::to_string(&cranny_plan::Statistics::default()).unwrap();
-    let plan: PlanFile = serde_json::from_str(&text.replace("STATISTICS", &statistics)).unwrap();
-    let other = ShownPath::of_plan(&scenario, &plan, 10.0);
-    assert!(matches!(other, Err(ViewError::OtherRobot { found, .. }) if found == "elbow"));
 }
 
 /// Its length was shown as so many seconds.
 #[test]
 fn a_path_without_limits_of_acceleration_has_no_time() {
     let mut scenario = scenario("021");
-    let timed = ShownPath::of_waypoints(&scenario, &moved(&scenario), 30.0).unwrap().unwrap();
+    let timed = shown(&scenario, &moved(&scenario), 30.0);
     assert!(timed.is_timed);
     let urdf = r#"<robot name="r"><link name="base"/><link name="cart"/>
       <joint name="drive" type="prismatic">
@@ -133,7 +137,7 @@ fn a_path_without_limits_of_acceleration_has_no_time() {
     </robot>"#;
     let robot = Robot::from_urdf_text(urdf, "r.urdf", None, &RobotOptions::default());
     scenario.robot = std::sync::Arc::new(robot.unwrap());
-    let there = ShownPath::of_waypoints(&scenario, &[vec![0.0], vec![0.5], vec![-0.25]], 30.0);
+    let there = ShownPath::of_waypoints(&scenario.robot, &[vec![0.0], vec![0.5], vec![-0.25]], None, 30.0);
     let there = there.unwrap().unwrap();
     assert!(!there.is_timed);
     assert_eq!(there.times_s.last(), Some(&1.25), "a length of 1 a second");
@@ -145,7 +149,7 @@ fn a_path_of_hours_has_no_more_instants_than_can_be_held() {
     let [near, far] = [moved(&scenario)[0].clone(), moved(&scenario)[1].clone()];
     let there_and_back: Vec<_> =
         (0..4000).map(|i| if i % 2 == 0 { near.clone() } else { far.clone() }).collect();
-    let path = ShownPath::of_waypoints(&scenario, &there_and_back, 10_000.0).unwrap().unwrap();
+    let path = shown(&scenario, &there_and_back, 10_000.0);
     assert!(path.times_s.last().is_some_and(|&last_s| last_s > 100.0), "{:?}", path.times_s.last());
     assert!(path.times_s.len() < 100_010, "{}", path.times_s.len());
 }
@@ -172,7 +176,7 @@ fn a_robot_that_is_drawn_with_a_missing_mesh_says_which() {
 #[test]
 fn a_glb_holds_the_scene() {
     let scenario = scenario("021");
-    let path = ShownPath::of_waypoints(&scenario, &moved(&scenario), 30.0).unwrap().unwrap();
+    let path = shown(&scenario, &moved(&scenario), 30.0);
     let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings::default()).unwrap();
     let bytes = scene.glb().unwrap();
     assert!(bytes.len() < 1_000_000, "{} bytes", bytes.len());

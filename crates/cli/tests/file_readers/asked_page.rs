@@ -6,8 +6,9 @@ use std::path::Path;
 use std::sync::{OnceLock, mpsc};
 use std::thread;
 
+use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_view::{PageData, PageLimits, PageServer, PageSettings, page_cell};
+use cranny_view::{PageData, PageLimits, PageServer, PageSettings};
 
 /// Asks the page of a built-in scenario what the file holds, over the connection that a browser would use. The server
 /// runs until the program ends.
@@ -32,8 +33,9 @@ pub fn ask(folder: &Path) {
 /// Starts the server and returns where it is: `host:port/token/`.
 fn serve() -> String {
     let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
-    let cell = page_cell(&scenario).expect("a cell");
-    let page = PageData::of(&scenario, &[], &cell, PageSettings::default()).expect("a page");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
+    let cell = problem.cell().expect("an exact problem").clone();
+    let page = PageData::of(&scenario, &[], &cell, &[], PageSettings::default()).expect("a page");
     let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
     let url = server.url();
     let (tell, ready) = mpsc::channel();

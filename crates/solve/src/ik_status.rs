@@ -1,0 +1,37 @@
+use std::sync::atomic::AtomicBool;
+
+use cranny_plan::{IkAnnotationSettings, IkStatus, PlanError, Problem, annotate_ik};
+
+/// Attempts at each grasp: some tens of milliseconds for the grasps of a released scenario, and nine tenths of what
+/// can be found there.
+const ATTEMPTS: usize = 200;
+
+/// What is soon known of each grasp of an `exact` problem.
+///
+/// 1. [`IkStatus::Solved`] where one of the configurations that are `known` holds it, free of collision.
+/// 2. Else what a few attempts of inverse kinematics show: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`]
+///    are certain, [`IkStatus::NoSolution`] is not.
+///
+/// # Errors
+/// As [`annotate_ik`].
+pub fn ik_statuses(problem: &Problem, known: &[Vec<f64>]) -> Result<Vec<IkStatus>, PlanError> {
+    let settings = IkAnnotationSettings { attempts: ATTEMPTS, ..IkAnnotationSettings::default() };
+    let annotations = annotate_ik(problem, &settings, &|| (), &AtomicBool::new(false))?;
+    let mut statuses: Vec<IkStatus> = annotations.into_iter().map(|annotation| annotation.status).collect();
+    let (Some(grasps), Some(cell)) = (problem.grasps(), problem.cell()) else {
+        return Ok(statuses);
+    };
+    let mut scratch = cell.scratch();
+    for q in known {
+        if q.len() != problem.robot().dof() || !cell.is_free(q, &mut scratch) {
+            continue;
+        }
+        let gripper = scratch.frames().link(problem.robot().tip());
+        for (status, grasp) in statuses.iter_mut().zip(grasps.grasps()) {
+            if grasp.difference(gripper).is_exact() {
+                *status = IkStatus::Solved;
+            }
+        }
+    }
+    Ok(statuses)
+}
