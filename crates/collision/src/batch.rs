@@ -1,3 +1,4 @@
+use cranny_robot::between;
 use cranny_spatial::{LANES, simd_level};
 use fearless_simd::Level;
 
@@ -95,11 +96,6 @@ impl Cell {
         }
         free
     }
-}
-
-/// The configuration at `place` on the straight way from `a` (at 0) to `b` (at 1), exactly these at the ends.
-pub fn between(a: &[f64], b: &[f64], place: f64) -> impl Iterator<Item = f64> {
-    a.iter().zip(b).map(move |(a, b)| if place >= 1.0 { *b } else { a + (b - a) * place })
 }
 
 /// The bits of the first so many lanes.

@@ -98,9 +98,7 @@ fn world(random: &mut Stream) -> World {
 /// no joint differs by more than `tolerance`.
 fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64) -> Vec<Vec<f64>> {
     let mut scratch = cell.scratch();
-    let mut draw = || -> Vec<f64> {
-        cell.robot().limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-    };
+    let mut draw = || -> Vec<f64> { cell.robot().random_configuration(random) };
     let mut all: Vec<Vec<f64>> = Vec::new();
     while all.len() < count {
         let mut ends = [draw(), draw()];
@@ -152,9 +150,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
     let cell = Cell::new(robot(ARM), world(&mut random), Margins::default()).expect("no margin");
     let mut scratch = cell.scratch();
     for _ in 0..500 {
-        let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| {
-            cell.robot().limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-        });
+        let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| cell.robot().random_configuration(&mut random));
         let places = (1..=11).map(|index| f64::from(index) / 11.0);
         let mut is_free =
             |place: f64| cell.is_free(&crate::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch);

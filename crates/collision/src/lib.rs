@@ -50,7 +50,6 @@ mod lane_tests;
 #[cfg(test)]
 mod proof_tests;
 
-pub use batch::between;
 pub use cell::{Cell, Scratch};
 pub use closest::Closest;
 pub use contact::{Collider, Contact};
@@ -60,3 +59,5 @@ pub use motion::{MeasuredMotion, Motion};
 pub use released::{ReleasedCheck, ReleasedScratch};
 pub use unchecked::{Unchecked, UncheckedReason};
 pub use world::{Body, Part, World};
+
+pub use cranny_robot::between;

@@ -1,3 +1,4 @@
+use cranny_robot::between;
 use cranny_spatial::{CONTACT_M, LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
@@ -378,9 +379,7 @@ impl Cell {
         scratch: &mut Scratch,
         factor: f64,
     ) {
-        for (q, (a, b)) in scratch.q.iter_mut().zip(a.iter().zip(b)) {
-            *q = a + (b - a) * middle;
-        }
+        scratch.q.iter_mut().zip(between(a, b, middle)).for_each(|(q, between)| *q = between);
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
         let Scratch { travel, frames, slope, .. } = scratch;
         travel.update(self.robot(), &self.bodies, frames, slope, half_width, factor);

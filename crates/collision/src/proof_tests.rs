@@ -34,12 +34,8 @@ fn arm() -> Arc<Robot> {
     Arc::new(Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a good URDF"))
 }
 
-fn random_q(robot: &Robot, random: &mut Stream) -> Vec<f64> {
-    robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-}
-
 fn between(a: &[f64], b: &[f64], at: f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect()
+    cranny_robot::between(a, b, at).collect()
 }
 
 fn cell(robot: &Arc<Robot>, bodies: Vec<Body>, margin_m: f64) -> Cell {
@@ -49,8 +45,7 @@ fn cell(robot: &Arc<Robot>, bodies: Vec<Body>, margin_m: f64) -> Cell {
 
 /// A plate of 1 mm × 6 cm × 6 cm that the tool runs into at `at`.
 fn plate_in_the_way(robot: &Robot, a: &[f64], b: &[f64], at: f64, random: &mut Stream) -> Body {
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&between(a, b, at), &mut frames);
+    let frames = robot.frames_at(&between(a, b, at));
     let tool = frames.link(robot.tip()).translation;
     let plate = Solid::cuboid(Vector::new(0.0005, 0.03, 0.03)).expect("a positive size");
     Body::new("plate", Pose::from_parts(tool, random.rotation()), plate)
@@ -62,7 +57,7 @@ proptest! {
     #[test]
     fn a_thin_plate_in_the_way_is_never_missed(seed in any::<u64>(), at in 0.0..1.0) {
         let (robot, mut random) = (arm(), Stream::new(seed, 0));
-        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
         let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
         let cell = cell(&robot, vec![plate], 0.0);
         let motion = cell.motion_is_free(&a, &b, &mut cell.scratch());
@@ -72,7 +67,7 @@ proptest! {
     #[test]
     fn what_is_proven_keeps_its_margin_at_every_sample(seed in any::<u64>(), margin_m in 0.0..0.02) {
         let (robot, mut random) = (arm(), Stream::new(seed, 1));
-        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
         let mut bodies: Vec<Body> = (0..3)
             .map(|i| {
                 let size = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 0.1;
@@ -119,7 +114,7 @@ proptest! {
 fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     let cell = cell(&robot, Vec::new(), 0.0);
-    let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+    let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
     let slope: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let (mut middle, mut other) = (robot.frames(), robot.frames());
     robot.forward_kinematics(&between(&a, &b, 0.5), &mut middle);
@@ -149,7 +144,7 @@ fn half_of_the_bound_is_not_a_bound() {
 fn half_of_the_bound_lets_thin_plates_through() {
     let (robot, mut random) = (arm(), Stream::new(11, 3));
     let missed = (0..400).filter(|_| {
-        let a = random_q(&robot, &mut random);
+        let a = robot.random_configuration(&mut random);
         // Only the tool slides: its bound is exact, so half of it leaves gaps.
         let mut b = a.clone();
         b[0] = -a[0].signum() * 0.9;
@@ -190,7 +185,7 @@ fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
     let mut random = Stream::new(11, 0);
     let mut contradicted = 0;
     for _ in 0..200 {
-        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
         let at = random.uniform_between(0.2, 0.8);
         let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
         let mut elsewhere = plate.clone();

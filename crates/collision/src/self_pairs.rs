@@ -77,7 +77,7 @@ fn depths_if_always_touching(
         if depths.iter().all(Option::is_none) {
             break;
         }
-        let q: Vec<f64> = robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect();
+        let q: Vec<f64> = robot.random_configuration(&mut random);
         robot.forward_kinematics(&q, &mut frames);
         for (&(first, second), depth_m) in pairs.iter().zip(&mut depths) {
             let Some(least_m) = depth_m else { continue };

@@ -4,7 +4,7 @@ mod fixture;
 
 use cranny_collision::{Body, Collider};
 use cranny_spatial::{CONTACT_M, Stream};
-use fixture::{arm, cell, random_blocks, random_q};
+use fixture::{arm, cell, random_blocks};
 use proptest::prelude::*;
 
 proptest! {
@@ -17,7 +17,7 @@ proptest! {
         bodies.push(Body::floor(-0.06));
         let cell = cell(&robot, bodies, 0.0);
         let mut scratch = cell.scratch();
-        let q = random_q(&robot, &mut random);
+        let q = robot.random_configuration(&mut random);
         let closest = cell.closest(&q, &mut scratch).expect("there are pairs");
         let clearance_m = cell.clearance(&q, &mut scratch);
         let contacts = cell.contacts(&q, &mut scratch);

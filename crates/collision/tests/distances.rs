@@ -5,7 +5,7 @@ mod fixture;
 use cranny_collision::{Body, Cell, Collider, Margins, World};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
-use fixture::{RADIUS_M, arm, ball, block, cell, hand, link, random_blocks, random_q};
+use fixture::{RADIUS_M, arm, ball, block, cell, hand, link, random_blocks};
 use proptest::prelude::*;
 
 fn cases(cases: u32) -> ProptestConfig {
@@ -25,7 +25,7 @@ proptest! {
         let cell = cell(&robot, bodies, margin_m);
         let mut scratch = cell.scratch();
         // A little beyond the limits now and then.
-        let q: Vec<f64> = random_q(&robot, &mut random).iter().map(|value| value * 1.05).collect();
+        let q: Vec<f64> = robot.random_configuration(&mut random).iter().map(|value| value * 1.05).collect();
         let is_clear = cell.is_clear(&q, &mut scratch);
         prop_assert_eq!(cell.is_free(&q, &mut scratch), is_clear && robot.within_limits(&q));
         let required = margin_m.max(CONTACT_M);
@@ -80,7 +80,7 @@ proptest! {
         let margins = Margins { margin_m: 0.01, grasp_margin_m };
         let cell = Cell::for_grasp(robot.clone(), World::new(bodies).unwrap(), 0, margins).unwrap();
         let (mut scratch, mut frames) = (cell.scratch(), robot.frames());
-        let q = random_q(&robot, &mut random);
+        let q = robot.random_configuration(&mut random);
         robot.forward_kinematics(&q, &mut frames);
         let of_hand: Vec<_> = cell
             .contacts(&q, &mut scratch)

@@ -41,7 +41,7 @@ fn many_parts_answer_as_they_do_by_the_handful() {
         let mut scratches: Vec<_> = handfuls.iter().map(Cell::scratch).collect();
 
         let configurations: Vec<f64> =
-            (0..2000).flat_map(|_| fixture::random_q(&robot, &mut random)).collect();
+            (0..2000).flat_map(|_| robot.random_configuration(&mut random)).collect();
         let mut in_batches = Vec::new();
         cell.are_free(&configurations, &mut scratch, &mut in_batches);
         for (q, in_batch) in configurations.chunks(robot.dof()).zip(in_batches) {

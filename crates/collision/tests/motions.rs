@@ -5,7 +5,7 @@ mod fixture;
 use cranny_collision::{Body, Motion};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
-use fixture::{RADIUS_M, arm, ball, between, block, cell, random_blocks, random_q};
+use fixture::{RADIUS_M, arm, ball, between, block, cell, random_blocks};
 use proptest::prelude::*;
 
 /// How far `least_clearance` may lie below the truth, in metres.
@@ -30,7 +30,7 @@ proptest! {
         let (robot, mut random) = (arm(), Stream::new(seed, 0));
         let cell = cell(&robot, random_blocks(2, &mut random), margin_m);
         let mut scratch = cell.scratch();
-        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
         let there = cell.motion_is_free(&a, &b, &mut scratch);
         let back = cell.motion_is_free(&b, &a, &mut scratch);
         let kind = std::mem::discriminant::<Motion>;
@@ -46,7 +46,7 @@ proptest! {
         let (robot, mut random) = (arm(), Stream::new(seed, 1));
         let cell = cell(&robot, random_blocks(2, &mut random), 0.0);
         let mut scratch = cell.scratch();
-        let (a, b) = (random_q(&robot, &mut random), random_q(&robot, &mut random));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
         let least = cell.least_clearance(&a, &b, &mut scratch);
         let sampled = (0..=SAMPLES)
             .map(|i| cell.clearance(&between(&a, &b, f64::from(i) / f64::from(SAMPLES)), &mut scratch))

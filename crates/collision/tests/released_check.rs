@@ -30,8 +30,7 @@ fn a_link_wholly_inside_an_obstacle_passes_there_only() {
 #[test]
 fn fingers_beside_the_chain_to_the_tip_are_not_checked() {
     let robot = arm();
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&[0.0; 4], &mut frames);
+    let frames = robot.frames_at(&[0.0; 4]);
     let finger = frames.link(link(&robot, "left_finger")).translation;
     let pebble = block("pebble", [finger.x, finger.y, finger.z], [0.02, 0.002, 0.002]);
     let (check, cell) = both(&robot, vec![pebble]);
@@ -66,8 +65,7 @@ fn joint_limits_enter_but_not_where_frames_are_given() {
     for value in [2.1, f64::NAN, f64::INFINITY] {
         assert!(!check.is_free(&[0.0, value, 0.0], &mut scratch));
     }
-    let mut frames = check.robot().frames();
-    check.robot().forward_kinematics(&[0.0, 2.1, 0.0], &mut frames);
+    let frames = check.robot().frames_at(&[0.0, 2.1, 0.0]);
     assert!(check.holds(&frames));
     assert!(check.is_free(&[0.0, 1.9, 0.0], &mut scratch));
     assert!((scratch.frames().link(check.robot().tip()).translation.y - 1.9).abs() < 1e-12);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use cranny_collision::{Body, Cell, Margins, World};
 use cranny_robot::Robot;
 use cranny_spatial::Stream;
-use fixture::{arm, random_blocks, random_q};
+use fixture::{arm, random_blocks};
 
 fn cell(robot: &Arc<Robot>, bodies: &[Body], margin_m: f64) -> Cell {
     let world = World::new(bodies.to_vec()).expect("finite poses");
@@ -26,7 +26,8 @@ fn cells_of_one_robot_answer_as_cells_of_their_own_do() {
             [cell(&shared, &bodies, margin_m), cell(&Arc::new(shared.as_ref().clone()), &bodies, margin_m)];
         assert_eq!(cells[0].self_pairs(), cells[1].self_pairs());
         let mut scratches = [cells[0].scratch(), cells[1].scratch()];
-        let configurations: Vec<Vec<f64>> = (0..400).map(|_| random_q(&shared, &mut random)).collect();
+        let configurations: Vec<Vec<f64>> =
+            (0..400).map(|_| shared.random_configuration(&mut random)).collect();
         let verdicts = [0, 1].map(|which| {
             let (cell, scratch) = (&cells[which], &mut scratches[which]);
             let mut in_lanes = Vec::new();

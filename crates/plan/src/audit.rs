@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use cranny_collision::{Cell, Collider, Contact, Motion, Scratch};
 use cranny_grasp::GraspSet;
+use cranny_robot::{between, distance};
 use cranny_spatial::{CONTACT_M, PoseDifference};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -53,10 +54,7 @@ const START_TOLERANCE: f64 = 1e-5;
 
 /// The length of a path: the sum of the L2 lengths of its edges in configuration space (m and rad mixed).
 pub fn path_length(path: &[Vec<f64>]) -> f64 {
-    let edge = |pair: &[Vec<f64>]| -> f64 {
-        pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-    };
-    path.windows(2).map(edge).fold(0.0, |sum, length| sum + length)
+    path.windows(2).map(|edge| distance(&edge[0], &edge[1])).fold(0.0, |sum, length| sum + length)
 }
 
 /// What is judged of a path.
@@ -204,8 +202,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
 /// else the nearest.
 fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {
-    let mut frames = problem.robot().frames();
-    problem.robot().forward_kinematics(q, &mut frames);
+    let frames = problem.robot().frames_at(q);
     let gripper = frames.link(problem.robot().tip());
     let arrived = |&grasp: &usize| {
         let difference = grasps.grasps()[grasp].difference(gripper);
@@ -306,7 +303,7 @@ fn judge_edge(
 }
 
 fn place(cell: &Cell, edge: usize, at: f64, contact: &Contact) -> Place {
-    let [first, second] = [contact.first, contact.second].map(|collider| cell.name(collider).to_owned());
+    let [first, second] = contact.names(cell);
     Place { edge, at, first, second }
 }
 
@@ -337,7 +334,7 @@ fn deepest_contacts(
     };
     for sample in 0..=pieces {
         let at = f64::from(sample) / f64::from(pieces);
-        let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect();
+        let q: Vec<f64> = between(a, b, at).collect();
         for contact in cell.contacts(&q, scratch) {
             keep(at, contact);
         }

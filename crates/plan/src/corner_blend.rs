@@ -19,8 +19,7 @@ pub(crate) struct LinkReach {
 
 impl LinkReach {
     pub fn new(robot: &Robot) -> Self {
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
+        let frames = robot.frames();
         let origin = |link: usize| frames.link(link).translation.vector;
         // For each link that a joint ends in, the joint and its reach.
         let mut movers: Vec<Option<(usize, f64)>> = vec![None; robot.links().len()];
@@ -134,9 +133,7 @@ mod tests {
         let robot = panda();
         let (reach, corners) = (LinkReach::new(&robot), corners(&robot));
         let mut stream = Stream::new(1, 0);
-        let anywhere = |stream: &mut Stream| -> Vec<f64> {
-            robot.limits().iter().map(|l| stream.uniform_between(l.lower, l.upper)).collect()
-        };
+        let anywhere = |stream: &mut Stream| -> Vec<f64> { robot.random_configuration(stream) };
         let (mut before, mut after) = (robot.frames(), robot.frames());
         let mut tightest = 0.0_f64;
         for round in 0..300 {

@@ -169,12 +169,12 @@ impl<'a> GoalPool<'a> {
     }
 
     fn reason(&self, record: &Record, scratch: &mut Scratch) -> FailureReason {
-        let name = |collider: Collider| self.cell.name(collider).to_owned();
         if record.goals > 0 {
             return FailureReason::NotConnected { goals: record.goals };
         }
         if let Some(contact) = record.hand_contact.filter(|_| record.hand_contacts == 2) {
-            return FailureReason::HandCollides { link: name(contact.first), body: name(contact.second) };
+            let [link, body] = contact.names(self.cell);
+            return FailureReason::HandCollides { link, body };
         }
         if record.attempts == 0 {
             return FailureReason::NotTried;
@@ -182,14 +182,13 @@ impl<'a> GoalPool<'a> {
         if record.blocked.is_empty() {
             return FailureReason::NoIk;
         }
-        match self.cell.first_contact(&record.blocked, scratch) {
-            Some(Contact { first, second: second @ Collider::Body(_), .. }) => {
-                FailureReason::ArmCollides { link: name(first), body: name(second) }
-            }
-            Some(Contact { first, second, .. }) => {
-                FailureReason::SelfCollision { first: name(first), second: name(second) }
-            }
-            None => FailureReason::NoIk,
+        let Some(contact) = self.cell.first_contact(&record.blocked, scratch) else {
+            return FailureReason::NoIk;
+        };
+        let [first, second] = contact.names(self.cell);
+        match contact.second {
+            Collider::Body(_) => FailureReason::ArmCollides { link: first, body: second },
+            Collider::Link(_) => FailureReason::SelfCollision { first, second },
         }
     }
 }

@@ -1,10 +1,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use cranny_collision::{Cell, Collider, Scratch};
+use cranny_collision::{Cell, Scratch};
 use cranny_grasp::Grasp;
 use cranny_robot::{IK_BATCH, IkSearch, IkSearchSettings, IkSettings, IkSolution, IkSolver};
 use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::grasp_poses::open_poses;
 use crate::{PlanError, Problem};
@@ -95,7 +96,7 @@ impl IkStatus {
 }
 
 /// A free configuration at a grasp.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AnnotatedSolution {
     /// The configuration (m, rad).
     pub q: Vec<f64>,
@@ -149,8 +150,8 @@ fn annotate_one(
     let poses = match open_poses(cell, goal, &mut scratch) {
         Ok(poses) => poses,
         Err(contact) => {
-            let name = |collider: Collider| cell.name(collider).to_owned();
-            let status = IkStatus::HandCollides { link: name(contact.first), body: name(contact.second) };
+            let [link, body] = contact.names(cell);
+            let status = IkStatus::HandCollides { link, body };
             return IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 };
         }
     };
@@ -200,9 +201,7 @@ impl Sight<'_> {
         if self.blocked == 0 {
             return None;
         }
-        let contact = self.cell.first_contact(&self.last, &mut self.scratch)?;
-        let name = |collider: Collider| self.cell.name(collider).to_owned();
-        Some((name(contact.first), name(contact.second)))
+        Some(self.cell.first_contact(&self.last, &mut self.scratch)?.names(self.cell).into())
     }
 }
 

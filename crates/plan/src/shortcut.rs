@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::Grasp;
-use cranny_robot::{IkSettings, IkSolver, Robot};
+use cranny_robot::{IkSettings, IkSolver, Robot, between, distance};
 use cranny_spatial::{LANES, Pose, Stream};
 
 use crate::grasp_poses::poses;
@@ -154,8 +154,7 @@ impl<'a> Hold<'a> {
         /// However often a path is shortened, its end moves by no more than this each time, in metres and
         /// radians: far less than what separates a grasp from a miss.
         const TOLERANCE: f64 = 1e-6;
-        let mut frames = robot.frames();
-        robot.forward_kinematics(end, &mut frames);
+        let frames = robot.frames_at(end);
         let grasp = Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None };
         let settings = IkSettings {
             translation_tolerance_m: TOLERANCE,
@@ -202,7 +201,7 @@ fn point_at(path: &[Vec<f64>], lengths: &[f64], length: f64) -> (usize, Vec<f64>
         edge += 1;
     }
     let at = if lengths[edge] > 0.0 { (left / lengths[edge]).min(1.0) } else { 0.0 };
-    (edge, between(&path[edge], &path[edge + 1], at))
+    (edge, between(&path[edge], &path[edge + 1], at).collect())
 }
 
 /// Whether the straight way is proven, and worth it in place of a detour of this length.
@@ -214,12 +213,4 @@ fn is_shortcut(cell: &Cell, a: &[f64], b: &[f64], detour: f64, scratch: &mut Scr
 fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
     let places: [f64; LANES] = std::array::from_fn(|look| (look + 1) as f64 / LANES as f64);
     cell.free_ahead(a, b, &places, scratch) == LANES && cell.motion_is_free(a, b, scratch).is_proven()
-}
-
-fn between(a: &[f64], b: &[f64], at: f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + (b - a) * at).collect()
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

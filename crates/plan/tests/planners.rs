@@ -204,8 +204,7 @@ fn watching_does_not_change_a_search() {
 fn a_goal_configuration_in_collision_does_not_keep_a_planner_from_the_next() {
     let goals = [vec![0.5, 1.0, -2.6, 0.0, 0.0], vec![0.5, 2.0, -1.0, 0.5, 0.1]];
     let robot = arm();
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&goals[0], &mut frames);
+    let frames = robot.frames_at(&goals[0]);
     let hand = frames.link(robot.tip()).translation;
     let cushion = || vec![block("cushion", [hand.x, hand.y, hand.z], [0.08; 3])];
     let to = |goals: &[Vec<f64>]| exact(&robot, cushion(), &START, Goal::Configurations(goals.to_vec()));

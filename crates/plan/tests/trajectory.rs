@@ -33,9 +33,7 @@ fn options(folder: &Path) -> RobotOptions {
 /// Way points of all kinds: far and near, repeated, on one line, there and back.
 fn polyline(robot: &Robot, seed: u64, count: usize) -> Vec<Vec<f64>> {
     let mut stream = Stream::new(seed, 0);
-    let anywhere = |stream: &mut Stream| -> Vec<f64> {
-        robot.limits().iter().map(|l| stream.uniform_between(l.lower, l.upper)).collect()
-    };
+    let anywhere = |stream: &mut Stream| -> Vec<f64> { robot.random_configuration(stream) };
     let towards = |a: &[f64], b: &[f64], part: f64| -> Vec<f64> {
         a.iter().zip(b).map(|(a, b)| a + (b - a) * part).collect()
     };

@@ -19,16 +19,12 @@ fn robot() -> Robot {
     Robot::load(&urdf, &options).expect("the built-in robot")
 }
 
-fn random_q(robot: &Robot, random: &mut Stream) -> Vec<f64> {
-    robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-}
-
 fn forward(criterion: &mut Criterion) {
     let (robot, mut random) = (robot(), Stream::new(0, 0));
     let mut group = criterion.benchmark_group("forward kinematics");
     group.throughput(Throughput::Elements(LANES as u64));
 
-    let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| random_q(&robot, &mut random)).collect();
+    let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| robot.random_configuration(&mut random)).collect();
     let mut frames = robot.frames();
     group.bench_function("16 configurations one at a time", |bencher| {
         bencher.iter(|| {
@@ -59,7 +55,7 @@ fn inverse(criterion: &mut Criterion) {
     let (robot, mut random) = (robot(), Stream::new(1, 0));
     let mut frames = robot.frames();
     let mut pose = |random: &mut Stream| -> Pose {
-        robot.forward_kinematics(&random_q(&robot, random), &mut frames);
+        robot.forward_kinematics(&robot.random_configuration(random), &mut frames);
         *frames.link(robot.tip())
     };
     let poses: Vec<Pose> = (0..64).map(|_| pose(&mut random)).collect();

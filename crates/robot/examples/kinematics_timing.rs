@@ -21,9 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let robot = Robot::load(Path::new(&path), &options)?;
     let mut random = Stream::new(0, 0);
-    let configurations: Vec<Vec<f64>> = (0..1000)
-        .map(|_| robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect())
-        .collect();
+    let configurations: Vec<Vec<f64>> = (0..1000).map(|_| robot.random_configuration(&mut random)).collect();
     let mut frames = robot.frames();
     let mut jacobian = robot.empty_jacobian();
     println!("{}: {} links, {} joints in q", robot.name(), robot.links().len(), robot.dof());

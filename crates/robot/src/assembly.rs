@@ -15,10 +15,10 @@ use crate::limits::{RateLimits, parse_rate_limits};
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
 use crate::robot_files::{HAND, LIMITS};
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfCollision, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLink, UrdfVisual};
+use crate::urdf::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, HandDescription, JointKind, JointLimits, JointUnit, Link, LinkShape, LinkVisual, MeshUse,
-    Mover, Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, VisualForm, mesh_path,
+    GroupJoint, HandDescription, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual,
+    MeshUse, Mover, Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
@@ -47,16 +47,8 @@ impl Robot {
         let urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
         let options = &options.with_open_hands(&tree);
-        let srdf = options.srdf.as_ref().map(|source| {
-            let (name, text) = content(source)?;
-            Srdf::parse(&text, &name)
-        });
-        let srdf = srdf.transpose()?;
-        let rates = options.limits.as_ref().map(|source| {
-            let (name, text) = content(source)?;
-            parse_rate_limits(&text, &name)
-        });
-        let rates = rates.transpose()?.unwrap_or_default();
+        let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
+        let rates = parsed(options.limits.as_ref(), parse_rate_limits)?.unwrap_or_default();
         for (name, rate) in &rates {
             tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at.to_string(), name))?;
         }
@@ -142,9 +134,9 @@ impl UrdfFile {
         let mut options = options.clone();
         options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
         options.limits = options.limits.or_else(|| beside(path.with_file_name(LIMITS)));
-        if let Some(hand) = beside(path.with_file_name(HAND)) {
-            let (name, text) = content(&hand)?;
-            options.hands.insert(0, HandDescription::parse(&text, &name)?);
+        let hand = beside(path.with_file_name(HAND));
+        if let Some(hand) = parsed(hand.as_ref(), HandDescription::parse)? {
+            options.hands.insert(0, hand);
         }
         Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
     }
@@ -154,11 +146,17 @@ fn read(kind: Readable, path: &Path) -> Result<String, RobotError> {
     kind.text(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
 }
 
-fn content(source: &TextSource) -> Result<(String, String), RobotError> {
-    match source {
-        TextSource::Path(path) => Ok((path.display().to_string(), read(cranny_file::TEXT, path)?)),
-        TextSource::Text { name, text } => Ok((name.clone(), text.clone())),
-    }
+/// What `parse` makes of the text of a file and its name.
+fn parsed<T>(
+    source: Option<&TextSource>,
+    parse: impl Fn(&str, &str) -> Result<T, RobotError>,
+) -> Result<Option<T>, RobotError> {
+    source
+        .map(|source| match source {
+            TextSource::Path(path) => parse(&read(cranny_file::TEXT, path)?, &path.display().to_string()),
+            TextSource::Text { name, text } => parse(text, name),
+        })
+        .transpose()
 }
 
 fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
@@ -264,13 +262,13 @@ struct SolidSource<'a> {
 impl SolidSource<'_> {
     fn shape(&self, link: &UrdfLink, collision: &UrdfCollision) -> Result<LinkShape, RobotError> {
         let mut soup = None;
-        let solid = match &collision.geometry {
-            UrdfGeometry::Cuboid { size } => Solid::cuboid(size * 0.5),
-            UrdfGeometry::Sphere { radius_m } => Solid::sphere(*radius_m),
-            UrdfGeometry::Cylinder { length_m, radius_m } => Solid::cylinder(0.5 * length_m, *radius_m),
-            UrdfGeometry::Capsule { length_m, radius_m } => Solid::capsule(0.5 * length_m, *radius_m),
-            UrdfGeometry::Mesh { filename, scale } => {
-                let path = self.find(link, collision, filename)?;
+        let solid = match &collision.form {
+            LinkForm::Cuboid { size } => Solid::cuboid(size * 0.5),
+            LinkForm::Sphere { radius_m } => Solid::sphere(*radius_m),
+            LinkForm::Cylinder { length_m, radius_m } => Solid::cylinder(0.5 * length_m, *radius_m),
+            LinkForm::Capsule { length_m, radius_m } => Solid::capsule(0.5 * length_m, *radius_m),
+            LinkForm::Mesh { name, scale, .. } => {
+                let path = self.find(link, collision, name)?;
                 TriangleSoup::load(&path, *scale).and_then(|triangles| {
                     let solid = match self.options.meshes {
                         MeshUse::Hull => Solid::hull(&triangles.vertices),
@@ -289,20 +287,12 @@ impl SolidSource<'_> {
         Ok(LinkShape { link_from_shape: collision.link_from_shape, solid, soup })
     }
 
-    fn visual(&self, visual: &UrdfVisual) -> LinkVisual {
-        let form = match &visual.geometry {
-            UrdfGeometry::Cuboid { size } => VisualForm::Cuboid { size: *size },
-            UrdfGeometry::Sphere { radius_m } => VisualForm::Sphere { radius_m: *radius_m },
-            &UrdfGeometry::Cylinder { length_m, radius_m } => VisualForm::Cylinder { length_m, radius_m },
-            &UrdfGeometry::Capsule { length_m, radius_m } => VisualForm::Capsule { length_m, radius_m },
-            UrdfGeometry::Mesh { filename, scale } => VisualForm::Mesh {
-                name: filename.clone(),
-                candidates: mesh_path::candidates(filename, self.base_dir, &self.options.packages),
-                scale: *scale,
-            },
-        };
-        let &UrdfVisual { link_from_visual, colour, rounding_m, blend_m, .. } = visual;
-        LinkVisual { link_from_visual, form, colour, rounding_m, blend_m }
+    fn visual(&self, visual: &LinkVisual) -> LinkVisual {
+        let mut visual = visual.clone();
+        if let LinkForm::Mesh { name, candidates, .. } = &mut visual.form {
+            *candidates = mesh_path::candidates(name, self.base_dir, &self.options.packages);
+        }
+        visual
     }
 
     fn find(&self, link: &UrdfLink, collision: &UrdfCollision, mesh: &str) -> Result<PathBuf, RobotError> {

@@ -322,9 +322,7 @@ mod tests {
     fn drawn(robot: &Robot, random: &mut Stream) -> IkLanes {
         let mut lanes = IkLanes::new(robot, &IkSettings::default());
         let mut frames = robot.frames();
-        let mut draw = || -> Vec<f64> {
-            robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-        };
+        let mut draw = || -> Vec<f64> { robot.random_configuration(random) };
         for lane in 0..LANES {
             robot.forward_kinematics(&draw(), &mut frames);
             lanes.set(lane, frames.link(robot.tip()), &draw());

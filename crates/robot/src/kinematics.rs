@@ -30,6 +30,16 @@ impl Robot {
         LinkFrames { root_from_link: self.rest.clone() }
     }
 
+    /// The pose of every link at `q`. Whoever asks often uses [`Self::forward_kinematics`], which makes no new frames.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn frames_at(&self, q: &[f64]) -> LinkFrames {
+        let mut frames = self.frames();
+        self.forward_kinematics(q, &mut frames);
+        frames
+    }
+
     /// Writes the pose of every link at `q` to `frames`. Every call starts afresh from `q`, so that errors
     /// of rounding do not add up. Limits are not checked.
     ///

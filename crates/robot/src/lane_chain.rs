@@ -41,8 +41,7 @@ pub(crate) struct Tip<S: Simd> {
 impl LaneChain {
     /// The chain of the robot's tip.
     pub fn new(robot: &Robot) -> Self {
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
+        let frames = robot.frames();
         let mut root_from_previous = Pose::identity();
         let mut joints = Vec::new();
         for mover in robot.ancestors(robot.tip()) {

@@ -15,9 +15,7 @@
 //!   </joint>
 //! </robot>"#;
 //! let robot = Robot::from_urdf_text(urdf, "slide.urdf", None, &RobotOptions::default())?;
-//! let mut frames = robot.frames();
-//! robot.forward_kinematics(&[0.25], &mut frames);
-//! assert_eq!(frames.link(robot.tip()).translation.x, 0.25);
+//! assert_eq!(robot.frames_at(&[0.25]).link(robot.tip()).translation.x, 0.25);
 //! # Ok::<(), cranny_robot::RobotError>(())
 //! ```
 //!
@@ -44,6 +42,7 @@ mod inverse_kinematics;
 mod jacobian;
 mod joint_group;
 mod joint_reach;
+mod joint_space;
 mod kinematics;
 mod lane_chain;
 mod lane_kinematics;
@@ -70,6 +69,7 @@ pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
 pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver, solve_single};
 pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
+pub use joint_space::{between, distance};
 pub use kinematics::LinkFrames;
 pub use lane_kinematics::{LaneFrame, LaneKinematics, LanePlacement};
 pub use limits::{CONTINUOUS_LIMIT_RAD, JointLimits, JointUnit, LimitViolation};
@@ -79,4 +79,4 @@ pub use reach_bound::ReachBound;
 pub use robot_files::RobotFiles;
 pub use srdf::{EndEffector, GroupState, Srdf, SrdfGroup};
 pub use tree::MAX_LINKS;
-pub use visual::{LinkVisual, VisualForm};
+pub use visual::{LinkForm, LinkVisual};

@@ -26,8 +26,7 @@ impl Base {
         let movers = robot.ancestors(robot.tip());
         let count = movers.iter().take_while(|mover| mover.kind == JointKind::Prismatic).count();
         let arm = movers.get(count).filter(|_| (1..=MOST_SLIDES).contains(&count))?.child_link;
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
+        let frames = robot.frames();
         let origin = |link: usize| frames.link(link).translation.vector;
         let slides = movers[..count].iter().map(|mover| {
             let axis_in_root = frames.link(mover.child_link).rotation * mover.axis_in_child;

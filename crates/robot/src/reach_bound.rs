@@ -38,8 +38,7 @@ impl Robot {
     /// 3. The points on the axes are those of the least sum; it is convex in each of them.
     pub fn reach_bound(&self) -> ReachBound {
         let movers = self.ancestors(self.tip());
-        let mut frames = self.frames();
-        self.forward_kinematics(&vec![0.0; self.dof()], &mut frames);
+        let frames = self.frames();
         let origin = |link: usize| frames.link(link).translation.vector;
         let axis_of = |link: usize, axis: &Vector| frames.link(link).rotation * axis;
         let way_of = |joint: usize, multiplier: f64| {

@@ -3,7 +3,7 @@ use std::collections::HashMap;
 use cranny_spatial::{Pose, Vector};
 
 use crate::xml::{Element, XmlText};
-use crate::{Location, RobotError};
+use crate::{LinkForm, LinkVisual, Location, RobotError};
 
 /// What a URDF says, checked element by element; that its links form a tree is checked by `tree`.
 pub(crate) struct Urdf {
@@ -17,32 +17,14 @@ pub(crate) struct UrdfLink {
     pub(crate) name: String,
     pub(crate) at: Location,
     pub(crate) collisions: Vec<UrdfCollision>,
-    pub(crate) visuals: Vec<UrdfVisual>,
+    /// Where meshes may be is not known yet.
+    pub(crate) visuals: Vec<LinkVisual>,
 }
 
 pub(crate) struct UrdfCollision {
     pub(crate) at: Location,
     pub(crate) link_from_shape: Pose,
-    pub(crate) geometry: UrdfGeometry,
-}
-
-/// Lengths in metres; the colour is that of its own or its named material.
-pub(crate) struct UrdfVisual {
-    pub(crate) link_from_visual: Pose,
-    pub(crate) geometry: UrdfGeometry,
-    pub(crate) colour: Option<[f64; 4]>,
-    pub(crate) rounding_m: f64,
-    pub(crate) blend_m: f64,
-}
-
-/// Sizes in metres, all greater than zero; a cylinder and a capsule lie along z, and a capsule's length is
-/// that of its cylindrical part.
-pub(crate) enum UrdfGeometry {
-    Cuboid { size: Vector },
-    Sphere { radius_m: f64 },
-    Cylinder { length_m: f64, radius_m: f64 },
-    Capsule { length_m: f64, radius_m: f64 },
-    Mesh { filename: String, scale: Vector },
+    pub(crate) form: LinkForm,
 }
 
 pub(crate) struct UrdfJoint {
@@ -128,12 +110,12 @@ fn parse_link(element: Element<'_>, colours: &Colours<'_>) -> Result<UrdfLink, R
 }
 
 fn parse_collision(element: Element<'_>, link: &str) -> Result<UrdfCollision, RobotError> {
-    let (at, geometry) = parse_geometry(element, link)?;
-    Ok(UrdfCollision { at, link_from_shape: element.origin()?, geometry })
+    let (at, form) = parse_geometry(element, link)?;
+    Ok(UrdfCollision { at, link_from_shape: element.origin()?, form })
 }
 
-fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Result<UrdfVisual, RobotError> {
-    let (_, geometry) = parse_geometry(element, link)?;
+fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Result<LinkVisual, RobotError> {
+    let (_, form) = parse_geometry(element, link)?;
     let colour = match element.first("material") {
         Some(material) => {
             let named = || material.optional_text("name").and_then(|name| colours.get(name).copied());
@@ -145,9 +127,9 @@ fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Resu
         let given = element.optional_text(attribute).map(|_| element.positive(attribute));
         given.transpose().map(Option::unwrap_or_default)
     };
-    Ok(UrdfVisual {
+    Ok(LinkVisual {
         link_from_visual: element.origin()?,
-        geometry,
+        form,
         colour,
         rounding_m: length("rounding")?,
         blend_m: length("blend")?,
@@ -155,23 +137,20 @@ fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Resu
 }
 
 /// The geometry of a `<collision>` or a `<visual>`, and where it stands.
-fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, UrdfGeometry), RobotError> {
+fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, LinkForm), RobotError> {
     let owner = || format!("<{}> of link `{link}`", element.tag());
     let shape = element.needed("geometry", &owner())?.children().next().ok_or_else(|| {
         RobotError::MissingElement { at: element.at(), owner: owner(), element: "geometry" }
     })?;
-    let geometry = match shape.tag() {
-        "box" => UrdfGeometry::Cuboid { size: parse_size(shape)? },
-        "sphere" => UrdfGeometry::Sphere { radius_m: shape.positive("radius")? },
-        "cylinder" => UrdfGeometry::Cylinder {
-            length_m: shape.positive("length")?,
-            radius_m: shape.positive("radius")?,
-        },
-        "capsule" => {
-            UrdfGeometry::Capsule { length_m: shape.positive("length")?, radius_m: shape.positive("radius")? }
-        }
+    let (length_m, radius_m) = (|| shape.positive("length"), || shape.positive("radius"));
+    let form = match shape.tag() {
+        "box" => LinkForm::Cuboid { size: parse_size(shape)? },
+        "sphere" => LinkForm::Sphere { radius_m: radius_m()? },
+        "cylinder" => LinkForm::Cylinder { length_m: length_m()?, radius_m: radius_m()? },
+        "capsule" => LinkForm::Capsule { length_m: length_m()?, radius_m: radius_m()? },
         "mesh" => {
-            UrdfGeometry::Mesh { filename: shape.text("filename")?.to_owned(), scale: parse_scale(shape)? }
+            let name = shape.text("filename")?.to_owned();
+            LinkForm::Mesh { name, candidates: Vec::new(), scale: parse_scale(shape)? }
         }
         other => {
             return Err(RobotError::UnknownGeometry {
@@ -181,7 +160,7 @@ fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, UrdfGeo
             });
         }
     };
-    Ok((shape.at(), geometry))
+    Ok((shape.at(), form))
 }
 
 fn parse_size(element: Element<'_>) -> Result<Vector, RobotError> {
@@ -231,17 +210,9 @@ fn parse_motion(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Resul
     let axis_in_child = axis
         .try_normalize(1e-9)
         .ok_or_else(|| RobotError::ZeroAxis { at: axis_at, joint: joint.to_owned() })?;
-    let limits = match element.first("limit") {
-        Some(limit) => Some(parse_limits(limit, kind, joint)?),
-        None if kind == UrdfJointKind::Continuous => None,
-        None => {
-            return Err(RobotError::MissingElement {
-                at: element.at(),
-                owner: format!("joint `{joint}`"),
-                element: "limit",
-            });
-        }
-    };
+    let is_needed = kind != UrdfJointKind::Continuous || element.first("limit").is_some();
+    let limit = is_needed.then(|| element.needed("limit", &format!("joint `{joint}`"))).transpose()?;
+    let limits = limit.map(|limit| parse_limits(limit, kind, joint)).transpose()?;
     let mimic = element.first("mimic").map(parse_mimic).transpose()?;
     Ok(UrdfMotion { kind, axis_in_child, limits, mimic })
 }

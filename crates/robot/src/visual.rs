@@ -12,7 +12,7 @@ pub struct LinkVisual {
     /// Where it stands on the link.
     pub link_from_visual: Pose,
     /// Its form, in its own frame.
-    pub form: VisualForm,
+    pub form: LinkForm,
     /// Red, green, blue and opacity of its material, 0 to 1, in the sRGB colour space; None if it has none
     /// or one without a colour.
     pub colour: Option<[f64; 4]>,
@@ -22,9 +22,10 @@ pub struct LinkVisual {
     pub blend_m: f64,
 }
 
-/// The form of a visual; lengths in metres, all greater than zero. Cylinder and capsule lie along z.
+/// The form of a `<visual>` or a `<collision>`; lengths in metres, all greater than zero. Cylinder and capsule lie
+/// along z.
 #[derive(Clone, Debug, PartialEq)]
-pub enum VisualForm {
+pub enum LinkForm {
     /// A cuboid.
     Cuboid {
         /// Its lengths.
@@ -49,7 +50,7 @@ pub enum VisualForm {
         /// Its radius.
         radius_m: f64,
     },
-    /// A mesh file. It is not opened before somebody wants to see it: a robot can be planned for without.
+    /// A mesh file. That of a visual is not opened before somebody wants to see it: a robot can be planned for without.
     Mesh {
         /// The name in the URDF.
         name: String,

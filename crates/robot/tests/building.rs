@@ -5,8 +5,8 @@ mod fixture;
 use std::path::Path;
 
 use cranny_robot::{
-    CONTINUOUS_LIMIT_RAD, JointGroup, JointKind, JointUnit, LimitViolation, MeshUse, Robot, RobotOptions,
-    TextSource, VisualForm,
+    CONTINUOUS_LIMIT_RAD, JointGroup, JointKind, JointUnit, LimitViolation, LinkForm, MeshUse, Robot,
+    RobotOptions, TextSource,
 };
 
 fn names(robot: &Robot, pairs: &[(usize, usize)]) -> Vec<(String, String)> {
@@ -58,8 +58,7 @@ fn held_fingers_stand_open_whether_one_or_both_are_named() {
     let robots =
         [fixture::mobile_arm(), Robot::load(&fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap()];
     for robot in robots {
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&fixture::HOME, &mut frames);
+        let frames = robot.frames_at(&fixture::HOME);
         let hand_from = |link: &str| {
             let frame = |name: &str| frames.link(robot.link_index(name).unwrap());
             frame("hand").inverse() * frame(link)
@@ -242,7 +241,7 @@ fn a_link_looks_as_its_visuals_say() {
     assert_eq!(cylinder.colour, Some([0.0, 0.0, 1.0, 0.5]), "a material is known by its name everywhere");
     assert_eq!((cylinder.rounding_m, cylinder.blend_m), (0.01, 0.02));
     // The file is not needed before somebody looks.
-    assert!(matches!(&mesh.form, VisualForm::Mesh { name, .. } if name == "no/such.dae"));
+    assert!(matches!(&mesh.form, LinkForm::Mesh { name, .. } if name == "no/such.dae"));
     assert!(robot.links()[0].collisions.is_empty());
 }
 

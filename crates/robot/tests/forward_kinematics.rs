@@ -15,8 +15,7 @@ fn assert_agrees_with_k(robot: &Robot, urdf: &Path, others: &[(&str, f64)]) {
     let mut random = Stream::new(1, 0);
     let mut frames = robot.frames();
     for _ in 0..200 {
-        let q: Vec<f64> =
-            robot.limits().iter().map(|limits| random.uniform_between(limits.lower, limits.upper)).collect();
+        let q: Vec<f64> = robot.random_configuration(&mut random);
         robot.forward_kinematics(&q, &mut frames);
         let values: Vec<f64> = chain
             .iter_joints()
@@ -66,8 +65,7 @@ fn mimic_joints_follow_with_factor_and_offset() {
     let robot = fixture::mimic();
     assert_eq!(robot.joint_names(), ["lead", "slide"]);
     let (value, shift) = (0.7, 0.3);
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&[value, shift], &mut frames);
+    let frames = robot.frames_at(&[value, shift]);
     // The same tree written out by hand, in nalgebra's own terms.
     let pose = |x, y, z, roll, pitch, yaw| {
         Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw))

@@ -7,8 +7,7 @@ use cranny_spatial::{Pose, PoseDifference, Stream};
 use proptest::prelude::*;
 
 fn tip_at(robot: &Robot, q: &[f64]) -> Pose {
-    let mut frames = robot.frames();
-    robot.forward_kinematics(q, &mut frames);
+    let frames = robot.frames_at(q);
     *frames.link(robot.tip())
 }
 

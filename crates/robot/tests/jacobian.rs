@@ -48,8 +48,7 @@ proptest! {
     ) {
         // The oracle is the other form of the same minimum, over joints: (JᵀJ + λ²I) dq = Jᵀ v.
         let robot = fixture::mobile_arm();
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&fixture::within_limits(&robot, &parts), &mut frames);
+        let frames = robot.frames_at(&fixture::within_limits(&robot, &parts));
         let mut jacobian = robot.empty_jacobian();
         robot.jacobian(&frames, robot.tip(), &mut jacobian);
         let twist = Twist::from(twist);
@@ -67,8 +66,7 @@ proptest! {
         motion in prop::collection::vec(-1.0..1.0, 9),
     ) {
         let robot = fixture::mobile_arm();
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&fixture::within_limits(&robot, &parts), &mut frames);
+        let frames = robot.frames_at(&fixture::within_limits(&robot, &parts));
         let mut jacobian = robot.empty_jacobian();
         robot.jacobian(&frames, robot.tip(), &mut jacobian);
         let mut projected = motion.clone();

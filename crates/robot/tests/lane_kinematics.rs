@@ -51,9 +51,7 @@ fn lanes_are_no_farther_off_than_their_bound_says() {
         let kinematics = LaneKinematics::new(&robot);
         let mut lane_frames = vec![LaneFrame::IDENTITY; kinematics.frame_count()];
         let mut frames = robot.frames();
-        let rows: Vec<Vec<f64>> = (0..LANES)
-            .map(|_| robot.limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect())
-            .collect();
+        let rows: Vec<Vec<f64>> = (0..LANES).map(|_| robot.random_configuration(&mut random)).collect();
         #[allow(clippy::cast_possible_truncation)]
         let q: Vec<LaneArray> =
             (0..robot.dof()).map(|joint| std::array::from_fn(|lane| rows[lane][joint] as f32)).collect();

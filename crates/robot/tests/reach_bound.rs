@@ -29,8 +29,7 @@ fn robots() -> Vec<Robot> {
 }
 
 fn tip_at(robot: &Robot, q: &[f64]) -> Point {
-    let mut frames = robot.frames();
-    robot.forward_kinematics(q, &mut frames);
+    let frames = robot.frames_at(q);
     Point::from(frames.link(robot.tip()).translation.vector)
 }
 
@@ -65,8 +64,7 @@ fn the_bound_of_an_arm_is_near_its_reach() {
 
 /// Where the second joint of the arm stands: the point that the bound is about.
 fn bound_middle(robot: &Robot) -> Point {
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&[0.0; 9], &mut frames);
+    let frames = robot.frames_at(&[0.0; 9]);
     Point::from(frames.link(robot.joints()[3].child_link).translation.vector)
 }
 

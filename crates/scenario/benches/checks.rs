@@ -5,7 +5,7 @@ mod task;
 use std::hint::black_box;
 use std::time::Duration;
 
-use cranny_collision::between;
+use cranny_robot::between;
 use cranny_spatial::Stream;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -19,10 +19,9 @@ fn checks(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("checks");
     for (id, problem) in task::all() {
         let cell = problem.cell().expect("the default criterion");
-        let (limits, mut random) = (problem.robot().limits(), Stream::new(0, 0));
-        let configurations: Vec<f64> = (0..CONFIGURATIONS)
-            .flat_map(|_| limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect::<Vec<_>>())
-            .collect();
+        let mut random = Stream::new(0, 0);
+        let configurations: Vec<f64> =
+            (0..CONFIGURATIONS).flat_map(|_| cell.robot().random_configuration(&mut random)).collect();
         let dof = problem.robot().dof();
         let (mut scratch, mut verdicts) = (cell.scratch(), Vec::new());
 

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cranny_grasp::rows_of_pose;
 use cranny_shape::{ShapeError, Surface, TriangleSoup, VolumeMoments};
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::Vector;
 
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::recipe_file::configurations_text;
@@ -54,7 +54,7 @@ impl Recipe {
             write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
             write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg)?)?;
             library.push_str(&library_entry(&name, mass_kg));
-            append(&mut merged, &soup, &(planning_from_scene() * body.scene_from_body));
+            merged.append(&soup, &(planning_from_scene() * body.scene_from_body));
         }
         library.push_str("yaml_file_type: ObjectLibrary\nyaml_file_version: '1.0'\n");
         write("object_library/object_library.yaml", &library)?;
@@ -130,7 +130,7 @@ impl RecipeBody {
     fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
         let mut soup = TriangleSoup::default();
         for (body_from_shape, shape) in &self.shapes {
-            append(&mut soup, &shape.soup()?, body_from_shape);
+            soup.append(&shape.soup()?, body_from_shape);
         }
         Ok(soup)
     }
@@ -138,7 +138,7 @@ impl RecipeBody {
     /// The same where the body stands.
     pub(crate) fn placed_soup(&self) -> Result<TriangleSoup, ScenarioError> {
         let mut soup = TriangleSoup::default();
-        append(&mut soup, &self.soup()?, &self.scene_from_body);
+        soup.append(&self.soup()?, &self.scene_from_body);
         Ok(soup)
     }
 
@@ -147,25 +147,13 @@ impl RecipeBody {
         let mut text = String::new();
         let mut first = 1;
         for (index, (body_from_shape, shape)) in self.shapes.iter().enumerate() {
-            let soup = shape.soup()?;
-            let _ = writeln!(text, "o part_{index}");
-            for vertex in &soup.vertices {
-                let v = body_from_shape * vertex;
-                let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
-            }
-            for [a, b, c] in &soup.triangles {
-                let _ = writeln!(text, "f {} {} {}", a + first, b + first, c + first);
-            }
+            let mut soup = TriangleSoup::default();
+            soup.append(&shape.soup()?, body_from_shape);
+            let _ = write!(text, "o part_{index}\n{}", soup.obj_text(first));
             first += u32::try_from(soup.vertices.len()).unwrap_or(u32::MAX);
         }
         Ok(text)
     }
-}
-
-fn append(whole: &mut TriangleSoup, soup: &TriangleSoup, whole_from_soup: &Pose) {
-    let first = u32::try_from(whole.vertices.len()).unwrap_or(u32::MAX);
-    whole.vertices.extend(soup.vertices.iter().map(|vertex| whole_from_soup * vertex));
-    whole.triangles.extend(soup.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
 }
 
 impl RecipeShape {

@@ -6,6 +6,7 @@ use cranny_collision::{Body, World};
 use cranny_robot::Robot;
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
+use serde::Serialize;
 
 use crate::family::Region;
 use crate::recipe::PAPER_START;
@@ -45,7 +46,7 @@ pub struct SetMember {
 }
 
 /// Why draws were not sound, and how many each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Rejections {
     /// The object, or a thing that stands about, touches something else than what it stands on.
     pub things_overlap: usize,
@@ -209,8 +210,7 @@ struct StartPose {
 
 impl StartPose {
     fn new(robot: &Arc<Robot>) -> Self {
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&PAPER_START, &mut frames);
+        let frames = robot.frames_at(&PAPER_START);
         let mut placed = Vec::new();
         for (index, link) in robot.links().iter().enumerate() {
             if robot.ancestors(index).is_empty() {

@@ -67,9 +67,7 @@ fn judged(cell: &Cell, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
         rows.extend_from_slice(q);
         verdicts.push(is_free);
     };
-    let mut draw = || -> Vec<f64> {
-        cell.robot().limits().iter().map(|l| random.uniform_between(l.lower, l.upper)).collect()
-    };
+    let mut draw = || -> Vec<f64> { cell.robot().random_configuration(random) };
     let mut last: Option<(Vec<f64>, bool)> = None;
     let mut at_contact = 0;
     for index in 0.. {

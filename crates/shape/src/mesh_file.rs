@@ -1,8 +1,9 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
+use std::io::{Error, ErrorKind};
 use std::path::Path;
 
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 
 use crate::error::usable;
 use crate::{ShapeError, collada, ply, stl};
@@ -26,11 +27,14 @@ impl TriangleSoup {
     /// no mesh, holds numbers that are not finite, or has no triangles.
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+        let broken = |message| unreadable(Error::new(ErrorKind::InvalidData, message));
+        let bytes = || cranny_file::MESH.bytes(path).map_err(unreadable);
         let corners = match extension.as_str() {
-            "obj" => read_obj(path)?,
-            "stl" => read_stl(path)?,
-            "dae" => read_collada(path)?,
-            "ply" => read_ply(path)?,
+            "obj" => read_obj(path, bytes()?)?,
+            "stl" => stl::corners(&bytes()?).map_err(unreadable)?,
+            "dae" => collada::corners(&cranny_file::MESH.text(path).map_err(unreadable)?).map_err(broken)?,
+            "ply" => ply::corners(&bytes()?).map_err(broken)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
         };
         let triangles = corners.len() / 3;
@@ -51,14 +55,27 @@ impl TriangleSoup {
     /// # Errors
     /// [`ShapeError::Write`].
     pub fn write_obj(&self, path: &Path) -> Result<(), ShapeError> {
+        let text = self.obj_text(1);
+        std::fs::write(path, text).map_err(|source| ShapeError::Write { path: path.to_owned(), source })
+    }
+
+    /// The triangles as in an OBJ file, where the first vertex has the number `first`.
+    pub fn obj_text(&self, first: u32) -> String {
         let mut text = String::new();
         for v in &self.vertices {
             let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
         }
         for [a, b, c] in &self.triangles {
-            let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+            let _ = writeln!(text, "f {} {} {}", a + first, b + first, c + first);
         }
-        std::fs::write(path, text).map_err(|source| ShapeError::Write { path: path.to_owned(), source })
+        text
+    }
+
+    /// Adds the triangles of another mesh; equal vertices stay apart.
+    pub fn append(&mut self, other: &Self, own_from_other: &Pose) {
+        let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        self.vertices.extend(other.vertices.iter().map(|vertex| own_from_other * vertex));
+        self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
     }
 
     /// Triangles from their corners, three at a time; equal corners are merged.
@@ -93,19 +110,18 @@ impl TriangleSoup {
 /// Each takes some 500 bytes as part of a solid: 4 GB for these.
 const MOST_TRIANGLES: usize = 8_000_000;
 
-fn read_obj(path: &Path) -> Result<Vec<Point>, ShapeError> {
+fn read_obj(path: &Path, bytes: Vec<u8>) -> Result<Vec<Point>, ShapeError> {
     let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    let bytes = cranny_file::MESH.bytes(path).map_err(unreadable)?;
     // Cut off, a face has fewer corners; the reader passes over what is a point or a line then.
     for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         if words.next() == Some(b"f") && words.count() < 3 && !line.ends_with(b"\\") {
             let message = format!("line {}: a face has fewer than three corners", index + 1);
-            return Err(unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message)));
+            return Err(unreadable(Error::new(ErrorKind::InvalidData, message)));
         }
     }
     // Materials do not matter.
-    let no_material = |_: &Path| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into());
+    let no_material = |_: &Path| Err::<Vec<u8>, _>(ErrorKind::NotFound.into());
     let scene = mesh_loader::obj::from_slice(&bytes, Some(path), no_material).map_err(unreadable)?;
     drop(bytes);
     let mut corners = Vec::with_capacity(scene.meshes.iter().map(|mesh| 3 * mesh.faces.len()).sum());
@@ -120,22 +136,4 @@ fn read_obj(path: &Path) -> Result<Vec<Point>, ShapeError> {
         }
     }
     Ok(corners)
-}
-
-fn read_stl(path: &Path) -> Result<Vec<Point>, ShapeError> {
-    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    stl::corners(&cranny_file::MESH.bytes(path).map_err(unreadable)?).map_err(unreadable)
-}
-
-fn read_collada(path: &Path) -> Result<Vec<Point>, ShapeError> {
-    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    let text = cranny_file::MESH.text(path).map_err(unreadable)?;
-    let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
-    collada::corners(&text).map_err(broken)
-}
-
-fn read_ply(path: &Path) -> Result<Vec<Point>, ShapeError> {
-    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    let broken = |message| unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, message));
-    ply::corners(&cranny_file::MESH.bytes(path).map_err(unreadable)?).map_err(broken)
 }

@@ -37,7 +37,7 @@ impl PaintedMesh {
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         if extension.eq_ignore_ascii_case("ply") {
-            return Ok(Self::of_soup(&TriangleSoup::load(path, scale)?));
+            return Ok(Self { pieces: vec![PaintedPiece::of_soup(&TriangleSoup::load(path, scale)?)] });
         }
         if !["obj", "stl", "dae"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
             return Err(ShapeError::Format { path: path.to_owned(), extension: extension.to_lowercase() });
@@ -56,14 +56,15 @@ impl PaintedMesh {
         }
         Ok(Self { pieces })
     }
+}
 
-    /// One piece without colours or normals.
+impl PaintedPiece {
+    /// Triangles without colours or normals.
     pub fn of_soup(soup: &TriangleSoup) -> Self {
         // The precision of graphics.
         #[allow(clippy::cast_possible_truncation)]
         let vertices = soup.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
-        let triangles = soup.triangles.clone();
-        Self { pieces: vec![PaintedPiece { vertices, triangles, ..PaintedPiece::default() }] }
+        Self { vertices, triangles: soup.triangles.clone(), ..Self::default() }
     }
 }
 

@@ -6,7 +6,7 @@
 //! 3. The vertices are moved onto the surface along its gradient, which is also their normal, so that a coarse
 //!    grid looks smooth.
 
-use cranny_robot::{LinkVisual, VisualForm};
+use cranny_robot::{LinkForm, LinkVisual};
 use cranny_shape::Aabb;
 use cranny_spatial::{Point, Pose, Vector};
 
@@ -32,15 +32,15 @@ impl Primitive {
     pub fn of(visual: &LinkVisual) -> Option<Self> {
         let rounding_m = visual.rounding_m;
         let form = match visual.form {
-            VisualForm::Cuboid { size } => {
+            LinkForm::Cuboid { size } => {
                 let half_extents = size * 0.5;
                 Form::Cuboid { half_extents, rounding_m: rounding_m.min(half_extents.min()) }
             }
-            VisualForm::Sphere { radius_m } => Form::Capsule { half_length_m: 0.0, radius_m },
-            VisualForm::Capsule { length_m, radius_m } => {
+            LinkForm::Sphere { radius_m } => Form::Capsule { half_length_m: 0.0, radius_m },
+            LinkForm::Capsule { length_m, radius_m } => {
                 Form::Capsule { half_length_m: 0.5 * length_m, radius_m }
             }
-            VisualForm::Cylinder { length_m, radius_m } => {
+            LinkForm::Cylinder { length_m, radius_m } => {
                 let half_length_m = 0.5 * length_m;
                 Form::Cylinder {
                     half_length_m,
@@ -48,7 +48,7 @@ impl Primitive {
                     rounding_m: rounding_m.min(half_length_m).min(radius_m),
                 }
             }
-            VisualForm::Mesh { .. } => return None,
+            LinkForm::Mesh { .. } => return None,
         };
         Some(Self {
             body_from_here: visual.link_from_visual,
@@ -206,9 +206,7 @@ impl Net {
             }
             let Some(crossing) = self.crossing(cell) else { continue };
             let (position, normal) = self.onto_surface(primitives, crossing);
-            *vertex = u32::try_from(piece.positions.len()).ok();
-            piece.positions.push(position);
-            piece.normals.push(normal);
+            *vertex = Some(piece.push_point(&position, &normal));
         }
         for index in 0..self.samples.len() {
             let place = self.place(index);
@@ -245,7 +243,7 @@ impl Net {
     }
 
     /// The point moved onto the surface, at most a cell away, and the normal there.
-    fn onto_surface(&self, primitives: &[Primitive], start: Point) -> ([f32; 3], [f32; 3]) {
+    fn onto_surface(&self, primitives: &[Primitive], start: Point) -> (Point, Vector) {
         let mut point = start;
         let mut normal = gradient(primitives, &point);
         for _ in 0..2 {
@@ -253,9 +251,7 @@ impl Net {
             point -= normal * step;
             normal = gradient(primitives, &point);
         }
-        #[allow(clippy::cast_possible_truncation)]
-        let single = |v: Vector| [v.x as f32, v.y as f32, v.z as f32];
-        (single(point.coords), single(normal))
+        (point, normal)
     }
 }
 
@@ -264,7 +260,7 @@ mod tests {
     use super::*;
     use cranny_shape::TriangleSoup;
 
-    fn visual(form: VisualForm, x: f64) -> LinkVisual {
+    fn visual(form: LinkForm, x: f64) -> LinkVisual {
         let link_from_visual = Pose::translation(x, 0.0, 0.0);
         LinkVisual { link_from_visual, form, colour: None, rounding_m: 0.01, blend_m: 0.02 }
     }
@@ -284,7 +280,7 @@ mod tests {
 
     #[test]
     fn one_primitive_keeps_its_volume() {
-        let ball = Primitive::of(&visual(VisualForm::Sphere { radius_m: 0.05 }, 0.0)).unwrap();
+        let ball = Primitive::of(&visual(LinkForm::Sphere { radius_m: 0.05 }, 0.0)).unwrap();
         let expected = 4.0 / 3.0 * std::f64::consts::PI * 0.05_f64.powi(3);
         let volume = volume_m3(&[ball]);
         assert!((volume / expected - 1.0).abs() < 0.02, "{volume} {expected}");
@@ -293,8 +289,8 @@ mod tests {
     #[test]
     fn two_melt_into_one_closed_body_larger_than_either() {
         let forms = [
-            (VisualForm::Cylinder { length_m: 0.1, radius_m: 0.04 }, 0.0),
-            (VisualForm::Cuboid { size: Vector::new(0.1, 0.06, 0.05) }, 0.05),
+            (LinkForm::Cylinder { length_m: 0.1, radius_m: 0.04 }, 0.0),
+            (LinkForm::Cuboid { size: Vector::new(0.1, 0.06, 0.05) }, 0.05),
         ];
         let primitives = forms.map(|(form, x)| Primitive::of(&visual(form, x)).unwrap());
         let volume = volume_m3(&primitives);

@@ -2,6 +2,7 @@ use std::collections::HashMap;
 
 use cranny_shape::{PaintedPiece, TriangleSoup};
 use cranny_spatial::nalgebra::Vector3;
+use cranny_spatial::{Point, Vector};
 
 use crate::Colour;
 
@@ -36,10 +37,7 @@ const CREASE_COSINE: f32 = 0.819;
 impl MeshPiece {
     /// Triangles with normals that are smooth over flat angles and break at edges.
     pub fn of_soup(soup: &TriangleSoup, material: usize) -> Self {
-        #[allow(clippy::cast_possible_truncation)]
-        let vertices = soup.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
-        let piece = PaintedPiece { vertices, triangles: soup.triangles.clone(), ..PaintedPiece::default() };
-        Self::of_painted(&piece, material)
+        Self::of_painted(&PaintedPiece::of_soup(soup), material)
     }
 
     /// What a mesh file gives; where it gives no normals, those of [`Self::of_soup`].
@@ -67,15 +65,28 @@ impl MeshPiece {
             let corners = triangle.map(|corner| {
                 let corner = corner as usize;
                 *moved[corner].get_or_insert_with(|| {
-                    piece.positions.push(self.positions[corner]);
-                    piece.normals.push(self.normals[corner]);
-                    piece.colours.extend(self.colours.get(corner));
-                    u32::try_from(piece.positions.len() - 1).unwrap_or(u32::MAX)
+                    piece.push(self.positions[corner], self.normals[corner], self.colours.get(corner))
                 })
             });
             piece.triangles.push(corners);
         }
         piece
+    }
+
+    /// Adds a corner and returns its index.
+    pub(crate) fn push(&mut self, position: [f32; 3], normal: [f32; 3], colour: Option<&Colour>) -> u32 {
+        let index = u32::try_from(self.positions.len()).unwrap_or(u32::MAX);
+        self.positions.push(position);
+        self.normals.push(normal);
+        self.colours.extend(colour);
+        index
+    }
+
+    /// The same of double precision and without a colour.
+    pub(crate) fn push_point(&mut self, position: &Point, normal: &Vector) -> u32 {
+        #[allow(clippy::cast_possible_truncation)]
+        let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
+        self.push(single(&position.coords), single(normal), None)
     }
 
     /// Adds the triangles of another piece, whatever their material.
@@ -111,7 +122,7 @@ fn smoothed(
     let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
     for (triangle, corners) in triangles.iter().enumerate() {
         let Some(face) = area_normals[triangle].try_normalize(0.0) else { continue };
-        piece.triangles.push(corners.map(|corner| {
+        let corners = corners.map(|corner| {
             let around = &places[&place(corner)];
             let sum: Vector3<f32> = around
                 .iter()
@@ -120,12 +131,10 @@ fn smoothed(
                 .sum();
             let normal: [f32; 3] = sum.try_normalize(0.0).unwrap_or(face).into();
             *known.entry((corner, normal.map(f32::to_bits))).or_insert_with(|| {
-                piece.positions.push(vertices[corner as usize]);
-                piece.normals.push(normal);
-                piece.colours.extend(vertex_colours.get(corner as usize));
-                u32::try_from(piece.positions.len() - 1).unwrap_or(u32::MAX)
+                piece.push(vertices[corner as usize], normal, vertex_colours.get(corner as usize))
             })
-        }));
+        });
+        piece.triangles.push(corners);
     }
     piece
 }

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use cranny_robot::{Link, LinkVisual, Robot, VisualForm};
+use cranny_robot::{Link, LinkForm, LinkVisual, Robot};
 use cranny_shape::{PaintedMesh, Solid};
 use cranny_spatial::Pose;
 use cranny_spatial::nalgebra::Vector3;
@@ -31,14 +31,13 @@ fn link_mesh(
     if link.visuals.is_empty() {
         let material = scene.material(plastic([0.0; 4], true));
         for shape in &link.collisions {
-            let soup = shape.solid.tessellation().unwrap_or_default();
-            pieces.push(placed(MeshPiece::of_soup(&soup, material), &shape.link_from_shape));
+            pieces.push(placed(of_solid(&shape.solid, material), &shape.link_from_shape));
         }
     }
     let (melting, single): (Vec<_>, Vec<_>) = link
         .visuals
         .iter()
-        .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, VisualForm::Mesh { .. }));
+        .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, LinkForm::Mesh { .. }));
     // One body for each colour, in the order in which the colours come.
     let mut colours: Vec<Option<[f64; 4]>> = melting.iter().map(|visual| visual.colour).collect();
     colours.dedup();
@@ -66,8 +65,8 @@ fn visual_pieces(
 ) -> Result<Vec<MeshPiece>, ViewError> {
     let own = visual.colour;
     let material = scene.material(plastic(own.unwrap_or_default(), own.is_none()));
-    let solid = match &visual.form {
-        VisualForm::Mesh { name, candidates, scale } => {
+    let piece = match &visual.form {
+        LinkForm::Mesh { name, candidates, scale } => {
             let Some(path) = candidates.iter().find(|path| path.is_file()) else {
                 return Err(ViewError::VisualNotFound {
                     link: link.name.clone(),
@@ -92,21 +91,26 @@ fn visual_pieces(
             files.insert(path.clone(), mesh);
             return Ok(pieces);
         }
-        VisualForm::Cuboid { size } if visual.rounding_m > 0.0 => {
-            let piece = rounded::cuboid(&(size * 0.5), visual.rounding_m, material);
-            return Ok(vec![placed(piece, &visual.link_from_visual)]);
+        LinkForm::Cuboid { size } if visual.rounding_m > 0.0 => {
+            rounded::cuboid(&(size * 0.5), visual.rounding_m, material)
         }
-        VisualForm::Cylinder { length_m, radius_m } if visual.rounding_m > 0.0 => {
-            let piece = rounded::cylinder(0.5 * length_m, *radius_m, visual.rounding_m, material);
-            return Ok(vec![placed(piece, &visual.link_from_visual)]);
+        LinkForm::Cylinder { length_m, radius_m } if visual.rounding_m > 0.0 => {
+            rounded::cylinder(0.5 * length_m, *radius_m, visual.rounding_m, material)
         }
-        VisualForm::Cuboid { size } => Solid::cuboid(size * 0.5)?,
-        VisualForm::Sphere { radius_m } => Solid::sphere(*radius_m)?,
-        VisualForm::Cylinder { length_m, radius_m } => Solid::cylinder(0.5 * length_m, *radius_m)?,
-        VisualForm::Capsule { length_m, radius_m } => Solid::capsule(0.5 * length_m, *radius_m)?,
+        LinkForm::Cuboid { size } => of_solid(&Solid::cuboid(size * 0.5)?, material),
+        LinkForm::Sphere { radius_m } => of_solid(&Solid::sphere(*radius_m)?, material),
+        LinkForm::Cylinder { length_m, radius_m } => {
+            of_solid(&Solid::cylinder(0.5 * length_m, *radius_m)?, material)
+        }
+        LinkForm::Capsule { length_m, radius_m } => {
+            of_solid(&Solid::capsule(0.5 * length_m, *radius_m)?, material)
+        }
     };
-    let soup = solid.tessellation().unwrap_or_default();
-    Ok(vec![placed(MeshPiece::of_soup(&soup, material), &visual.link_from_visual)])
+    Ok(vec![placed(piece, &visual.link_from_visual)])
+}
+
+fn of_solid(solid: &Solid, material: usize) -> MeshPiece {
+    MeshPiece::of_soup(&solid.tessellation().unwrap_or_default(), material)
 }
 
 /// The material of a robot's colour: white and grey parts are lacquered, dark ones rather rubber.

@@ -32,7 +32,7 @@ pub(crate) fn cylinder(half_length_m: f64, radius_m: f64, rounding_m: f64, mater
         for corner in 0..CIRCLE_POINTS {
             let (sine, cosine) = sin_cos(TAU * f64::from(corner) / f64::from(CIRCLE_POINTS));
             let place = Point::new(across * cosine, across * sine, height);
-            push(&mut piece, &place, &Vector::new(out * cosine, out * sine, up));
+            piece.push_point(&place, &Vector::new(out * cosine, out * sine, up));
         }
     }
     for (ring, pair) in (0_u32..).zip(profile.windows(2)) {
@@ -71,7 +71,7 @@ pub(crate) fn cuboid(half_extents: &Vector, rounding_m: f64, material: usize) ->
                         (side * inner[axis], end_one * inner[one], end_other * inner[other]);
                     (normal[axis], normal[one], normal[other]) = (side, slope_one, slope_other);
                     let normal = normal.normalize();
-                    push(&mut piece, &(corner + normal * rounding_m).into(), &normal);
+                    piece.push_point(&(corner + normal * rounding_m).into(), &normal);
                 }
             }
             let count = 2 * (STEPS + 1);
@@ -89,13 +89,6 @@ pub(crate) fn cuboid(half_extents: &Vector, rounding_m: f64, material: usize) ->
         }
     }
     piece
-}
-
-fn push(piece: &mut MeshPiece, position: &Point, normal: &Vector) {
-    #[allow(clippy::cast_possible_truncation)]
-    let single = |v: Vector| [v.x as f32, v.y as f32, v.z as f32];
-    piece.positions.push(single(position.coords));
-    piece.normals.push(single(*normal));
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ pub(crate) fn tube(points: &[Point], radius_m: f64, material: usize) -> MeshPiec
         for corner in 0..SIDES {
             let (sine, cosine) = sin_cos(TAU * f64::from(corner) / f64::from(SIDES));
             let normal = across * cosine + side * sine;
-            push(&mut piece, &(point + normal * radius_m), &normal);
+            piece.push_point(&(point + normal * radius_m), &normal);
         }
     }
     let rings = u32::try_from(row.len()).unwrap_or(u32::MAX);
@@ -44,8 +44,7 @@ pub(crate) fn tube(points: &[Point], radius_m: f64, material: usize) -> MeshPiec
     for (point, ring, outward) in
         [(row[0], 0, -directions[0]), (row[row.len() - 1], rings - 1, directions[directions.len() - 1])]
     {
-        let tip = u32::try_from(piece.positions.len()).unwrap_or(u32::MAX);
-        push(&mut piece, &(point + outward * (0.6 * radius_m)), &outward);
+        let tip = piece.push_point(&(point + outward * (0.6 * radius_m)), &outward);
         let is_first = ring == 0;
         piece.triangles.extend((0..SIDES).map(|corner| {
             let (here, next) = (ring * SIDES + corner, ring * SIDES + (corner + 1) % SIDES);
@@ -53,13 +52,6 @@ pub(crate) fn tube(points: &[Point], radius_m: f64, material: usize) -> MeshPiec
         }));
     }
     piece
-}
-
-fn push(piece: &mut MeshPiece, position: &Point, normal: &Vector) {
-    #[allow(clippy::cast_possible_truncation)]
-    let single = |v: Vector| [v.x as f32, v.y as f32, v.z as f32];
-    piece.positions.push(single(position.coords));
-    piece.normals.push(single(*normal));
 }
 
 fn perpendicular(direction: &Vector) -> Vector {

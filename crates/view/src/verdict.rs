@@ -59,8 +59,7 @@ pub(crate) fn answer(cell: &Cell, body: &[u8]) -> Result<Verdict, QuestionError>
         clearance_m: closest.map(|closest| closest.distance_m),
         contacts,
         world_from_gripper: {
-            let mut frames = robot.frames();
-            robot.forward_kinematics(&q, &mut frames);
+            let frames = robot.frames_at(&q);
             number_row::pose(frames.link(robot.tip()))
         },
     })

@@ -31,12 +31,9 @@ impl MeshPiece {
                 cosine > SAME_COSINE && piece.colours.get(other) == colour
             };
             let index = here.iter().copied().find(is_same).unwrap_or_else(|| {
-                let index = u32::try_from(piece.positions.len()).unwrap_or(u32::MAX);
                 // Few enough digits for `f32`.
                 #[allow(clippy::cast_precision_loss)]
-                piece.positions.push(place.map(|step| step as f32 * POSITION_GRID_M));
-                piece.normals.push(*normal);
-                piece.colours.extend(colour);
+                let index = piece.push(place.map(|step| step as f32 * POSITION_GRID_M), *normal, colour);
                 here.push(index);
                 index
             });

@@ -111,8 +111,7 @@ fn agrees_with_forward_kinematics(robot: &Robot, document: &Value, shares: &[f64
         .zip(shares)
         .map(|(limits, share)| limits.lower + (limits.upper - limits.lower) * share)
         .collect();
-    let mut frames = robot.frames();
-    robot.forward_kinematics(&q, &mut frames);
+    let frames = robot.frames_at(&q);
     for (link, pose) in link_poses(document, &q).iter().enumerate() {
         let difference = frames.link(link).inv_mul(pose);
         assert!(difference.translation.vector.norm() < 1e-9, "{}: {difference}", robot.links()[link].name);
@@ -356,8 +355,7 @@ fn trees_are_recorded_node_by_node_and_no_more_than_asked_for() {
     assert_eq!(unsigned32(&tree["parents"]), [0, 1, 2, 2, 0]);
     assert_eq!(unsigned32(&tree["trees"]), [0, 1, 1, 1, 0]);
     let positions = floats32(&tree["positions"]);
-    let mut frames = scenario.robot.frames();
-    scenario.robot.forward_kinematics(&q, &mut frames);
+    let frames = scenario.robot.frames_at(&q);
     let tip = frames.link(scenario.robot.tip()).translation.vector;
     for (value, expected) in positions[9..12].iter().zip(tip.iter()) {
         assert!((f64::from(*value) - expected).abs() < 1e-6);

@@ -316,8 +316,7 @@ fn verdicts_are_those_of_the_cell() {
             let deepest = contacts.iter().map(|c| c.depth_m).fold(0.0, f64::max);
             assert!((clearance_m + deepest).abs() < 1e-9 || clearance_m < 1e-5, "{clearance_m} {deepest}");
         }
-        let mut frames = cell.robot().frames();
-        cell.robot().forward_kinematics(&q, &mut frames);
+        let frames = cell.robot().frames_at(&q);
         let gripper = frames.link(cell.robot().tip()).translation.vector;
         for (axis, value) in gripper.iter().enumerate() {
             let told = verdict["world_from_gripper"][axis].as_f64().expect("a number");

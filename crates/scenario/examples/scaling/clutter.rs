@@ -82,8 +82,7 @@ impl Clutter {
     }
 
     fn frames_at(&self, q: &[f64]) -> LinkFrames {
-        let mut frames = self.robot.frames();
-        self.robot.forward_kinematics(q, &mut frames);
+        let frames = self.robot.frames_at(q);
         frames
     }
 

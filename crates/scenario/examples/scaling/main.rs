@@ -9,8 +9,9 @@ mod clutter;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use cranny_collision::{Cell, Scratch, between};
+use cranny_collision::{Cell, Scratch};
 use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, audit};
+use cranny_robot::between;
 use cranny_spatial::Stream;
 
 use crate::chart::{Panel, Series};
@@ -140,11 +141,8 @@ fn measured(worlds: &[Clutter], boxes: usize) -> Row {
 }
 
 fn random_configurations(cell: &Cell, count: usize) -> Vec<f64> {
-    let limits = cell.robot().limits();
     let mut random = Stream::new(0, 0);
-    (0..count)
-        .flat_map(|_| limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect::<Vec<_>>())
-        .collect()
+    (0..count).flat_map(|_| cell.robot().random_configuration(&mut random)).collect()
 }
 
 fn one_at_a_time(cell: &Cell, configurations: &[f64], scratch: &mut Scratch) {

@@ -236,8 +236,7 @@ impl Oracle {
 
     /// Whether the gripper is within 1 mm and 1° of the grasp or its twin at `q`.
     pub fn is_reached(&self, grasp: &Matrix4<f64>, q: &[f64]) -> bool {
-        let mut frames = self.robot.frames();
-        self.robot.forward_kinematics(q, &mut frames);
+        let frames = self.robot.frames_at(q);
         let gripper = frames.link(self.robot.link_index("panda_grasptarget").unwrap()).to_homogeneous();
         let distance_m = (gripper - grasp).fixed_view::<3, 1>(0, 3).norm();
         let relative = grasp.fixed_view::<3, 3>(0, 0).transpose() * gripper.fixed_view::<3, 3>(0, 0);
