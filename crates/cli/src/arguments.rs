@@ -54,6 +54,13 @@ pub struct Output {
     pub force: bool,
 }
 
+impl Output {
+    /// Of a command whose answer is all that it is called for: quiet leaves nothing of it out.
+    pub fn aloud(self) -> Self {
+        Self { quiet: false, ..self }
+    }
+}
+
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// List the built-in scenarios and the planners

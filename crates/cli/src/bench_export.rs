@@ -65,13 +65,8 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
         vec![arguments.output.clone()]
     };
     let exported = Exported { files, trials: trials.len() };
-    if output.json {
-        text::print_json(&exported)?;
-    } else if !output.quiet {
-        let lines: Vec<String> =
-            exported.files.iter().map(|file| format!("  {}\n", file.display())).collect();
-        text::print(&format!("{} trials:\n{}", exported.trials, lines.concat()))?;
-    }
+    let lines = || exported.files.iter().map(|file| format!("  {}\n", file.display())).collect::<String>();
+    text::answer(&exported, || format!("{} trials:\n{}", exported.trials, lines()), output)?;
     Ok(Answer::Done)
 }
 

@@ -60,14 +60,16 @@ pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure
     let merged =
         taken.map(|(file, Merged { added, known })| Taken { file: file.clone(), added, known }).collect();
     let answered = Answered { file: into.path().to_owned(), trials: into.trials()?.len(), merged };
-    if output.json {
-        text::print_json(&answered)?;
-    } else if !output.quiet {
-        let mut page = format!("{}: {} trials\n", answered.file.display(), answered.trials);
-        for Taken { file, added, known } in &answered.merged {
+    text::answer(&answered, || answered.page(), output)?;
+    Ok(Answer::Done)
+}
+
+impl Answered {
+    fn page(&self) -> String {
+        let mut page = format!("{}: {} trials\n", self.file.display(), self.trials);
+        for Taken { file, added, known } in &self.merged {
             let _ = writeln!(page, "  {}: {added} added, {known} there already", file.display());
         }
-        text::print(&page)?;
+        page
     }
-    Ok(Answer::Done)
 }

@@ -90,11 +90,7 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
         output_file::check(file, FileKind::Waypoints, output)?;
         write_waypoints_csv(file, &replayed.path)?;
     }
-    if output.json {
-        text::print_json(&answered(&replayed, &version))?;
-    } else if !output.quiet {
-        text::print(&page(&replayed, &version))?;
-    }
+    text::answer(&answered(&replayed, &version), || page(&replayed, &version), output)?;
     Ok(if replayed.is_same() { Answer::Done } else { Answer::No })
 }
 

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
@@ -93,8 +93,8 @@ enum PresetArgument {
 
 /// What `bench run --json` prints.
 #[derive(Serialize)]
-struct Answered {
-    file: PathBuf,
+struct Answered<'a> {
+    file: &'a Path,
     trials: usize,
     known: usize,
     run: usize,
@@ -143,27 +143,29 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
     let mut progress = CampaignProgress::new(output.quiet);
     let ended = run_campaign(&schedule, &settings, &mut results, &mut progress, &stop);
     progress.finish();
-    let summary = ended?;
-    let RunSummary { trials, known, run, solved, is_stopped } = summary;
-    let file = arguments.output.clone();
-    if output.json {
-        let lost = progress.lost;
-        text::print_json(&Answered { file, trials, known, run, solved, stopped: is_stopped, lost })?;
-    } else if !output.quiet {
+    let RunSummary { trials, known, run, solved, is_stopped: stopped } = ended?;
+    let (file, lost) = (&arguments.output, progress.lost);
+    let answered = Answered { file, trials, known, run, solved, stopped, lost };
+    text::answer(&answered, || answered.page(), output)?;
+    Ok(if stopped { Answer::No } else { Answer::Done })
+}
+
+impl Answered<'_> {
+    fn page(&self) -> String {
+        let Self { file, trials, known, run, solved, stopped, lost } = self;
         let mut page = format!("{}: {} of {trials} trials", file.display(), known + run);
-        if run > 0 {
+        if *run > 0 {
             let _ = write!(page, ", {run} of them run now, {solved} of those solved");
         }
         page.push('\n');
-        for Lost { planner, outcome, trials, first } in &progress.lost {
+        for Lost { planner, outcome, trials, first } in lost {
             let _ = writeln!(page, "  {planner}: {trials} {outcome}; the first: {first}");
         }
-        if is_stopped {
+        if *stopped {
             page.push_str("stopped; the same command goes on from here\n");
         }
-        text::print(&page)?;
+        page
     }
-    Ok(if is_stopped { Answer::No } else { Answer::Done })
 }
 
 /// What file, preset and flags say together.

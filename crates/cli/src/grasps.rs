@@ -219,11 +219,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     if let Some(file) = &sampled.file {
         output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
     }
-    if output.json {
-        text::print_json(&sampled)?;
-    } else if !output.quiet {
-        text::print(&sampled.page())?;
-    }
+    text::answer(&sampled, || sampled.page(), output)?;
     // Fewer than wished is an honest no, though they are written.
     Ok(if set.len() == arguments.count && !is_stopped { Answer::Done } else { Answer::No })
 }
@@ -297,17 +293,19 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         let set = GraspSet::new(free).map_err(ScenarioError::from)?;
         output_file::write(path, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
     }
-    if output.json {
-        text::print_json(&filtered)?;
-    } else if !output.quiet {
-        let Filtered { scenario, grasps, free, .. } = &filtered;
+    text::answer(&filtered, || filtered.page(), output)?;
+    Ok(if filtered.free > 0 { Answer::Done } else { Answer::No })
+}
+
+impl Filtered {
+    fn page(&self) -> String {
+        let Self { scenario, grasps, free, .. } = self;
         let mut page = format!("{scenario}: the hand alone can take {free} of {grasps} grasps\n");
-        for Blocking { body, grasps } in &filtered.blocked_by {
+        for Blocking { body, grasps } in &self.blocked_by {
             let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
         }
-        text::print(&page)?;
+        page
     }
-    Ok(if filtered.free > 0 { Answer::Done } else { Answer::No })
 }
 
 /// What `grasps coverage --json` prints.
@@ -338,16 +336,15 @@ fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Fai
         threshold: arguments.threshold,
         median_distance: distances[distances.len() / 2],
     };
-    if output.json {
-        text::print_json(&answer)?;
-    } else {
-        let CoverageAnswer { coverage, covered, reference, set, threshold, median_distance } = answer;
-        text::print(&format!(
+    let CoverageAnswer { coverage, covered, reference, set, threshold, median_distance } = answer;
+    let page = || {
+        format!(
             "{:.1} % covered: {covered} of {reference} grasps are within {threshold} (mm + degrees) of one of \
              {set}, half of them within {median_distance:.1}\n",
             coverage * 100.0
-        ))?;
-    }
+        )
+    };
+    text::answer(&answer, page, output.aloud())?;
     Ok(Answer::Done)
 }
 
@@ -381,17 +378,15 @@ fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, F
         median: spread.map(|spread| spread.median),
         greatest: spread.map(|spread| spread.greatest),
     };
-    if output.json {
-        text::print_json(&spread)?;
-    } else {
-        let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |d| format!("{d:.1}"));
-        let (least, median, greatest) =
-            (number(spread.least), number(spread.median), number(spread.greatest));
-        text::print(&format!(
+    let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |d| format!("{d:.1}"));
+    let [least, median, greatest] = [spread.least, spread.median, spread.greatest].map(number);
+    let page = || {
+        format!(
             "{} grasps; between two of them, in mm + degrees: least {least}, median {median}, greatest \
              {greatest}\n",
             spread.grasps
-        ))?;
-    }
+        )
+    };
+    text::answer(&spread, page, output.aloud())?;
     Ok(Answer::Done)
 }

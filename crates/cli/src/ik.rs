@@ -4,7 +4,9 @@ use std::sync::atomic::Ordering;
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
-use cranny_plan::{Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik};
+use cranny_plan::{
+    AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
+};
 use cranny_scenario::FilledHand;
 use serde::Serialize;
 
@@ -17,29 +19,21 @@ use crate::text::{self, degrees, millimetres};
 
 /// What `ik --json` prints; the keys stay.
 #[derive(Serialize)]
-struct Answered {
-    scenario: String,
+struct Answered<'a> {
+    scenario: &'a str,
     solved: usize,
     /// Whether Ctrl-C left grasps over.
     stopped: bool,
-    grasps: Vec<Annotated>,
+    grasps: Vec<Annotated<'a>>,
 }
 
 #[derive(Serialize)]
-struct Annotated {
+struct Annotated<'a> {
     grasp: usize,
     status: &'static str,
     blocked_by: Option<String>,
     attempts: usize,
-    solutions: Vec<Solution>,
-}
-
-#[derive(Serialize)]
-struct Solution {
-    q: Vec<f64>,
-    translation_error_m: f64,
-    rotation_error_rad: f64,
-    clearance_m: f64,
+    solutions: &'a [AnnotatedSolution],
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
@@ -73,13 +67,9 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     if solved == 0 && !output.quiet {
         filled_hand(&problem)?;
     }
-    if output.json {
-        let (scenario, stopped) = (scenario.id.clone(), is_stopped);
-        let grasps = annotations.iter().map(annotated).collect();
-        text::print_json(&Answered { scenario, solved, stopped, grasps })?;
-    } else if !output.quiet {
-        text::print(&page(&scenario.id, &annotations, solved))?;
-    }
+    let grasps = annotations.iter().map(annotated).collect();
+    let answered = Answered { scenario: &scenario.id, solved, stopped: is_stopped, grasps };
+    text::answer(&answered, || page(&scenario.id, &annotations, solved), output)?;
     // What was not looked at is no answer, whatever the others said.
     Ok(if solved > 0 && !is_stopped { Answer::Done } else { Answer::No })
 }
@@ -99,22 +89,13 @@ fn blocked_by(status: &IkStatus) -> Option<String> {
     }
 }
 
-fn annotated(annotation: &IkAnnotation) -> Annotated {
+fn annotated(annotation: &IkAnnotation) -> Annotated<'_> {
     Annotated {
         grasp: annotation.grasp,
         status: annotation.status.name(),
         blocked_by: blocked_by(&annotation.status),
         attempts: annotation.attempts,
-        solutions: annotation
-            .solutions
-            .iter()
-            .map(|s| Solution {
-                q: s.q.clone(),
-                translation_error_m: s.translation_error_m,
-                rotation_error_rad: s.rotation_error_rad,
-                clearance_m: s.clearance_m,
-            })
-            .collect(),
+        solutions: &annotation.solutions,
     }
 }
 

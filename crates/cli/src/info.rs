@@ -66,11 +66,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
         info.start_clearance_m = Some(clearance_m).filter(|c| c.is_finite());
         info.self_collision_pairs = cell.self_pairs().len();
     }
-    if output.json {
-        text::print_json(&info)?;
-    } else {
-        text::print(&page(&info))?;
-    }
+    text::answer(&info, || page(&info), output.aloud())?;
     Ok(Answer::Done)
 }
 

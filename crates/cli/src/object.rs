@@ -169,11 +169,8 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
 
 fn list(output: Output) -> Result<Answer, Failure> {
     let names = builtin_object_names();
-    if output.json {
-        text::print_json(&names)?;
-    } else {
-        text::print(&format!("{}\n\nTry: cranny object show {}\n", names.join("\n"), names[0]))?;
-    }
+    let page = || format!("{}\n\nTry: cranny object show {}\n", names.join("\n"), names[0]);
+    text::answer(&names, page, output.aloud())?;
     Ok(Answer::Done)
 }
 
@@ -229,11 +226,7 @@ fn drawn(object: &ObjectType, file: &Path, side: usize) -> Result<Vec<u8>, Failu
 }
 
 fn show(shown: &Shown, output: Output) -> Result<Answer, Failure> {
-    if output.json {
-        text::print_json(shown)?;
-    } else if !output.quiet {
-        text::print(&shown.page())?;
-    }
+    text::answer(shown, || shown.page(), output)?;
     Ok(Answer::Done)
 }
 

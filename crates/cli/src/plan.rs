@@ -88,11 +88,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     if !solved && !output.quiet {
         ik::filled_hand(&problem)?;
     }
-    if output.json {
-        text::print_json(&answered)?;
-    } else if !output.quiet {
-        text::print(&page(&answered, &grasps))?;
-    }
+    text::answer(&answered, || page(&answered, &grasps), output)?;
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 

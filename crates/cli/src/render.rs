@@ -1,4 +1,3 @@
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -194,15 +193,8 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
         (Some(id), _) => one(id, arguments, format, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
-    if output.json {
-        text::print_json(&rendered)?;
-    } else if !output.quiet {
-        let mut page = String::new();
-        for file in &rendered.files {
-            let _ = writeln!(page, "{}", file.display());
-        }
-        text::print(&page)?;
-    }
+    let page = || rendered.files.iter().map(|file| format!("{}\n", file.display())).collect();
+    text::answer(&rendered, page, output)?;
     Ok(Answer::Done)
 }
 

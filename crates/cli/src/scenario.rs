@@ -7,9 +7,9 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_collision::Margins;
 use cranny_scenario::{
-    Credits, Family, OpenOptions, Recipe, Scenario, ScenarioError, SetMaker, SetProgress, SetReport,
-    SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema, unpack,
-    write_set, write_sweep, write_template, write_whole_folder,
+    Credits, Family, OpenOptions, Recipe, Rejections, Scenario, ScenarioError, SetMaker, SetProgress,
+    SetReport, SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema,
+    unpack, write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 
@@ -255,11 +255,8 @@ pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Fail
 }
 
 fn written(what: &str, path: &Path, output: Output) -> Result<Answer, Failure> {
-    if output.json {
-        text::print_json(&serde_json::json!({ what: path }))?;
-    } else if !output.quiet {
-        text::print(&format!("written to {}\n", path.display()))?;
-    }
+    let page = || format!("written to {}\n", path.display());
+    text::answer(&serde_json::json!({ what: path }), page, output)?;
     Ok(Answer::Done)
 }
 
@@ -296,24 +293,27 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         }
     }
     let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems, notes };
-    if output.json {
-        text::print_json(&checked)?;
-    } else if !output.quiet || !checked.sound {
+    text::answer(&checked, || checked.page(), if checked.sound { output } else { output.aloud() })?;
+    Ok(if checked.sound { Answer::Done } else { Answer::No })
+}
+
+impl Checked {
+    fn page(&self) -> String {
         let mut page = String::new();
-        for problem in &checked.problems {
+        for problem in &self.problems {
             let _ = writeln!(page, "{problem}");
         }
-        for note in &checked.notes {
+        for note in &self.notes {
             let _ = writeln!(page, "note: {note}");
         }
-        let _ = match checked.problems.len() {
+        let id = &self.scenario;
+        let _ = match self.problems.len() {
             0 => writeln!(page, "{id}: sound"),
             1 => writeln!(page, "{id}: 1 problem"),
             count => writeln!(page, "{id}: {count} problems"),
         };
-        text::print(&page)?;
+        page
     }
-    Ok(if checked.sound { Answer::Done } else { Answer::No })
 }
 
 fn packed(arguments: &PackArguments, output: Output) -> Result<Answer, Failure> {
@@ -362,17 +362,10 @@ fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Fai
 struct Set<'a> {
     folder: &'a Path,
     written: usize,
-    rejected: Rejected,
+    rejected: Rejections,
     missing: usize,
     /// Whether Ctrl-C ended it before all were drawn.
     stopped: bool,
-}
-
-#[derive(Serialize)]
-struct Rejected {
-    things_overlap: usize,
-    start_collides: usize,
-    no_free_grasp: usize,
 }
 
 fn watched(
@@ -385,23 +378,11 @@ fn watched(
     let progress = bar(count.into(), output.quiet);
     let report = write(&SetProgress { done: &|| progress.inc(1), stop: &stop });
     progress.finish_and_clear();
-    let report = report?;
-    let rejected = report.rejected;
-    let set = Set {
-        folder,
-        written: report.written.len(),
-        missing: report.missing,
-        stopped: stop.load(Ordering::Relaxed),
-        rejected: Rejected {
-            things_overlap: rejected.things_overlap,
-            start_collides: rejected.start_collides,
-            no_free_grasp: rejected.no_free_grasp,
-        },
-    };
-    if output.json {
-        text::print_json(&set)?;
-    } else if !output.quiet {
-        text::print(&format!(
+    let SetReport { written, rejected, missing } = report?;
+    let stopped = stop.load(Ordering::Relaxed);
+    let set = Set { folder, written: written.len(), rejected, missing, stopped };
+    let page = || {
+        format!(
             "{} scenarios in {}, listed in index.csv\nrejected draws: {} where things overlap, {} where the robot \
              touches something at the start, {} without a free grasp\n{}",
             set.written,
@@ -414,7 +395,8 @@ fn watched(
                 (missing, true) => format!("stopped: {missing} were not made\n"),
                 (missing, false) => format!("{missing} were not made\n"),
             },
-        ))?;
-    }
+        )
+    };
+    text::answer(&set, page, output)?;
     Ok(if set.missing == 0 { Answer::Done } else { Answer::No })
 }

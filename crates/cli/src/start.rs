@@ -24,7 +24,7 @@ pub fn faults(problem: &Problem) -> Vec<String> {
     };
     let contacts = cell.contacts(problem.start(), &mut cell.scratch());
     let describe = |contact: &cranny_collision::Contact| {
-        let (first, second) = (cell.name(contact.first), cell.name(contact.second));
+        let [first, second] = contact.names(cell);
         if contact.clearance_m < cranny_spatial::CONTACT_M {
             format!("{first} touches {second}, {} deep", millimetres(contact.depth_m))
         } else {

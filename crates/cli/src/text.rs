@@ -4,7 +4,21 @@ use cranny_file::visible;
 use cranny_plan::{NotChecked, NotCheckedReason};
 use serde::Serialize;
 
+use crate::arguments::Output;
 use crate::failure::Failure;
+
+/// Prints an answer as the flags ask for it: as one JSON document, or for a person unless quiet was asked for.
+pub fn answer(
+    document: &impl Serialize,
+    page: impl FnOnce() -> String,
+    output: Output,
+) -> Result<(), Failure> {
+    match output {
+        Output { json: true, .. } => print_json(document),
+        Output { quiet: true, .. } => Ok(()),
+        _ => print(&page()),
+    }
+}
 
 /// Prints one JSON document on standard output.
 pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {

@@ -33,11 +33,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     };
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let audit = audit_with(&problem, &path, settings)?;
-    if output.json {
-        text::print_json(&audit)?;
-    } else if !output.quiet {
-        text::print(&page(&audit, path.len()))?;
-    }
+    text::answer(&audit, || page(&audit, path.len()), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
 
