@@ -98,6 +98,7 @@ pub struct Configurations<'py> {
     numbers: Numbers<'py>,
     pub is_single: bool,
     pub count: usize,
+    pub dof: usize,
 }
 
 impl<'py> Configurations<'py> {
@@ -114,7 +115,7 @@ impl<'py> Configurations<'py> {
             }
         };
         numbers.finite()?;
-        Ok(Self { numbers, is_single, count })
+        Ok(Self { numbers, is_single, count, dof })
     }
 
     pub fn values(&self) -> PyResult<&[f64]> {

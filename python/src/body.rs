@@ -4,11 +4,11 @@ use cranny_collision::{Body, Part};
 use cranny_shape::{Outline, Solid, TriangleSoup};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{IntoPyDict as _, PyTuple};
 
 use crate::array::{copied, matrices, pose_or_translation, triangles, vector};
 use crate::fault::{bad_value, fault};
-use crate::pickled::{Made, Reduced};
+use crate::pickled::{Made, Reduced, partial};
 
 /// A thing in the world under one name, made of solids. Poses are in the planning frame, the root frame of the
 /// robot: (4, 4), or (3,) for a translation in metres; without one, the thing stands at the origin. Immutable.
@@ -88,10 +88,8 @@ impl PyBody {
         let py = mesh.py();
         let soup = triangles(mesh)?;
         let solid = if hull { Solid::hull(&soup.vertices) } else { Solid::mesh(&soup) };
-        let keywords = PyDict::new(py);
-        keywords.set_item("hull", hull)?;
-        let constructor = py.import("functools")?.getattr("partial")?;
-        let constructor = constructor.call((py.get_type::<Self>().getattr("mesh")?,), Some(&keywords))?;
+        let keywords = [("hull", hull)].into_py_dict(py)?;
+        let constructor = partial(&py.get_type::<Self>().getattr("mesh")?, &keywords)?;
         let made = Made::by(constructor, (&name, arrays(py, &soup)?, posed(pose)?))?;
         Self::of(name, solid.map_err(fault)?, pose, made)
     }
@@ -143,17 +141,11 @@ impl PyBody {
     /// faces (F, 3), such that `trimesh.Trimesh(*body.triangles())` is its mesh. Round shapes are faceted; a floor
     /// has none.
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Triangles<'py>> {
-        let (mut vertices, mut faces): (Vec<f64>, Vec<i64>) = (Vec::new(), Vec::new());
+        let mut whole = TriangleSoup::default();
         for Part { world_from_solid, solid } in &self.body.parts {
-            let Some(soup) = solid.tessellation() else { continue };
-            let first = crate::array::index(vertices.len() / 3);
-            for vertex in &soup.vertices {
-                vertices.extend_from_slice((world_from_solid * vertex).coords.as_slice());
-            }
-            faces.extend(soup.triangles.iter().flatten().map(|corner| first + i64::from(*corner)));
+            whole.append(&solid.tessellation().unwrap_or_default(), world_from_solid);
         }
-        let (v, f) = (vertices.len() / 3, faces.len() / 3);
-        Ok((crate::array::shaped(py, vertices, &[v, 3])?, crate::array::shaped(py, faces, &[f, 3])?))
+        arrays(py, &whole)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use cranny_collision::{Cell, Contact, Margins, Motion, World};
+use cranny_collision::{Cell, Contact, Margins, Motion, Scratch, World};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyTuple};
+use pyo3::types::{IntoPyDict as _, PyBool, PyTuple};
 
 use crate::array::{Configurations, shaped};
 use crate::body::PyBody;
 use crate::contact::{PyContact, PyMotion};
 use crate::fault::{bad_value, fault};
-use crate::pickled::{Made, Reduced};
+use crate::pickled::{Made, Reduced, partial};
 use crate::robot::PyRobot;
-use crate::rows::{computed, thread_count};
+use crate::rows::computed;
 use crate::whole;
 
 /// A robot in a world: is a configuration, is a whole motion free, and by how much?
@@ -42,10 +42,8 @@ impl PyCell {
     #[pyo3(signature = (robot, bodies, *, margin_m=0.0))]
     fn new(robot: &Bound<'_, PyRobot>, bodies: Vec<Py<PyBody>>, margin_m: f64) -> PyResult<Self> {
         let py = robot.py();
-        let keywords = PyDict::new(py);
-        keywords.set_item("margin_m", margin_m)?;
-        let constructor = py.import("functools")?.getattr("partial")?;
-        let constructor = constructor.call((py.get_type::<Self>(),), Some(&keywords))?;
+        let keywords = [("margin_m", margin_m)].into_py_dict(py)?;
+        let constructor = partial(py.get_type::<Self>().as_any(), &keywords)?;
         let made = Made::by(constructor, (robot, PyTuple::new(py, &bodies)?))?;
         let bodies: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
         for (index, body) in bodies.iter().enumerate() {
@@ -87,7 +85,6 @@ impl PyCell {
         #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
-        let threads = thread_count(threads);
         let q = Configurations::read(q, "q", cell.robot())?;
         let values = q.values()?;
         if q.is_single {
@@ -95,17 +92,11 @@ impl PyCell {
             return Ok(PyBool::new(py, is_free).to_owned().into_any());
         }
         let room = || (cell.scratch(), Vec::new());
-        let free = computed(
-            py,
-            (q.count, 1),
-            LANE_BLOCK,
-            threads,
-            room,
-            |(scratch, verdicts), range, out: &mut [bool]| {
+        let free =
+            computed(py, (q.count, 1), LANE_BLOCK, threads, room, |(scratch, verdicts), range, out| {
                 cell.are_free(&values[range.start * dof..range.end * dof], scratch, verdicts);
                 out.copy_from_slice(verdicts);
-            },
-        )?;
+            })?;
         Ok(shaped(py, free, &[q.count])?.into_any())
     }
 
@@ -117,21 +108,10 @@ impl PyCell {
         q: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
+        let (py, cell) = (q.py(), &*self.cell);
         let q = Configurations::read(q, "q", cell.robot())?;
-        let values = q.values()?;
-        let least = computed(
-            py,
-            (q.count, 1),
-            EXACT_BLOCK,
-            thread_count(threads),
-            || cell.scratch(),
-            |scratch, range, out: &mut [f64]| {
-                for (index, out) in range.zip(out) {
-                    *out = cell.clearance(&values[index * dof..][..dof], scratch);
-                }
-            },
-        )?;
+        let work = |scratch: &mut Scratch, q: &[f64], out: &mut [f64]| out[0] = cell.clearance(q, scratch);
+        let least = q.computed(py, 1, EXACT_BLOCK, threads, || cell.scratch(), work)?;
         scalar_or_array(py, q.is_single, least)
     }
 
@@ -143,21 +123,12 @@ impl PyCell {
         q: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (py, cell, dof) = (q.py(), &*self.cell, self.cell.robot().dof());
+        let (py, cell) = (q.py(), &*self.cell);
         let q = Configurations::read(q, "q", cell.robot())?;
-        let values = q.values()?;
-        let found = computed(
-            py,
-            (q.count, 1),
-            EXACT_BLOCK,
-            thread_count(threads),
-            || cell.scratch(),
-            |scratch, range, out: &mut [Option<Contact>]| {
-                for (index, out) in range.zip(out) {
-                    *out = cell.first_contact(&values[index * dof..][..dof], scratch);
-                }
-            },
-        )?;
+        let work = |scratch: &mut Scratch, q: &[f64], out: &mut [Option<Contact>]| {
+            out[0] = cell.first_contact(q, scratch);
+        };
+        let found = q.computed(py, 1, EXACT_BLOCK, threads, || cell.scratch(), work)?;
         let told: Vec<_> =
             found.iter().map(|found| found.as_ref().map(|contact| PyContact::of(cell, contact))).collect();
         single_or_list(py, q.is_single, told)
@@ -247,7 +218,7 @@ impl PyCell {
             py,
             (count, 1),
             EXACT_BLOCK,
-            thread_count(threads),
+            threads,
             || cell.scratch(),
             |scratch, range, out: &mut [Option<Motion>]| {
                 for (index, out) in range.zip(out) {

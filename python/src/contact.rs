@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::array::shaped;
 use crate::fault::bad_value;
-use crate::pickled::Reduced;
+use crate::pickled::{Reduced, restored_by};
 
 /// Two things that are closer than they may be.
 #[pyclass(name = "Contact", module = "cranny", frozen)]
@@ -31,14 +31,10 @@ pub struct PyContact {
 
 impl PyContact {
     pub fn of(cell: &Cell, contact: &Contact) -> Self {
-        Self {
-            first: cell.name(contact.first).to_owned(),
-            second: cell.name(contact.second).to_owned(),
-            clearance_m: contact.clearance_m,
-            required_m: contact.required_m,
-            depth_m: contact.depth_m,
-            point: contact.point.map(|point| point.coords.into()),
-        }
+        let [first, second] = contact.names(cell);
+        let Contact { clearance_m, required_m, depth_m, .. } = *contact;
+        let point = contact.point.map(|point| point.coords.into());
+        Self { first, second, clearance_m, required_m, depth_m, point }
     }
 }
 
@@ -52,9 +48,8 @@ impl PyContact {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, own) = (slf.py(), slf.get());
-        let restore = py.import("cranny._cranny")?.getattr("_restored_contact")?;
         let lengths = (own.clearance_m, own.required_m, own.depth_m);
-        Ok((restore, (&own.first, &own.second, lengths, own.point).into_pyobject(py)?))
+        restored_by(py, "_restored_contact", (&own.first, &own.second, lengths, own.point))
     }
 
     fn __repr__(&self) -> String {
@@ -120,9 +115,8 @@ impl PyMotion {
 impl PyMotion {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, own) = (slf.py(), slf.get());
-        let restore = py.import("cranny._cranny")?.getattr("_restored_motion")?;
         let contact = own.contact.as_ref().map(|contact| contact.bind(py));
-        Ok((restore, (own.kind, own.at, contact, &own.joint).into_pyobject(py)?))
+        restored_by(py, "_restored_motion", (own.kind, own.at, contact, &own.joint))
     }
 
     fn __bool__(&self) -> bool {

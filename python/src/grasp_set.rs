@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::array::{self, Numbers, matrices, shaped};
 use crate::fault::{bad_value, fault};
-use crate::pickled::Reduced;
+use crate::pickled::{Reduced, restored_by};
 
 /// Ways to hold an object, N of them: poses of the gripper frame, scores and widths. Immutable.
 ///
@@ -110,8 +110,7 @@ impl PyGrasps {
             translation.vector.iter().chain(rotation.coords.iter()).copied().chain(known).collect::<Vec<_>>()
         });
         let rows = shaped(py, numbers.collect(), &[set.len(), ROW])?;
-        let restore = py.import("cranny._cranny")?.getattr("_restored_grasps")?;
-        Ok((restore, (rows,).into_pyobject(py)?))
+        restored_by(py, "_restored_grasps", (rows,))
     }
 
     fn __repr__(&self) -> String {

@@ -52,10 +52,8 @@ impl Made {
         arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
         keywords: &Bound<'py, PyDict>,
     ) -> PyResult<Self> {
-        let py = function.py();
-        let partial = py.import("functools")?.getattr("partial")?;
-        let arguments = arguments.into_pyobject(py).map_err(Into::<PyErr>::into)?.unbind();
-        let function = partial.call((function,), Some(keywords))?.unbind();
+        let arguments = arguments.into_pyobject(function.py()).map_err(Into::<PyErr>::into)?.unbind();
+        let function = partial(function, keywords)?.unbind();
         Ok(Self(Some(Arc::new(Call { function, arguments, is_of_files: true }))))
     }
 
@@ -84,10 +82,27 @@ impl Made {
         if !call.is_of_files {
             return Ok((function.clone(), arguments.clone()));
         }
-        let restore = py.import("cranny._cranny")?.getattr("_restored")?;
         let whole = (function, arguments, fingerprint(thing), env!("CARGO_PKG_VERSION"));
-        Ok((restore, whole.into_pyobject(py)?))
+        restored_by(py, "_restored", whole)
     }
+}
+
+/// `functools.partial(function, **keywords)`.
+pub fn partial<'py>(
+    function: &Bound<'py, PyAny>,
+    keywords: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    function.py().import("functools")?.getattr("partial")?.call((function,), Some(keywords))
+}
+
+/// What `__reduce__` returns for what a function of this module makes anew.
+pub fn restored_by<'py>(
+    py: Python<'py>,
+    function: &str,
+    arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
+) -> PyResult<Reduced<'py>> {
+    let function = py.import("cranny._cranny")?.getattr(function)?;
+    Ok((function, arguments.into_pyobject(py).map_err(Into::into)?))
 }
 
 /// Opens what was pickled, as it was.
@@ -185,8 +200,7 @@ impl Fingerprint {
             self.numbers(&[limits.lower, limits.upper, limits.velocity, acceleration]);
         }
         // Away from zero: what hangs where, by which axes.
-        let mut frames = robot.frames();
-        robot.forward_kinematics(&vec![0.3; robot.dof()], &mut frames);
+        let frames = robot.frames_at(&vec![0.3; robot.dof()]);
         for (index, link) in robot.links().iter().enumerate() {
             link.name.hash(&mut self.0);
             self.pose(frames.link(index));

@@ -7,12 +7,12 @@ use cranny_plan::{Outcome, PlanError, Trajectory, audit};
 use cranny_scenario::{PlanFile, write_trajectory_csv};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::IntoPyDict as _;
 
 use crate::array::{Numbers, rows, shaped};
 use crate::fault::{bad_value, fault};
 use crate::json::python_of;
-use crate::pickled::Reduced;
+use crate::pickled::{Reduced, restored_by};
 use crate::scenario::PyScenario;
 use crate::task::Task;
 use crate::trajectory::PySamples;
@@ -46,13 +46,8 @@ impl PyPlan {
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
-        let times = self.trajectory.as_ref().map(|trajectory| trajectory.waypoint_times_s().to_vec());
-        times
-            .map(|times| {
-                let count = times.len();
-                shaped(py, times, &[count])
-            })
-            .transpose()
+        let times = self.trajectory.as_ref().map(|trajectory| trajectory.waypoint_times_s());
+        times.map(|times| shaped(py, times.to_vec(), &[times.len()])).transpose()
     }
 
     /// From the first way point to the last, in seconds; None where `times` is None.
@@ -138,8 +133,7 @@ impl PyPlan {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, plan) = (slf.py(), slf.get());
         let text = serde_json::to_string(&plan.file).map_err(fault)?;
-        let restore = py.import("cranny._cranny")?.getattr("_restored_plan")?;
-        Ok((restore, (plan.task.given.bind(py), text, plan.path(py)?).into_pyobject(py)?))
+        restored_by(py, "_restored_plan", (plan.task.given.bind(py), text, plan.path(py)?))
     }
 
     fn __bool__(&self) -> bool {
@@ -174,8 +168,7 @@ impl PyPlan {
             scenario
         } else {
             let what = (file.scenario.clone(),);
-            let criterion = PyDict::new(py);
-            criterion.set_item("criterion", file.criterion.name())?;
+            let criterion = [("criterion", file.criterion.name())].into_py_dict(py)?;
             named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
             &named
         };

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Scratch};
+use cranny_grasp::rows_of_pose;
 use cranny_robot::{
-    IkSearch, IkSearchSettings, IkSolver, JointGroup, JointUnit, MeshUse, Robot, RobotOptions, TextSource,
+    IkSearch, IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource,
 };
 use cranny_scenario::panda_mobile;
 use cranny_spatial::{Pose, Stream};
@@ -19,7 +20,7 @@ use crate::array::{self, Configurations, shaped};
 use crate::cell::PyCell;
 use crate::fault::{bad_type, bad_value, fault};
 use crate::pickled::{Made, Reduced, absolute};
-use crate::rows::{computed, thread_count};
+use crate::rows::computed;
 use crate::whole;
 
 /// A robot: links and the group of joints that moves them. Immutable.
@@ -162,11 +163,7 @@ impl PyRobot {
     /// What each value of `q` is measured in: "m" or "rad".
     #[getter]
     fn joint_units(&self) -> Vec<&'static str> {
-        let unit = |unit: JointUnit| match unit {
-            JointUnit::Metre => "m",
-            JointUnit::Radian => "rad",
-        };
-        self.robot.limits().iter().map(|limits| unit(limits.unit)).collect()
+        self.robot.limits().iter().map(|limits| limits.unit.symbol()).collect()
     }
 
     /// Names of all links, the root first.
@@ -215,29 +212,22 @@ impl PyRobot {
         link: Option<&str>,
         #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let (py, dof) = (q.py(), self.robot.dof());
-        let q = Configurations::read(q, "q", &self.robot)?;
+        let (py, robot) = (q.py(), &*self.robot);
+        let q = Configurations::read(q, "q", robot)?;
         let link = self.link(link)?;
-        let values = q.values()?;
-        let robot = &*self.robot;
-        let poses = computed(
+        let poses = q.computed(
             py,
-            (q.count, 16),
+            16,
             BLOCK,
-            thread_count(threads),
+            threads,
             || robot.frames(),
-            |frames, range, out: &mut [f64]| {
-                for (q, out) in values[range.start * dof..range.end * dof]
-                    .chunks_exact(dof)
-                    .zip(out.as_chunks_mut::<16>().0)
-                {
-                    if link == robot.tip() {
-                        robot.tip_kinematics(q, frames);
-                    } else {
-                        robot.forward_kinematics(q, frames);
-                    }
-                    *out = cranny_grasp::rows_of_pose(frames.link(link));
+            |frames, q, out: &mut [f64]| {
+                if link == robot.tip() {
+                    robot.tip_kinematics(q, frames);
+                } else {
+                    robot.forward_kinematics(q, frames);
                 }
+                out.copy_from_slice(&rows_of_pose(frames.link(link)));
             },
         )?;
         shaped(py, poses, &[q.count, 4, 4][usize::from(q.is_single)..])
@@ -253,33 +243,16 @@ impl PyRobot {
         link: Option<&str>,
         #[pyo3(from_py_with = whole::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let (py, dof) = (q.py(), self.robot.dof());
-        let q = Configurations::read(q, "q", &self.robot)?;
+        let (py, robot, dof) = (q.py(), &*self.robot, self.robot.dof());
+        let q = Configurations::read(q, "q", robot)?;
         let link = self.link(link)?;
-        let values = q.values()?;
-        let robot = &*self.robot;
         let room = || (robot.frames(), robot.empty_jacobian());
-        let jacobians = computed(
-            py,
-            (q.count, 6 * dof),
-            BLOCK,
-            thread_count(threads),
-            room,
-            |(frames, jacobian), range, out: &mut [f64]| {
-                for (q, out) in values[range.start * dof..range.end * dof]
-                    .chunks_exact(dof)
-                    .zip(out.chunks_exact_mut(6 * dof))
-                {
-                    robot.forward_kinematics(q, frames);
-                    robot.jacobian(frames, link, jacobian);
-                    for (row, out) in out.chunks_exact_mut(dof).enumerate() {
-                        for (value, entry) in out.iter_mut().zip(jacobian.row(row).iter()) {
-                            *value = *entry;
-                        }
-                    }
-                }
-            },
-        )?;
+        let jacobians = q.computed(py, 6 * dof, BLOCK, threads, room, |(frames, jacobian), q, out| {
+            robot.forward_kinematics(q, frames);
+            robot.jacobian(frames, link, jacobian);
+            // The matrix lies in memory column by column.
+            out.iter_mut().zip(jacobian.transpose().iter()).for_each(|(out, entry)| *out = *entry);
+        })?;
         shaped(py, jacobians, &[q.count, 6, dof][usize::from(q.is_single)..])
     }
 
@@ -320,18 +293,12 @@ impl PyRobot {
         let settings = IkSearchSettings::default();
         let search = Search { robot, start, cell, settings, count, attempts, seed };
         let room = || cell.map(Cell::scratch);
-        let found = computed(
-            py,
-            (poses.len(), 1),
-            1,
-            thread_count(threads),
-            room,
-            |scratch, range, out: &mut [Vec<Vec<f64>>]| {
+        let found =
+            computed(py, (poses.len(), 1), 1, threads, room, |scratch, range, out: &mut [Vec<Vec<f64>>]| {
                 for (index, out) in range.zip(out) {
                     *out = search.run(&poses[index], index as u64, scratch.as_mut());
                 }
-            },
-        )?;
+            })?;
         let dof = robot.dof();
         if is_single {
             return Ok(array::rows(py, &found.concat(), dof)?.into_any());
@@ -354,15 +321,7 @@ impl PyRobot {
             return Err(bad_value(format!("count is {count}, which no machine holds")));
         }
         let mut random = Stream::new(seed, 0);
-        let limits = self.robot.limits();
-        let values = (0..count)
-            .flat_map(|_| {
-                limits
-                    .iter()
-                    .map(|limits| random.uniform_between(limits.lower, limits.upper))
-                    .collect::<Vec<_>>()
-            })
-            .collect();
+        let values = (0..count).flat_map(|_| self.robot.random_configuration(&mut random)).collect();
         shaped(py, values, &[count, dof])
     }
 

@@ -7,16 +7,12 @@ use std::thread;
 
 use pyo3::prelude::*;
 
+use crate::array::Configurations;
 use crate::interrupt::Interrupt;
-
-/// How many threads `threads` asks for; `None`: as many as the machine has cores.
-pub fn thread_count(threads: Option<usize>) -> usize {
-    threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
-}
 
 /// A result of `count` rows of `width` values each, computed in blocks of `block` rows. Each thread makes room to
 /// compute in with `scratch`; `work` fills the rows of a range. The order of the result does not depend on the
-/// number of threads.
+/// number of `threads`; `None`: as many as the machine has cores.
 ///
 /// # Errors
 /// What a signal handler raised; whatever was computed is then thrown away.
@@ -24,10 +20,11 @@ pub fn computed<T: Clone + Default + Send, S>(
     py: Python<'_>,
     (count, width): (usize, usize),
     block: usize,
-    threads: usize,
+    threads: Option<usize>,
     scratch: impl Fn() -> S + Sync,
     work: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
 ) -> PyResult<Vec<T>> {
+    let threads = threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
     let mut interrupt = Interrupt::new();
     let stop = AtomicBool::new(false);
     let values = py.detach(|| {
@@ -55,4 +52,23 @@ pub fn computed<T: Clone + Default + Send, S>(
         values
     });
     interrupt.result().map(|()| values)
+}
+
+impl Configurations<'_> {
+    /// A result of `width` values for each configuration, as of [`computed`]; `work` fills those of one.
+    pub fn computed<T: Clone + Default + Send, S>(
+        &self,
+        py: Python<'_>,
+        width: usize,
+        block: usize,
+        threads: Option<usize>,
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, &[f64], &mut [T]) + Sync,
+    ) -> PyResult<Vec<T>> {
+        let (values, dof) = (self.values()?, self.dof);
+        computed(py, (self.count, width), block, threads, scratch, |scratch, range, out| {
+            let rows = values[range.start * dof..range.end * dof].chunks_exact(dof);
+            rows.zip(out.chunks_exact_mut(width)).for_each(|(q, out)| work(scratch, q, out));
+        })
+    }
 }

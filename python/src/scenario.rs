@@ -10,7 +10,7 @@ use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{IntoPyDict as _, PyBytes, PyDict};
 
 use crate::array::{configuration, copied, pose_or_translation, rows, shaped};
 use crate::body::PyBody;
@@ -136,9 +136,7 @@ impl PyScenario {
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
         let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m })?;
-        let keywords = PyDict::new(slf.py());
-        keywords.set_item("margin_m", margin_m)?;
-        keywords.set_item("grasp_margin_m", grasp_margin_m)?;
+        let keywords = [("margin_m", margin_m), ("grasp_margin_m", grasp_margin_m)].into_py_dict(slf.py())?;
         let cell = problem.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?.clone();
         Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }

@@ -5,7 +5,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use crate::array::{Numbers, shaped};
-use crate::pickled::Reduced;
+use crate::pickled::{Reduced, restored_by};
 
 /// A trajectory at T instants: arrays (T, dof) in the order of `joint_names`.
 #[pyclass(name = "Samples", module = "cranny", frozen)]
@@ -97,9 +97,8 @@ impl PySamples {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, own) = (slf.py(), slf.get());
-        let restore = py.import("cranny._cranny")?.getattr("_restored_samples")?;
         let rows = (own.times(py)?, own.positions(py)?, own.velocities(py)?, own.accelerations(py)?);
-        Ok((restore, (own.joint_names(), rows.0, rows.1, rows.2, rows.3).into_pyobject(py)?))
+        restored_by(py, "_restored_samples", (own.joint_names(), rows.0, rows.1, rows.2, rows.3))
     }
 
     fn __len__(&self) -> usize {
