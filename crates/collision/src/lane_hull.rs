@@ -124,53 +124,42 @@ impl LaneHull {
     ) -> Verdict {
         simd.vectorize(
             #[inline(always)]
-            || self.search(simd, frame, other, other_frame, apart, bars),
+            || {
+                let rounding = self.radius + other.radius;
+                let outer = rounding + self.bulge + other.bulge;
+                let mut closest = apart;
+                let mut simplex = Simplex { points: [[0.0; 3]; 4], len: 0 };
+                for _ in 0..MOST_STEPS {
+                    let corner = self.farthest(simd, frame, closest.map(|x| -x));
+                    let difference = minus(corner, other.farthest(simd, other_frame, closest));
+                    let length = dot(closest, closest).sqrt();
+                    let gap = dot(closest, difference) / length;
+                    if gap - outer >= bars.free_m {
+                        return Verdict::Free;
+                    }
+                    // The first direction is a guess, no point of the difference of both.
+                    if simplex.len > 0 {
+                        if length - rounding < bars.contact_m {
+                            return Verdict::Contact;
+                        }
+                        /// Progress below this, relative to the distance, is rounding.
+                        const STALLED: f32 = 1e-4;
+                        let is_moving = length - gap > STALLED * length;
+                        if !is_moving {
+                            return Verdict::Doubt;
+                        }
+                    }
+                    simplex.points[simplex.len] = difference;
+                    simplex.len += 1;
+                    let Some(point) = simplex.reduce() else {
+                        let needed = (-bars.contact_m).max(0.0) + PLANE_ROUNDING * simplex.farthest();
+                        return if simplex.depth() > needed { Verdict::Contact } else { Verdict::Doubt };
+                    };
+                    closest = point;
+                }
+                Verdict::Doubt
+            },
         )
-    }
-
-    #[inline(always)]
-    fn search<S: Simd>(
-        &self,
-        simd: S,
-        frame: &SingleFrame,
-        other: &Self,
-        other_frame: &SingleFrame,
-        apart: Vec3,
-        bars: Bars,
-    ) -> Verdict {
-        let rounding = self.radius + other.radius;
-        let outer = rounding + self.bulge + other.bulge;
-        let mut closest = apart;
-        let mut simplex = Simplex { points: [[0.0; 3]; 4], len: 0 };
-        for _ in 0..MOST_STEPS {
-            let corner = self.farthest(simd, frame, closest.map(|x| -x));
-            let difference = minus(corner, other.farthest(simd, other_frame, closest));
-            let length = dot(closest, closest).sqrt();
-            let gap = dot(closest, difference) / length;
-            if gap - outer >= bars.free_m {
-                return Verdict::Free;
-            }
-            // The first direction is a guess, no point of the difference of both.
-            if simplex.len > 0 {
-                if length - rounding < bars.contact_m {
-                    return Verdict::Contact;
-                }
-                /// Progress below this, relative to the distance, is rounding.
-                const STALLED: f32 = 1e-4;
-                let is_moving = length - gap > STALLED * length;
-                if !is_moving {
-                    return Verdict::Doubt;
-                }
-            }
-            simplex.points[simplex.len] = difference;
-            simplex.len += 1;
-            let Some(point) = simplex.reduce() else {
-                let needed = (-bars.contact_m).max(0.0) + PLANE_ROUNDING * simplex.farthest();
-                return if simplex.depth() > needed { Verdict::Contact } else { Verdict::Doubt };
-            };
-            closest = point;
-        }
-        Verdict::Doubt
     }
 }
 

@@ -7,6 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
 use crate::lane_hull::LaneHull;
+use crate::lane_scratch::BoxLanes;
 use crate::world::Part;
 
 /// A solid of the world as the lanes see it.
@@ -60,19 +61,12 @@ impl LaneAround {
     /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
     /// farther from the box around the part along one of these axes.
     #[inline(always)]
-    pub fn within_reach<S: Simd>(
-        &self,
-        simd: S,
-        center: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        reach: f32x16<S>,
-    ) -> u32 {
+    pub fn within_reach<S: Simd>(&self, simd: S, link: BoxLanes<S>, reach: f32x16<S>) -> u32 {
         match self {
-            Self::Box(around) => around.within_reach(simd, center, half_extents, reach),
+            Self::Box(around) => link.within_reach(around.splat(simd), reach),
             Self::HalfSpace { origin, normal } => {
-                let offset = center.minus(LaneVector::splat(simd, *origin));
-                let [x, y, z] = normal.map(f32::abs);
-                bits(!(offset.dot(*normal) - half_extents.dot([x, y, z])).simd_ge(reach))
+                let offset = link.middle.minus(LaneVector::splat(simd, *origin));
+                bits(!(offset.dot(*normal) - link.half_extents.dot(normal.map(f32::abs))).simd_ge(reach))
             }
         }
     }
@@ -93,18 +87,11 @@ impl LaneAabb {
         Self { center: lanes(center), half_extents: lanes(half_extents) }
     }
 
-    /// Bits of the lanes in which another such box is not certainly `reach` (m) or farther away along an axis.
+    /// The same in every lane.
     #[inline(always)]
-    pub fn within_reach<S: Simd>(
-        &self,
-        simd: S,
-        center: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        reach: f32x16<S>,
-    ) -> u32 {
-        let offset = center.minus(LaneVector::splat(simd, self.center)).abs();
-        let gap = offset.minus(half_extents).minus(LaneVector::splat(simd, self.half_extents));
-        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(reach))
+    pub fn splat<S: Simd>(&self, simd: S) -> BoxLanes<S> {
+        let half_extents = LaneVector::splat(simd, self.half_extents);
+        BoxLanes { middle: LaneVector::splat(simd, self.center), half_extents }
     }
 }
 

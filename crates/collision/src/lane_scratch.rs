@@ -135,14 +135,27 @@ impl LaneScratch {
 }
 
 impl LaneBox {
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S) -> BoxLanes<S> {
+        let half_extents = LaneVector::load(simd, &self.half_extents);
+        BoxLanes { middle: LaneVector::load(simd, &self.middle), half_extents }
+    }
+}
+
+/// The same to compute with.
+#[derive(Clone, Copy)]
+pub(crate) struct BoxLanes<S: Simd> {
+    pub middle: LaneVector<S>,
+    pub half_extents: LaneVector<S>,
+}
+
+impl<S: Simd> BoxLanes<S> {
     /// Bits of the lanes in which two boxes are not certainly `reach` (m) or farther apart along an axis.
     #[inline(always)]
-    pub fn within_reach<S: Simd>(&self, simd: S, other: &Self, reach: f32) -> u32 {
-        let offset = LaneVector::load(simd, &self.middle).minus(LaneVector::load(simd, &other.middle)).abs();
-        let gap = offset
-            .minus(LaneVector::load(simd, &self.half_extents))
-            .minus(LaneVector::load(simd, &other.half_extents));
-        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(f32x16::splat(simd, reach)))
+    pub fn within_reach(self, other: Self, reach: f32x16<S>) -> u32 {
+        let offset = self.middle.minus(other.middle).abs();
+        let gap = offset.minus(self.half_extents).minus(other.half_extents);
+        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(reach))
     }
 }
 

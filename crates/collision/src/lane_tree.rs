@@ -1,5 +1,4 @@
-use cranny_spatial::{LaneVector, Vector};
-use fearless_simd::{Simd, f32x16};
+use cranny_spatial::Vector;
 
 use crate::lane_part::LaneAabb;
 use crate::part_tree::PartNode;
@@ -8,7 +7,7 @@ use crate::part_tree::PartNode;
 #[derive(Clone, Debug)]
 pub(crate) struct LaneBranch {
     /// A box around all its parts; none where it would not help.
-    around: Option<LaneAabb>,
+    pub around: Option<LaneAabb>,
     /// The places of its parts; no place for a node that is not a leaf.
     pub begin: u32,
     pub end: u32,
@@ -27,21 +26,5 @@ impl LaneBranch {
         });
         let [begin, end] = [node.places.start, node.places.end].map(|p| u32::try_from(p).unwrap_or(u32::MAX));
         Self { around, begin, end, next: node.next }
-    }
-
-    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
-    /// farther from all parts of the branch.
-    #[inline(always)]
-    pub fn within_reach<S: Simd>(
-        &self,
-        simd: S,
-        center: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        reach: f32x16<S>,
-    ) -> u32 {
-        match &self.around {
-            Some(around) => around.within_reach(simd, center, half_extents, reach),
-            None => u32::MAX,
-        }
     }
 }

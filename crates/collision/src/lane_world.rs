@@ -3,9 +3,8 @@ use cranny_spatial::LaneVector;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use crate::batch::lanes_of;
 use crate::lane_body::{LaneBody, LaneNode};
-use crate::lane_scratch::{Descent, LaneScratch, Near};
+use crate::lane_scratch::{BoxLanes, Descent, LaneScratch, Near};
 use crate::lanes::{FEW_LANES, LanePair, Lanes};
 use crate::single_lane::{Bars, SingleFrame, Verdict};
 
@@ -34,97 +33,93 @@ impl Lanes {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.body_against_parts(simd, body, wanted, frames, scratch, open),
+            || {
+                let pairs = &self.part_pairs[body];
+                if pairs.is_empty() {
+                    return;
+                }
+                let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
+                let frame = &frames[*frame];
+                let travel_m = scratch.travel.bodies[body];
+                // 1.
+                self.find_near(simd, body, wanted, frame, scratch, open);
+                if scratch.near.is_empty() {
+                    return;
+                }
+                // 2.
+                let (large, small) = inner.split_at(inner.len().min(LARGE_INNER));
+                for ball in large {
+                    let center = frame.point(simd, ball.center);
+                    for near in &scratch.near {
+                        *open &= !self.meets(
+                            simd,
+                            &pairs[near.index as usize],
+                            center,
+                            ball.radius,
+                            near.lanes & *open,
+                        );
+                    }
+                }
+                // 3.
+                let rough_doubt = scratch.doubts.len();
+                scratch.stack.clear();
+                scratch.push_children(outer[0].children, 0, scratch.near.len());
+                if scratch.stack.is_empty() {
+                    let near =
+                        scratch.near.iter().map(|near| (pairs[near.index as usize].pair, near.lanes & *open));
+                    scratch.doubts.extend(near.filter(|(_, lanes)| *lanes != 0));
+                }
+                while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
+                    let LaneNode { ball, children } = outer[node as usize];
+                    let center = frame.point(simd, ball.center);
+                    scratch.near.truncate(end as usize);
+                    let kept = scratch.near.len();
+                    for index in begin as usize..end as usize {
+                        let Near { index, lanes } = scratch.near[index];
+                        let pair = &pairs[index as usize];
+                        let lanes = lanes & *open & !scratch.doubt(rough_doubt, pair.pair);
+                        if lanes == 0 {
+                            continue;
+                        }
+                        let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
+                        let lanes =
+                            self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
+                        if lanes == 0 {
+                            continue;
+                        }
+                        if children == [0; 2] {
+                            scratch.add_doubt(rough_doubt, pair.pair, lanes);
+                        } else {
+                            scratch.near.push(Near { index, lanes });
+                        }
+                    }
+                    if scratch.near.len() > kept {
+                        scratch.push_children(children, kept, scratch.near.len());
+                    }
+                }
+                // 4.
+                for ball in small {
+                    let mut center = None;
+                    for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
+                        *lanes &= *open;
+                        if lanes.count_ones() > if hulls.is_empty() { 0 } else { FEW_LANES } {
+                            let center = *center.get_or_insert(frame.point(simd, ball.center));
+                            // The pairs of a link with parts follow each other.
+                            let place = (*pair - pairs[0].pair) as usize;
+                            *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
+                        }
+                    }
+                }
+                // 5.
+                if hulls.is_empty() {
+                    return;
+                }
+                for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
+                    let pair = &pairs[(*pair - pairs[0].pair) as usize];
+                    *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
+                }
+            },
         );
-    }
-
-    #[inline(always)]
-    fn body_against_parts<S: Simd>(
-        &self,
-        simd: S,
-        body: usize,
-        wanted: Option<&[(u32, u32)]>,
-        frames: &[LaneFrame],
-        scratch: &mut LaneScratch,
-        open: &mut u32,
-    ) {
-        let pairs = &self.part_pairs[body];
-        if pairs.is_empty() {
-            return;
-        }
-        let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
-        let frame = &frames[*frame];
-        let travel_m = scratch.travel.bodies[body];
-        // 1.
-        self.find_near(simd, body, wanted, frame, scratch, open);
-        if scratch.near.is_empty() {
-            return;
-        }
-        // 2.
-        let (large, small) = inner.split_at(inner.len().min(LARGE_INNER));
-        for ball in large {
-            let center = frame.point(simd, ball.center);
-            for near in &scratch.near {
-                *open &=
-                    !self.meets(simd, &pairs[near.index as usize], center, ball.radius, near.lanes & *open);
-            }
-        }
-        // 3.
-        let rough_doubt = scratch.doubts.len();
-        scratch.stack.clear();
-        scratch.push_children(outer[0].children, 0, scratch.near.len());
-        if scratch.stack.is_empty() {
-            let near = scratch.near.iter().map(|near| (pairs[near.index as usize].pair, near.lanes & *open));
-            scratch.doubts.extend(near.filter(|(_, lanes)| *lanes != 0));
-        }
-        while let Some(Descent { node, begin, end }) = scratch.stack.pop() {
-            let LaneNode { ball, children } = outer[node as usize];
-            let center = frame.point(simd, ball.center);
-            scratch.near.truncate(end as usize);
-            let kept = scratch.near.len();
-            for index in begin as usize..end as usize {
-                let Near { index, lanes } = scratch.near[index];
-                let pair = &pairs[index as usize];
-                let lanes = lanes & *open & !scratch.doubt(rough_doubt, pair.pair);
-                if lanes == 0 {
-                    continue;
-                }
-                let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
-                let lanes = self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
-                if lanes == 0 {
-                    continue;
-                }
-                if children == [0; 2] {
-                    scratch.add_doubt(rough_doubt, pair.pair, lanes);
-                } else {
-                    scratch.near.push(Near { index, lanes });
-                }
-            }
-            if scratch.near.len() > kept {
-                scratch.push_children(children, kept, scratch.near.len());
-            }
-        }
-        // 4.
-        for ball in small {
-            let mut center = None;
-            for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
-                *lanes &= *open;
-                if lanes.count_ones() > if hulls.is_empty() { 0 } else { FEW_LANES } {
-                    let center = *center.get_or_insert(frame.point(simd, ball.center));
-                    // The pairs of a link with parts follow each other.
-                    let place = (*pair - pairs[0].pair) as usize;
-                    *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
-                }
-            }
-        }
-        // 5.
-        if hulls.is_empty() {
-            return;
-        }
-        for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
-            let pair = &pairs[(*pair - pairs[0].pair) as usize];
-            *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
-        }
     }
 
     /// Step 1 of [`Self::body_against_world`]: the parts that are near in many lanes are in `scratch.near` then.
@@ -139,15 +134,14 @@ impl Lanes {
         open: &mut u32,
     ) {
         let pairs = &self.part_pairs[body];
-        let middle = LaneVector::load(simd, &scratch.boxes[body].middle);
-        let half_extents = LaneVector::load(simd, &scratch.boxes[body].half_extents);
+        let link = scratch.boxes[body].load(simd);
         let travel_m = scratch.travel.bodies[body];
         // The boxes.
         scratch.near.clear();
         if let Some(wanted) = wanted {
             for (pair, lanes) in wanted {
                 let index = pair - pairs[0].pair;
-                let lanes = self.box_near(simd, body, index, middle, half_extents, travel_m) & lanes & *open;
+                let lanes = self.box_near(simd, body, index, link, travel_m) & lanes & *open;
                 if lanes != 0 {
                     scratch.near.push(Near { index, lanes });
                 }
@@ -157,13 +151,17 @@ impl Lanes {
             let mut next = 0;
             while next < self.branches.len() {
                 let branch = &self.branches[next];
-                if branch.within_reach(simd, middle, half_extents, farthest) & *open == 0 {
+                let near = match &branch.around {
+                    Some(around) => link.within_reach(around.splat(simd), farthest),
+                    None => u32::MAX,
+                };
+                if near & *open == 0 {
                     next = branch.next;
                     continue;
                 }
                 next += 1;
                 for index in branch.begin..branch.end {
-                    let lanes = self.box_near(simd, body, index, middle, half_extents, travel_m) & *open;
+                    let lanes = self.box_near(simd, body, index, link, travel_m) & *open;
                     if lanes != 0 {
                         scratch.near.push(Near { index, lanes });
                     }
@@ -196,20 +194,11 @@ impl Lanes {
         scratch.near.truncate(kept);
     }
 
-    /// The lanes in which the box around a link, given by its middle and half extents, is near the box around a
-    /// part.
+    /// The lanes in which the box around a link is near the box around a part.
     #[inline(always)]
-    fn box_near<S: Simd>(
-        &self,
-        simd: S,
-        body: usize,
-        index: u32,
-        middle: LaneVector<S>,
-        half_extents: LaneVector<S>,
-        travel_m: f32,
-    ) -> u32 {
+    fn box_near<S: Simd>(&self, simd: S, body: usize, index: u32, link: BoxLanes<S>, travel_m: f32) -> u32 {
         let reach = f32x16::splat(simd, self.part_pairs[body][index as usize].free_m + travel_m);
-        self.arounds[index as usize].within_reach(simd, middle, half_extents, reach)
+        self.arounds[index as usize].within_reach(simd, link, reach)
     }
 
     /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are
@@ -229,16 +218,8 @@ impl Lanes {
     ) -> u32 {
         let part = &self.parts[pair.other as usize];
         let bars = Bars { free_m: pair.free_m + travel_m, contact_m: pair.contact_m };
-        let mut doubt = 0;
-        for lane in lanes_of(lanes) {
-            let frame = SingleFrame::of(frame, lane);
-            match self.bodies[body].against_part(simd, &frame, part, bars) {
-                Verdict::Free => {}
-                Verdict::Contact => *open &= !(1 << lane),
-                Verdict::Doubt => doubt |= 1 << lane,
-            }
-        }
-        doubt
+        let against = |lane| self.bodies[body].against_part(simd, &SingleFrame::of(frame, lane), part, bars);
+        Verdict::one_by_one(lanes, against, open)
     }
 
     /// The lanes in which an inner ball is certainly too close to a part.

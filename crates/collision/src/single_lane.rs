@@ -5,6 +5,7 @@ use cranny_spatial::LaneVector;
 use fearless_simd::Simd;
 
 use crate::ball_pack::BallPack;
+use crate::batch::lanes_of;
 use crate::lane_body::{LaneBody, LaneNode};
 use crate::lane_hull::LaneHull;
 use crate::lane_part::{LanePart, LaneSolid, dot, is_shorter, minus};
@@ -207,6 +208,20 @@ impl LaneBody {
 }
 
 impl Verdict {
+    /// Those of `lanes` that are in doubt, each asked by itself; those in contact are taken out of `open`.
+    #[inline(always)]
+    pub fn one_by_one(lanes: u32, verdict: impl Fn(usize) -> Self, open: &mut u32) -> u32 {
+        let mut doubt = 0;
+        for lane in lanes_of(lanes) {
+            match verdict(lane) {
+                Self::Free => {}
+                Self::Contact => *open &= !(1 << lane),
+                Self::Doubt => doubt |= 1 << lane,
+            }
+        }
+        doubt
+    }
+
     /// The verdict on a pair of groups from those on all pairs of their members: free if all are, in contact
     /// if any is.
     fn of_all(verdicts: impl Iterator<Item = Self>) -> Self {
