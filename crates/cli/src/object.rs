@@ -3,10 +3,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use cranny_scenario::{
-    DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, ScenarioError, builtin_object,
+    DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, RestingPose, ScenarioError, builtin_object,
     builtin_object_names, check_free_folder, write_whole_file, write_whole_folder,
 };
-use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup};
+use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup, VolumeError};
 use cranny_spatial::Vector;
 use cranny_view::{Picture, PictureSettings, Scene, StandardView};
 use serde::Serialize;
@@ -114,31 +114,10 @@ struct Shown {
     inertia_kg_m2: [[f64; 3]; 3],
     convex_parts: usize,
     volume_error: VolumeError,
-    stable_poses: Vec<Pose>,
-    repaired: Option<Repaired>,
+    stable_poses: Vec<RestingPose>,
+    repaired: Option<RepairedMesh>,
     folder: Option<PathBuf>,
     picture: Option<PathBuf>,
-}
-
-#[derive(Serialize)]
-struct VolumeError {
-    excess: f64,
-    missing: f64,
-}
-
-#[derive(Serialize)]
-struct Pose {
-    probability: f64,
-    position: [f64; 3],
-    quaternion_xyzw: [f64; 4],
-}
-
-#[derive(Serialize)]
-struct Repaired {
-    merged_vertices: usize,
-    dropped_triangles: usize,
-    flipped_triangles: usize,
-    shallow_crossings: usize,
 }
 
 /// The object that `what` names: a built-in one, or a folder.
@@ -193,7 +172,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
     let made = soup.map_err(ScenarioError::from).and_then(|soup| ObjectType::from_mesh(&soup, &settings));
     spinner.finish_and_clear();
     let (object, repaired) = made.map_err(|fault| fault.in_mesh(&arguments.mesh))?;
-    written(Shown::of(&object).with(&repaired), &object, folder, output)
+    written(Shown { repaired: Some(repaired), ..Shown::of(&object) }, &object, folder, output)
 }
 
 fn written(
@@ -248,33 +227,12 @@ impl Shown {
             center_of_mass: object.center_of_mass.into(),
             inertia_kg_m2: [0, 1, 2].map(|i| [0, 1, 2].map(|j| inertia[(i, j)])),
             convex_parts: object.parts.parts.len(),
-            volume_error: VolumeError {
-                excess: object.parts.error.excess,
-                missing: object.parts.error.missing,
-            },
-            stable_poses: object
-                .stable_poses
-                .iter()
-                .map(|stable| Pose {
-                    probability: stable.probability,
-                    position: stable.ground_from_body.translation.vector.into(),
-                    quaternion_xyzw: stable.ground_from_body.rotation.coords.into(),
-                })
-                .collect(),
+            volume_error: object.parts.error,
+            stable_poses: object.stable_poses.iter().map(RestingPose::of).collect(),
             repaired: None,
             folder: None,
             picture: None,
         }
-    }
-
-    fn with(mut self, repaired: &RepairedMesh) -> Self {
-        self.repaired = Some(Repaired {
-            merged_vertices: repaired.merged_vertices,
-            dropped_triangles: repaired.dropped_triangles,
-            flipped_triangles: repaired.flipped_triangles,
-            shallow_crossings: repaired.shallow_crossings,
-        });
-        self
     }
 
     fn page(&self) -> String {

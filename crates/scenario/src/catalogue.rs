@@ -23,73 +23,54 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
-/// An entry with the files that `Recipe`s of the catalogue are written to, which a test holds equal.
-macro_rules! entry {
-    ($id:literal, $family:ident, $environment:literal, $parameter_m:literal, $description:literal) => {
-        CatalogueEntry {
+/// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and
+/// the parameter as it is said.
+macro_rules! entries {
+    ($($family:ident, $environment:literal, $before:literal, $after:literal {
+        $($id:literal: $parameter_m:literal = $said:literal,)*
+    })*) => {
+        [$($(CatalogueEntry {
             id: $id,
             environment: $environment,
-            description: $description,
+            description: concat!($before, $said, $after),
             family: Family::$family,
             parameter_m: $parameter_m,
             scenario: include_str!(concat!("../../../scenarios/", $id, "/scenario.yaml")),
             grasps: include_str!(concat!("../../../scenarios/", $id, "/grasps.csv")),
-        }
+        },)*)*]
     };
 }
 
-const CATALOGUE: [CatalogueEntry; 20] = [
-    entry!(
-        "011",
-        Shelf,
-        "screwdriver in a shelf",
-        0.113,
-        "the screwdriver lies 0.11 m behind the front edge"
-    ),
-    entry!(
-        "012",
-        Shelf,
-        "screwdriver in a shelf",
-        0.213,
-        "the screwdriver lies 0.21 m behind the front edge"
-    ),
-    entry!(
-        "013",
-        Shelf,
-        "screwdriver in a shelf",
-        0.313,
-        "the screwdriver lies 0.31 m behind the front edge"
-    ),
-    entry!(
-        "014",
-        Shelf,
-        "screwdriver in a shelf",
-        0.413,
-        "the screwdriver lies 0.41 m behind the front edge"
-    ),
-    entry!(
-        "015",
-        Shelf,
-        "screwdriver in a shelf",
-        0.513,
-        "the screwdriver lies 0.51 m behind the front edge"
-    ),
-    entry!("021", Table, "ball under a table", 0.2, "the ball lies 0.2 m behind the front edge"),
-    entry!("022", Table, "ball under a table", 0.3, "the ball lies 0.3 m behind the front edge"),
-    entry!("023", Table, "ball under a table", 0.4, "the ball lies 0.4 m behind the front edge"),
-    entry!("024", Table, "ball under a table", 0.5, "the ball lies 0.5 m behind the front edge"),
-    entry!("025", Table, "ball under a table", 0.6, "the ball lies 0.6 m behind the front edge"),
-    entry!("031", Gap, "box behind a gap", 0.64, "the gap between the walls is 0.64 m wide"),
-    entry!("032", Gap, "box behind a gap", 0.56, "the gap between the walls is 0.56 m wide"),
-    entry!("033", Gap, "box behind a gap", 0.48, "the gap between the walls is 0.48 m wide"),
-    entry!("034", Gap, "box behind a gap", 0.40, "the gap between the walls is 0.40 m wide"),
-    entry!("035", Gap, "box behind a gap", 0.32, "the gap between the walls is 0.32 m wide"),
-    entry!("041", Gate, "banana behind a gate", 0.86, "the gate's opening is 0.86 m wide and high"),
-    entry!("042", Gate, "banana behind a gate", 0.78, "the gate's opening is 0.78 m wide and high"),
-    entry!("043", Gate, "banana behind a gate", 0.70, "the gate's opening is 0.70 m wide and high"),
-    entry!("044", Gate, "banana behind a gate", 0.62, "the gate's opening is 0.62 m wide and high"),
-    entry!("045", Gate, "banana behind a gate", 0.54, "the gate's opening is 0.54 m wide and high"),
-];
+const CATALOGUE: [CatalogueEntry; 20] = entries! {
+    Shelf, "screwdriver in a shelf", "the screwdriver lies ", " m behind the front edge" {
+        "011": 0.113 = "0.11",
+        "012": 0.213 = "0.21",
+        "013": 0.313 = "0.31",
+        "014": 0.413 = "0.41",
+        "015": 0.513 = "0.51",
+    }
+    Table, "ball under a table", "the ball lies ", " m behind the front edge" {
+        "021": 0.2 = "0.2",
+        "022": 0.3 = "0.3",
+        "023": 0.4 = "0.4",
+        "024": 0.5 = "0.5",
+        "025": 0.6 = "0.6",
+    }
+    Gap, "box behind a gap", "the gap between the walls is ", " m wide" {
+        "031": 0.64 = "0.64",
+        "032": 0.56 = "0.56",
+        "033": 0.48 = "0.48",
+        "034": 0.40 = "0.40",
+        "035": 0.32 = "0.32",
+    }
+    Gate, "banana behind a gate", "the gate's opening is ", " m wide and high" {
+        "041": 0.86 = "0.86",
+        "042": 0.78 = "0.78",
+        "043": 0.70 = "0.70",
+        "044": 0.62 = "0.62",
+        "045": 0.54 = "0.54",
+    }
+};
 
 /// The built-in ids, for a message about an unknown one.
 pub(crate) fn known_ids() -> String {

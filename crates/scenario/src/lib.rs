@@ -87,7 +87,7 @@ pub use mesh_repairs::mesh_repairs;
 pub use moveit::{MoveItDeviation, MoveItOptions, MoveItProblem};
 pub use moveit_export::{moveit_scene_text, read_moveit_scene, write_moveit_scene};
 pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
-pub use object_folder::OBJECT_FILE;
+pub use object_folder::{OBJECT_FILE, RestingPose};
 pub use obstacle::Obstacle;
 pub use plan_betterment::{PlanOptimisation, PlanShortening};
 pub use plan_file::{PlanBudget, PlanFile, PlanSource, PlanTiming};

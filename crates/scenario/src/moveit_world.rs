@@ -4,7 +4,6 @@ use std::path::Path;
 use cranny_collision::{Body, Part};
 use cranny_robot::{Location, Robot};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
-use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde_saphyr::Spanned;
 
@@ -48,29 +47,20 @@ impl MessageFile<'_> {
     }
 
     pub fn finite(&self, number: &Spanned<f64>) -> Result<f64, ScenarioError> {
-        self.finite_at(number.value, number.referenced)
-    }
-
-    fn finite_at(&self, number: f64, location: serde_saphyr::Location) -> Result<f64, ScenarioError> {
-        let fault = || ScenarioError::NotANumber { at: self.at(location), text: number.to_string() };
-        number.is_finite().then_some(number).ok_or_else(fault)
+        yaml::finite(self.path, number.value, number.referenced)
     }
 
     /// A quaternion of four zeros, which is what a message holds that nobody filled in, turns nothing.
     pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
         let position = entry.value.position.map_or([0.0; 3], |position| position.0);
-        let [x, y, z, w] = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);
-        for number in position.into_iter().chain([x, y, z, w]) {
-            self.finite_at(number, entry.referenced)?;
+        let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);
+        for number in position.into_iter().chain(orientation) {
+            yaml::finite(self.path, number, entry.referenced)?;
         }
-        let quaternion = Quaternion::new(w, x, y, z);
-        let norm = quaternion.norm();
-        let rotation = if norm == 0.0 {
+        let rotation = if orientation == [0.0; 4] {
             Rotation::identity()
-        } else if (norm - 1.0).abs() <= QUATERNION_TOLERANCE {
-            Rotation::from_quaternion(quaternion)
         } else {
-            return Err(ScenarioError::Quaternion { at: self.at(entry.referenced), norm });
+            yaml::rotation(self.path, orientation, entry.referenced)?
         };
         Ok(Pose::from_parts(Vector::from(position).into(), rotation))
     }
@@ -211,7 +201,7 @@ impl MessageFile<'_> {
         let mut soup = TriangleSoup { vertices: Vec::new(), triangles: Vec::new() };
         for vertex in vertices {
             for number in vertex.value.0 {
-                self.finite_at(number, vertex.referenced)?;
+                yaml::finite(self.path, number, vertex.referenced)?;
             }
             soup.vertices.push(Point::from(vertex.value.0));
         }
@@ -221,9 +211,6 @@ impl MessageFile<'_> {
         Solid::mesh(&soup).map_err(fault)
     }
 }
-
-/// How far the length of a quaternion may be from 1: one printed with four digits is closer.
-const QUATERNION_TOLERANCE: f64 = 1e-3;
 
 /// The frames that poses can be given in: the world, links that stand still, and what the scene fixes.
 struct Frames(BTreeMap<String, Pose>);

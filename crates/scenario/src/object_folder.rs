@@ -1,6 +1,5 @@
 //! Objects on disk: a folder with `object.yaml`, the mesh and a mesh for each convex part.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -25,30 +24,26 @@ struct ObjectFile {
     mesh: PathBuf,
     convex_parts: Vec<PathBuf>,
     /// Shares of the volume.
-    convex_parts_error: ErrorEntry,
+    convex_parts_error: VolumeError,
     mass_kg: f64,
     friction: f64,
     volume_m3: f64,
     center_of_mass: [f64; 3],
     /// About the centre of mass: xx, yy, zz, xy, xz, yz.
     inertia_kg_m2: [f64; 6],
-    stable_poses: Vec<PoseEntry>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ErrorEntry {
-    excess: f64,
-    missing: f64,
+    stable_poses: Vec<RestingPose>,
 }
 
 /// Pose of the object above the ground z = 0.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PoseEntry {
-    probability: f64,
-    position: [f64; 3],
-    quaternion_xyzw: [f64; 4],
+pub struct RestingPose {
+    /// How likely it is.
+    pub probability: f64,
+    /// Where the object's origin is above the ground, in metres.
+    pub position: [f64; 3],
+    /// How it is turned there.
+    pub quaternion_xyzw: [f64; 4],
 }
 
 impl ObjectType {
@@ -63,8 +58,7 @@ impl ObjectType {
         self.mesh.write_obj(&folder.join(MESH_FILE))?;
         let mut convex_parts = Vec::new();
         for (index, part) in self.parts.parts.iter().enumerate() {
-            let mut name = String::new();
-            let _ = write!(name, "{PARTS_FOLDER}/{index:02}.obj");
+            let name = format!("{PARTS_FOLDER}/{index:02}.obj");
             part.write_obj(&folder.join(&name))?;
             convex_parts.push(PathBuf::from(name));
         }
@@ -73,16 +67,13 @@ impl ObjectType {
             name: self.name.clone(),
             mesh: MESH_FILE.into(),
             convex_parts,
-            convex_parts_error: ErrorEntry {
-                excess: self.parts.error.excess,
-                missing: self.parts.error.missing,
-            },
+            convex_parts_error: self.parts.error,
             mass_kg: self.mass_kg,
             friction: self.friction,
             volume_m3: self.volume_m3,
             center_of_mass: self.center_of_mass.into(),
             inertia_kg_m2: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
-            stable_poses: self.stable_poses.iter().map(PoseEntry::of).collect(),
+            stable_poses: self.stable_poses.iter().map(RestingPose::of).collect(),
         };
         let path = folder.join(OBJECT_FILE);
         let text = serde_saphyr::to_string(&file).map_err(|reason| ScenarioError::Unwritable {
@@ -112,25 +103,23 @@ impl ObjectType {
             mesh: load(&file.mesh)?,
             parts: ConvexParts {
                 parts: file.convex_parts.iter().map(load).collect::<Result<_, _>>()?,
-                error: VolumeError {
-                    excess: file.convex_parts_error.excess,
-                    missing: file.convex_parts_error.missing,
-                },
+                error: file.convex_parts_error,
             },
             mass_kg: file.mass_kg,
             friction: file.friction,
             volume_m3: file.volume_m3,
             center_of_mass: Point::from(file.center_of_mass),
             inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-            stable_poses: file.stable_poses.iter().map(PoseEntry::pose).collect(),
+            stable_poses: file.stable_poses.iter().map(RestingPose::pose).collect(),
         };
         object.solid().map_err(|fault| fault.in_file(&folder.join(file.mesh)))?;
         Ok(object)
     }
 }
 
-impl PoseEntry {
-    fn of(stable: &StablePose) -> Self {
+impl RestingPose {
+    /// What is written of a stable pose.
+    pub fn of(stable: &StablePose) -> Self {
         let pose = &stable.ground_from_body;
         Self {
             probability: stable.probability,

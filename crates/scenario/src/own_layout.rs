@@ -7,7 +7,6 @@ use cranny_file::{TABLE, TEXT};
 use cranny_grasp::parse_csv;
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
-use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde_saphyr::Spanned;
 
@@ -107,11 +106,6 @@ impl Layout<'_> {
         yaml::at(self.path, location)
     }
 
-    fn finite(&self, value: f64, location: serde_saphyr::Location) -> Result<f64, ScenarioError> {
-        let fault = || ScenarioError::NotANumber { at: self.at(location), text: value.to_string() };
-        value.is_finite().then_some(value).ok_or_else(fault)
-    }
-
     /// That the name of a body is not the floor's, nor one of `taken`, to which it is added.
     pub fn check_name<'b>(
         &self,
@@ -127,7 +121,7 @@ impl Layout<'_> {
     }
 
     pub fn floor(&self, height: &Spanned<f64>, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
-        let height_m = self.finite(height.value, height.referenced)?;
+        let height_m = yaml::finite(self.path, height.value, height.referenced)?;
         let planning_from_floor = planning_from_scene * Pose::translation(0.0, 0.0, height_m);
         Ok(Body::new(FLOOR, planning_from_floor, Solid::half_space()))
     }
@@ -158,7 +152,7 @@ impl Layout<'_> {
     }
 
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
-        let number = |value: &Spanned<f64>| self.finite(value.value, value.referenced);
+        let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
         let by_joint = match &start.value {
             StartEntry::List(list) => return list.iter().map(number).collect(),
             StartEntry::ByJoint(by_joint) => by_joint,
@@ -211,7 +205,7 @@ impl Layout<'_> {
         let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
         let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];
         for number in given.concat() {
-            self.finite(number, *referenced)?;
+            yaml::finite(self.path, number, *referenced)?;
         }
         let rotation = match (entry.rotation_rpy_deg, entry.quaternion_xyzw) {
             (None, None) => Rotation::identity(),
@@ -219,13 +213,7 @@ impl Layout<'_> {
                 let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
                 Rotation::from_euler_angles(roll, pitch, yaw)
             }
-            (None, Some([x, y, z, w])) => {
-                let quaternion = Quaternion::new(w, x, y, z);
-                let norm = quaternion.norm();
-                let is_unit = (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
-                let fault = || ScenarioError::Quaternion { at: self.at(*referenced), norm };
-                is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or_else(fault)?
-            }
+            (None, Some(quaternion)) => yaml::rotation(self.path, quaternion, *referenced)?,
             (Some(_), Some(_)) => return Err(ScenarioError::TwoRotations { at: self.at(*referenced) }),
         };
         Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
@@ -274,6 +262,3 @@ impl Layout<'_> {
         solid_of(&soup).map_err(|fault| fault.in_file(&path))
     }
 }
-
-/// How far the length of a quaternion may be from 1: one printed with four digits is closer.
-const QUATERNION_TOLERANCE: f64 = 1e-3;

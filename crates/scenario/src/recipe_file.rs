@@ -8,6 +8,7 @@ use cranny_grasp::csv_text;
 use cranny_spatial::{Pose, Rotation};
 
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
+use crate::released_export::file_name;
 use crate::{ScenarioError, own_layout};
 
 /// The folder of a scenario's meshes.
@@ -71,9 +72,7 @@ pub(crate) fn configurations_text(configurations: &[Vec<f64>]) -> String {
 }
 
 fn mesh_file(body: &RecipeBody, shape: usize) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    let name: String = body.name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
-    format!("{MESHES}/{name}-{shape}.obj")
+    format!("{MESHES}/{}-{shape}.obj", file_name(&body.name))
 }
 
 impl RecipeBody {

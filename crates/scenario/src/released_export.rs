@@ -120,7 +120,7 @@ fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64) -> Result<String, ShapeEr
 }
 
 /// The name without what a file's name should not hold.
-fn file_name(name: &str) -> String {
+pub(crate) fn file_name(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
 }

@@ -1,6 +1,6 @@
-use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::recipe_file::configurations_text;
 use crate::{PlanFile, ScenarioError, number_table, write_whole_file};
 
 /// The way points (m, rad) of a plan file (`.plan.json`) or of a file with one configuration a line
@@ -29,14 +29,7 @@ pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>
 /// # Errors
 /// [`ScenarioError::Unwritable`]; what stood there before is then untouched.
 pub fn write_waypoints_csv(path: &Path, waypoints: &[Vec<f64>]) -> Result<(), ScenarioError> {
-    let mut text = String::new();
-    for waypoint in waypoints {
-        for (index, value) in waypoint.iter().enumerate() {
-            let _ = write!(text, "{}{value}", if index == 0 { "" } else { "," });
-        }
-        text.push('\n');
-    }
-    write_whole_file(path, text.as_bytes())
+    write_whole_file(path, configurations_text(waypoints).as_bytes())
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@ use std::path::Path;
 
 use cranny_file::{Readable, TEXT};
 use cranny_robot::Location;
+use cranny_spatial::Rotation;
+use cranny_spatial::nalgebra::Quaternion;
 use serde::de::DeserializeOwned;
 
 use crate::ScenarioError;
@@ -32,6 +34,31 @@ pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, S
 /// A place in a YAML file, as errors name it.
 pub(crate) fn at(path: &Path, location: serde_saphyr::Location) -> Location {
     line(path, usize::try_from(location.line()).unwrap_or(0).max(1))
+}
+
+/// A number of a file, if it is finite.
+pub(crate) fn finite(
+    path: &Path,
+    number: f64,
+    location: serde_saphyr::Location,
+) -> Result<f64, ScenarioError> {
+    let fault = || ScenarioError::NotANumber { at: at(path, location), text: number.to_string() };
+    number.is_finite().then_some(number).ok_or_else(fault)
+}
+
+/// The rotation of a quaternion (x, y, z, w) of unit length.
+pub(crate) fn rotation(
+    path: &Path,
+    [x, y, z, w]: [f64; 4],
+    location: serde_saphyr::Location,
+) -> Result<Rotation, ScenarioError> {
+    /// How far the length may be from 1: that of one printed with four digits is closer.
+    const TOLERANCE: f64 = 1e-3;
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    let is_unit = (norm - 1.0).abs() <= TOLERANCE;
+    let fault = || ScenarioError::Quaternion { at: at(path, location), norm };
+    is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or_else(fault)
 }
 
 /// A line of a file, from 1, as errors name it.

@@ -3,6 +3,7 @@ use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 use crate::mesh::{check_closed, check_indices};
 use crate::{ShapeError, Surface, TriangleSoup, parry};
 use cranny_spatial::{Point, Vector};
+use serde::{Deserialize, Serialize};
 
 /// How a mesh is cut into convex parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +33,8 @@ pub struct ConvexParts {
 }
 
 /// What a union of convex parts and the volume of a mesh do not share, as shares of the mesh's volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct VolumeError {
     /// Volume of the parts outside the mesh.
     pub excess: f64,

@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
 use cranny_spatial::Point;
+use serde::Serialize;
 
 use crate::enclosure::Nest;
 use crate::mesh::check_indices;
@@ -9,9 +10,10 @@ use crate::shell::shells;
 use crate::{ShapeError, TriangleSoup};
 
 /// A mesh that encloses a volume, and what was done to make it so.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RepairedMesh {
     /// The mesh: closed, normals outwards, no triangle deep through another.
+    #[serde(skip)]
     pub soup: TriangleSoup,
     /// Vertices that were merged with one at the same place.
     pub merged_vertices: usize,
