@@ -6,6 +6,7 @@ use std::sync::Arc;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::Solid;
 use cranny_spatial::{LANES, Pose, Stream, Vector};
+use cranny_test_robots::ball;
 use fearless_simd::Level;
 use proptest::prelude::*;
 
@@ -34,18 +35,6 @@ const ARM: &str = r#"<robot name="arm">
     <axis xyz="0 1 0"/><limit lower="-2.9" upper="2.9" velocity="1" effort="1"/></joint>
   <joint name="to_left" type="fixed"><parent link="palm"/><child link="left"/></joint>
   <joint name="to_right" type="fixed"><parent link="palm"/><child link="right"/></joint>
-</robot>"#;
-
-/// A ball that three slides carry: its distances are exact in the lanes too, save for rounding.
-const BALL: &str = r#"<robot name="ball">
-  <link name="root"/><link name="bridge"/><link name="trolley"/>
-  <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
-  <joint name="x" type="prismatic"><parent link="root"/><child link="bridge"/><axis xyz="1 0 0"/>
-    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="y" type="prismatic"><parent link="bridge"/><child link="trolley"/><axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="z" type="prismatic"><parent link="trolley"/><child link="ball"/><axis xyz="0 0 1"/>
-    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
 </robot>"#;
 
 /// Every level that this machine can run, the fallback without vector instructions among them.
@@ -134,7 +123,7 @@ proptest! {
         let mut random = Stream::new(seed, 0);
         let margins = Margins { margin_m, ..Margins::default() };
         // On a turning base some links never get near some bodies.
-        for urdf in [ARM, BALL, &ARM.replacen("prismatic", "revolute", 1)] {
+        for urdf in [ARM, &ball(2.0), &ARM.replacen("prismatic", "revolute", 1)] {
             let cell = Cell::new(robot(urdf), world(&mut random), margins.clone()).expect("a good margin");
             let configurations = configurations(&cell, &mut random, 400, 1e-6);
             for level in levels() {
@@ -184,7 +173,7 @@ fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [
 #[test]
 fn a_second_look_at_what_is_in_doubt_agrees_with_the_exact_check() {
     let mut random = Stream::new(11, 0);
-    for urdf in [ARM, BALL] {
+    for urdf in [ARM, &ball(2.0)] {
         let cell = Cell::new(robot(urdf), world(&mut random), Margins::default()).expect("no margin");
         let mut scratch = cell.scratch();
         for rows in configurations(&cell, &mut random, 1600, 1e-6).chunks(LANES) {
@@ -219,7 +208,8 @@ fn lanes_without_slack_are_caught() {
     let mut caught = 0;
     for seed in 0..20 {
         let mut random = Stream::new(seed, 1);
-        let mut cell = Cell::new(robot(BALL), world(&mut random), Margins::default()).expect("no margin");
+        let mut cell =
+            Cell::new(robot(&ball(2.0)), world(&mut random), Margins::default()).expect("no margin");
         let configurations = configurations(&cell, &mut random, 300, 1e-9);
         assert_eq!(disagreements(&cell, &configurations, Level::new()), 0);
         cell.lanes.forget_slack();

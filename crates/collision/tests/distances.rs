@@ -5,7 +5,8 @@ mod fixture;
 use cranny_collision::{Body, Cell, Collider, Margins, World};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
-use fixture::{RADIUS_M, arm, ball, block, cell, hand, link, random_blocks};
+use cranny_test_robots::BALL_RADIUS_M;
+use fixture::{arm, ball, block, cell, hand, link, random_blocks};
 use proptest::prelude::*;
 
 fn cases(cases: u32) -> ProptestConfig {
@@ -66,7 +67,7 @@ proptest! {
         let center = Vector::from(q);
         let in_block = world_from_block.inverse_transform_point(&center.into()).coords;
         let outside = (in_block.abs() - Vector::from(half)).sup(&Vector::zeros()).norm();
-        let expected = (q[2] + 0.8).min(outside).min((center - place).norm() - radius_m) - RADIUS_M;
+        let expected = (q[2] + 0.8).min(outside).min((center - place).norm() - radius_m) - BALL_RADIUS_M;
         let clearance = cell.clearance(&q, &mut cell.scratch());
         prop_assert!((clearance - expected.max(0.0)).abs() < 1e-6, "{clearance} {expected}");
         prop_assert!(clearance <= expected.max(0.0) + 1e-12);

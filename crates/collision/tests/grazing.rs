@@ -5,10 +5,8 @@ mod fixture;
 use cranny_collision::{Body, Cell, Margins, Motion, World};
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
+use cranny_test_robots::BALL_RADIUS_M;
 use fixture::ball;
-
-/// The radius of the fixture's ball, in metres.
-const RADIUS_M: f64 = 0.05;
 
 /// Something whose upper side is the plane z = 0 about the origin, of any kind.
 fn plate(random: &mut Stream) -> Solid {
@@ -40,7 +38,7 @@ fn a_motion_past_a_plate_is_called_what_it_is() {
         let cell = Cell::new(robot.clone(), world, Margins::default()).expect("no margin");
         let along =
             attitude * Vector::new(random.uniform_between(-1.0, 1.0), random.uniform_between(-1.0, 1.0), 0.0);
-        let middle = up * (RADIUS_M + gap_m);
+        let middle = up * (BALL_RADIUS_M + gap_m);
         let [a, b] =
             [-1.0, 1.0].map(|side| (middle + along * (side * 0.05)).iter().copied().collect::<Vec<_>>());
         match cell.motion_is_free(&a, &b, &mut cell.scratch()) {

@@ -5,14 +5,15 @@ mod fixture;
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose};
-use fixture::{RADIUS_M, arm, ball, block, cell, hand, link};
+use cranny_test_robots::BALL_RADIUS_M;
+use fixture::{arm, ball, block, cell, hand, link};
 
 #[test]
 fn a_link_nearer_than_the_margin_is_not_free() {
     let cell = cell(&ball(), vec![Body::floor(0.0)], 0.02);
     let mut scratch = cell.scratch();
-    assert!(cell.is_free(&[0.0, 0.0, RADIUS_M + 0.0201], &mut scratch));
-    let near = [0.0, 0.0, RADIUS_M + 0.0199];
+    assert!(cell.is_free(&[0.0, 0.0, BALL_RADIUS_M + 0.0201], &mut scratch));
+    let near = [0.0, 0.0, BALL_RADIUS_M + 0.0199];
     assert!(!cell.is_free(&near, &mut scratch));
     let contact = cell.first_contact(&near, &mut scratch).expect("too near");
     assert!((contact.clearance_m - 0.0199).abs() < 1e-9);
@@ -25,8 +26,8 @@ fn a_link_nearer_than_the_margin_is_not_free() {
 fn without_a_margin_ten_micrometres_count_as_contact() {
     let cell = cell(&ball(), vec![Body::floor(0.0)], 0.0);
     let mut scratch = cell.scratch();
-    assert!(cell.is_free(&[0.0, 0.0, RADIUS_M + 1.01 * CONTACT_M], &mut scratch));
-    assert!(!cell.is_free(&[0.0, 0.0, RADIUS_M + 0.99 * CONTACT_M], &mut scratch));
+    assert!(cell.is_free(&[0.0, 0.0, BALL_RADIUS_M + 1.01 * CONTACT_M], &mut scratch));
+    assert!(!cell.is_free(&[0.0, 0.0, BALL_RADIUS_M + 0.99 * CONTACT_M], &mut scratch));
 }
 
 #[test]
@@ -81,8 +82,8 @@ fn a_grasp_margin_above_the_other_is_demanded_as_well() {
     assert_eq!(robot.hand_links(), [link(&robot, "ball")]);
     let cell = Cell::for_grasp(robot, world, 0, margins).expect("good margins");
     let mut scratch = cell.scratch();
-    assert!(!cell.is_free(&[0.0, 0.0, 0.1 + RADIUS_M + 0.029], &mut scratch));
-    assert!(cell.is_free(&[0.0, 0.0, 0.1 + RADIUS_M + 0.031], &mut scratch));
+    assert!(!cell.is_free(&[0.0, 0.0, 0.1 + BALL_RADIUS_M + 0.029], &mut scratch));
+    assert!(cell.is_free(&[0.0, 0.0, 0.1 + BALL_RADIUS_M + 0.031], &mut scratch));
 }
 
 fn supports(bodies: Vec<Body>) -> Vec<String> {

@@ -5,7 +5,8 @@ mod fixture;
 use cranny_collision::{Body, Motion};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
-use fixture::{RADIUS_M, arm, ball, between, block, cell, random_blocks};
+use cranny_test_robots::BALL_RADIUS_M;
+use fixture::{arm, ball, between, block, cell, random_blocks};
 use proptest::prelude::*;
 
 /// How far `least_clearance` may lie below the truth, in metres.
@@ -66,8 +67,8 @@ proptest! {
         let globe = Body::new("globe", Pose::identity(), Solid::sphere(0.1).unwrap());
         let cell = cell(&ball(), vec![globe, Body::floor(-0.9)], 0.0);
         let (from, to) = (Vector::from(a), Vector::from(b));
-        let to_globe = from_segment(&Vector::zeros(), &from, &to) - 0.1 - RADIUS_M;
-        let truth = to_globe.min(a[2].min(b[2]) + 0.9 - RADIUS_M).max(0.0);
+        let to_globe = from_segment(&Vector::zeros(), &from, &to) - 0.1 - BALL_RADIUS_M;
+        let truth = to_globe.min(a[2].min(b[2]) + 0.9 - BALL_RADIUS_M).max(0.0);
         let least = cell.least_clearance(&a, &b, &mut cell.scratch());
         prop_assert!(least <= truth + 1e-9 && least >= truth - TOLERANCE_M - 1e-8, "{least} {truth}");
         let motion = cell.motion_is_free(&a, &b, &mut cell.scratch());
@@ -111,7 +112,7 @@ fn a_margin_above_the_clearance_is_refused_and_one_below_it_is_proven() {
         let cell = cell(&ball(), vec![block("hurdle", [0.0; 3], [0.01, 0.5, 0.1])], margin_m);
         cell.motion_is_free(&a, &b, &mut cell.scratch())
     };
-    let clearance_m = 0.2 - 0.1 - RADIUS_M;
+    let clearance_m = 0.2 - 0.1 - BALL_RADIUS_M;
     assert!(pass(0.0).is_proven());
     assert!(pass(clearance_m - 1e-4).is_proven());
     let Motion::Contact { at, contact } = pass(clearance_m + 1e-4) else { panic!("the margin is not kept") };
@@ -123,7 +124,7 @@ fn a_margin_above_the_clearance_is_refused_and_one_below_it_is_proven() {
 #[test]
 fn what_comes_within_a_hair_of_contact_is_neither_proven_nor_refuted() {
     let cell = cell(&ball(), vec![Body::floor(0.0)], 0.0);
-    let height = RADIUS_M + CONTACT_M + 5e-8;
+    let height = BALL_RADIUS_M + CONTACT_M + 5e-8;
     let motion = cell.motion_is_free(&[0.0, 0.0, height], &[1e-3, 0.0, height], &mut cell.scratch());
     let Motion::Unresolved { at, contact } = motion else { panic!("{motion:?}") };
     assert!((0.0..=1.0).contains(&at));

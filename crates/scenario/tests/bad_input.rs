@@ -186,13 +186,7 @@ fn faults_of_a_released_folder_name_file_and_line() {
     let folder = root.path().join("scenarios/099");
     fs::create_dir_all(folder.join("export")).unwrap();
     let urdf = root.path().join("slide.urdf");
-    fs::write(
-        &urdf,
-        "<robot name='slide'><link name='rail'/><link name='cart'/><joint name='drive' type='prismatic'>\
-         <parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/>\
-         <limit lower='-1' upper='1' velocity='0.5' effort='1'/></joint></robot>",
-    )
-    .unwrap();
+    fs::write(&urdf, cranny_test_robots::SLIDE).unwrap();
     let write = |file: &str, text: &str| fs::write(folder.join(file), text).unwrap();
     let fault = || {
         let options = OpenOptions { robot: Some(urdf.clone()), ..OpenOptions::default() };

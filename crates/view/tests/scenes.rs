@@ -7,6 +7,7 @@ use cranny_plan::Trajectory;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::Timing;
+use cranny_test_robots::SLIDE;
 use cranny_view::{Role, Scene, SceneSettings, ShownPath, ViewError};
 
 fn scenario(id: &str) -> Scenario {
@@ -130,12 +131,7 @@ fn a_path_without_limits_of_acceleration_has_no_time() {
     let mut scenario = scenario("021");
     let timed = shown(&scenario, &moved(&scenario), 30.0);
     assert!(timed.is_timed);
-    let urdf = r#"<robot name="r"><link name="base"/><link name="cart"/>
-      <joint name="drive" type="prismatic">
-        <parent link="base"/><child link="cart"/><limit lower="-1" upper="1" velocity="1"/>
-      </joint>
-    </robot>"#;
-    let robot = Robot::from_urdf_text(urdf, "r.urdf", None, &RobotOptions::default());
+    let robot = Robot::from_urdf_text(SLIDE, "slide.urdf", None, &RobotOptions::default());
     scenario.robot = std::sync::Arc::new(robot.unwrap());
     let there = ShownPath::of_waypoints(&scenario.robot, &[vec![0.0], vec![0.5], vec![-0.25]], None, 30.0);
     let there = there.unwrap().unwrap();
