@@ -3,15 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use cranny_collision::{Body, World};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset,
-    sample_grasps as sample,
+    COVERAGE_THRESHOLD, GraspSet, SampledGrasp, SamplerSettings, covering_subset, sample_grasps as sample,
 };
-use cranny_plan::{APPROACH_M, HandFilter};
-use cranny_scenario::{DEFAULT_FRICTION, panda_hand, read_gripper};
-use cranny_shape::{Solid, Surface};
-use cranny_spatial::Pose;
+use cranny_plan::APPROACH_M;
+use cranny_scenario::{DEFAULT_FRICTION, filter_around_object, panda_hand, read_gripper};
+use cranny_shape::Surface;
 use pyo3::prelude::*;
 
 use crate::array::triangles;
@@ -78,7 +75,8 @@ pub fn sample_grasps(
             seed,
             ..SamplerSettings::default()
         };
-        let filter = if bare { None } else { Some(hand_filter(&hand, &mesh, &surface, approach_m)?) };
+        let filter = || filter_around_object(&hand, &mesh, &surface, Vec::new(), approach_m).map_err(fault);
+        let filter = if bare { None } else { Some(filter()?) };
         let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
         let found = sample(&surface, &settings, &accept, &mut |_| {
             !interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks())
@@ -91,19 +89,4 @@ pub fn sample_grasps(
         interrupt.result()?;
     }
     Ok(PyGrasps { set: found? })
-}
-
-/// The hand against the object; one with holes is only a surface.
-fn hand_filter(
-    hand: &Hand,
-    mesh: &cranny_shape::TriangleSoup,
-    surface: &Surface,
-    approach_m: f64,
-) -> PyResult<HandFilter> {
-    let solid = Solid::mesh(mesh).ok();
-    let is_open = solid.is_none();
-    let bodies = solid.into_iter().map(|solid| Body::new("object", Pose::identity(), solid)).collect();
-    let world = World::new(bodies).map_err(fault)?;
-    let filter = HandFilter::new(hand, world, approach_m).map_err(fault)?;
-    Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
 }

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use cranny_bench::report::SummarySource;
@@ -51,7 +51,7 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
     let source = SummarySource { results: &name, trials: &trials, runs: &runs, scenarios: &scenarios };
     let ExportFormat::Ompl = arguments.format;
     let kind = FileKind::OmplLog;
-    let files = if is_folder(&arguments.output) {
+    let files = if output_file::is_folder(&arguments.output) {
         let file = |log: OmplLog| NamedFile {
             name: format!("{}.log", log.name),
             kind,
@@ -68,8 +68,4 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
     let lines = || exported.files.iter().map(|file| format!("  {}\n", file.display())).collect::<String>();
     text::answer(&exported, || format!("{} trials:\n{}", exported.trials, lines()), output)?;
     Ok(Answer::Done)
-}
-
-fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }

@@ -113,11 +113,7 @@ pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failur
 fn content(summary: &Summary, format: ReportFormat) -> Result<String, Failure> {
     Ok(match format {
         ReportFormat::Html => summary.html(),
-        ReportFormat::Json => {
-            let mut text = serde_json::to_string_pretty(summary).map_err(std::io::Error::other)?;
-            text.push('\n');
-            text
-        }
+        ReportFormat::Json => text::json(summary)?,
         ReportFormat::Latex => summary.latex(),
         ReportFormat::Markdown => summary.markdown(),
         ReportFormat::Csv => summary.csv(),

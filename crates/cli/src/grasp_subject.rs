@@ -4,7 +4,8 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{FirstApproach, Hand, SamplerSettings};
 use cranny_plan::{HandFilter, robot_hand};
 use cranny_scenario::{
-    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, is_scenario, panda_hand, read_gripper,
+    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, filter_around_object, is_scenario,
+    panda_hand, read_gripper,
 };
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
@@ -105,12 +106,7 @@ impl Subject {
             }
             Place::Nowhere => {}
         }
-        let solid = Solid::mesh(&self.mesh).ok();
-        let is_open = solid.is_none();
-        bodies.extend(solid.map(|solid| Body::new(self.name.clone(), Pose::identity(), solid)));
-        let world = World::new(bodies).map_err(ScenarioError::from)?;
-        let filter = HandFilter::new(&self.hand, world, approach_m).map_err(ScenarioError::from)?;
-        Ok(if is_open { filter.with_surface(Pose::identity(), surface.clone()) } else { filter })
+        Ok(filter_around_object(&self.hand, &self.mesh, surface, bodies, approach_m)?)
     }
 
     pub fn settings(&self, arguments: &SampleArguments) -> SamplerSettings {

@@ -47,6 +47,11 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Whether a place that is written to is meant for several files: a folder, or with a / at its end.
+pub fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
+}
+
 /// Writes a file of a kind; [`check`] may have been asked long before.
 pub fn write(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Result<(), Failure> {
     check(path, kind, output)?;

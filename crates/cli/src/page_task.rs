@@ -9,10 +9,10 @@ use cranny_view::{PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
+use crate::plan_task::check_plan;
 use crate::progress::{self, stop_on_interrupt};
 use crate::search_replay;
 use crate::task::open_scenario;
-use crate::text;
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
@@ -65,7 +65,7 @@ impl PageTask {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
             match read {
                 Read::Plan(plan) => {
-                    check(file, plan, &shown)?;
+                    check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
                     let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
                     let trajectory = plan.trajectory(&problem)?;
                     let has_path = !plan.waypoints.is_empty();
@@ -146,15 +146,4 @@ impl Tasks<'_> {
         }
         Ok(problem)
     }
-}
-
-/// Says if the plan is of another scenario, and refuses it if it is of another robot.
-fn check(file: &Path, plan: &PlanFile, scenario: &Scenario) -> Result<(), Failure> {
-    plan.check_joints(file, &scenario.robot)?;
-    if plan.scenario != scenario.id {
-        let (planned, shown) = (&plan.scenario, &scenario.id);
-        let note = format!("the plan was made for scenario '{planned}', and is shown in '{shown}'");
-        text::note(&format!("{}: {note}", file.display()))?;
-    }
-    Ok(())
 }

@@ -1,13 +1,15 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanSource, mesh_repairs};
+use cranny_robot::Robot;
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::task::{Task, metres, note_all};
+use crate::text;
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
 pub struct PlanTask {
@@ -60,4 +62,23 @@ impl PlanTask {
             PlanSource { scenario: opened.id, robot: arguments.robot.clone(), geometry: None, margins };
         Ok(Self { source, grasps: GraspSet::default(), problem })
     }
+}
+
+/// Refuses a plan of a robot with other joints, and says if it is of another scenario than the one that it is now
+/// "judged against" or "shown in".
+pub fn check_plan(
+    file: &Path,
+    plan: &PlanFile,
+    robot: &Robot,
+    scenario: &str,
+    used: &str,
+) -> Result<(), Failure> {
+    plan.check_joints(file, robot)?;
+    if plan.scenario != scenario {
+        let (file, planned) = (file.display(), &plan.scenario);
+        text::note(&format!(
+            "{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"
+        ))?;
+    }
+    Ok(())
 }

@@ -430,8 +430,7 @@ fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Res
 }
 
 fn format_of(file: &Path) -> Result<Format, Failure> {
-    let text = file.to_string_lossy();
-    if text.ends_with('/') || text.ends_with(std::path::MAIN_SEPARATOR) || file.is_dir() {
+    if output_file::is_folder(file) {
         return Ok(Format::Folder);
     }
     let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -442,6 +441,7 @@ fn format_of(file: &Path) -> Result<Format, Failure> {
         "glb" => Ok(Format::Glb),
         "html" => Ok(Format::Html),
         _ => {
+            let text = file.display();
             let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb, .html and / (a folder)");
             Err(Failure::Flag { flag: "output", problem })
         }

@@ -22,9 +22,12 @@ pub fn answer(
 
 /// Prints one JSON document on standard output.
 pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
-    let mut text = serde_json::to_string_pretty(document).map_err(std::io::Error::other)?;
-    text.push('\n');
-    write(&text)
+    write(&json(document)?)
+}
+
+/// A JSON document as it is printed or written to a file.
+pub fn json(document: &impl Serialize) -> Result<String, Failure> {
+    Ok(serde_json::to_string_pretty(document).map_err(std::io::Error::other)? + "\n")
 }
 
 /// Prints text on standard output, what a terminal would obey made visible: names come from files.

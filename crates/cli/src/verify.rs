@@ -6,7 +6,7 @@ use cranny_scenario::{PlanFile, read_waypoints};
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
-use crate::plan_task::PlanTask;
+use crate::plan_task::{PlanTask, check_plan};
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
@@ -18,13 +18,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let PlanTask { source, problem, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
     if let Some(plan) = &plan {
-        plan.check_joints(file, problem.robot())?;
-        if plan.scenario != source.scenario {
-            text::note(&format!(
-                "the plan was made for scenario '{}', and is judged against '{}'",
-                plan.scenario, source.scenario
-            ))?;
-        }
+        check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
     }
     // A pipe can be read once only.
     let path = match plan {
