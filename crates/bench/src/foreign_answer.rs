@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cranny_plan::Statistics;
+use cranny_scenario::PlanSegment;
 use serde::Deserialize;
 
 use crate::TrialOutcome;
@@ -18,12 +19,20 @@ pub struct ForeignAnswer {
     pub statistics: Statistics,
 }
 
+/// The protocols of `docs/exec_protocol.md` that an answer may follow.
+pub const PROTOCOLS: [u64; 2] = [1, 2];
+
 /// The JSON form of an answer.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
+    /// The first where it is not said.
+    #[serde(default)]
+    protocol: Option<u64>,
     #[serde(default)]
     waypoints: Vec<Vec<f64>>,
+    #[serde(default)]
+    segments: Vec<PlanSegment>,
     #[serde(default)]
     outcome: Option<ForeignOutcome>,
     #[serde(default)]
@@ -69,7 +78,8 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
     }
     let document: Document =
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
-    if let Some((index, q)) = document.waypoints.iter().enumerate().find(|(_, q)| q.len() != joints) {
+    let path = path_of(document.protocol.unwrap_or(1), document.waypoints, &document.segments)?;
+    if let Some((index, q)) = path.iter().enumerate().find(|(_, q)| q.len() != joints) {
         return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
     }
     let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
@@ -79,7 +89,7 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
         Some(ForeignOutcome::StartInvalid) => TrialOutcome::StartInvalid,
         Some(ForeignOutcome::GoalsInvalid) => TrialOutcome::GoalsInvalid,
         Some(ForeignOutcome::NoReachableGrasp) => TrialOutcome::NoReachableGrasp,
-        Some(ForeignOutcome::Solved) if document.waypoints.is_empty() => {
+        Some(ForeignOutcome::Solved) if path.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
         }
         // With way points the judge has the word.
@@ -89,7 +99,7 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
     };
     Ok(ForeignAnswer {
         outcome,
-        path: document.waypoints,
+        path,
         statistics: Statistics {
             iterations,
             nodes,
@@ -99,6 +109,27 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
             ..Statistics::default()
         },
     })
+}
+
+/// The path of an answer, given as way points or, from protocol 2 on, as segments.
+fn path_of(
+    protocol: u64,
+    waypoints: Vec<Vec<f64>>,
+    segments: &[PlanSegment],
+) -> Result<Vec<Vec<f64>>, String> {
+    if !PROTOCOLS.contains(&protocol) {
+        return Err(format!("the protocol is {protocol}, but this version speaks {PROTOCOLS:?}"));
+    }
+    if segments.is_empty() {
+        return Ok(waypoints);
+    }
+    if protocol < 2 {
+        return Err("segments are of protocol 2, which the answer does not name".to_owned());
+    }
+    if !waypoints.is_empty() {
+        return Err("there are way points and segments; give one of them".to_owned());
+    }
+    PlanSegment::joined(segments)
 }
 
 /// What the released program writes beside its way points.
@@ -182,6 +213,52 @@ mod tests {
             serde_json::json!({"waypoints": expected, "outcome": "solved", "statistics": {"iterations": 7}});
         let answer = read_output(text.to_string().as_bytes(), 2).unwrap();
         assert_eq!((answer.path, answer.statistics.iterations), (expected, 7));
+    }
+
+    fn segments(first: &serde_json::Value, second: &serde_json::Value) -> serde_json::Value {
+        let mut segments = serde_json::json!([
+            {"kind": "polyline", "mode": "reach", "attached": null, "opening_m": null, "waypoints": [[0, 0], [0.5, 1]]},
+            {"kind": "polyline", "mode": "reach", "waypoints": [[0.5, 1], [1, 2]]},
+        ]);
+        for (segment, change) in [first, second].into_iter().enumerate() {
+            for (key, value) in change.as_object().unwrap() {
+                segments[segment][key] = value.clone();
+            }
+        }
+        segments
+    }
+
+    #[test]
+    fn a_path_of_protocol_2_may_come_as_segments() {
+        use serde_json::json;
+        let read = |answer: serde_json::Value| read_output(answer.to_string().as_bytes(), 2);
+        let same = json!({});
+        let answer = read(json!({"protocol": 2, "segments": segments(&same, &same), "outcome": "solved"}));
+        assert_eq!(answer.unwrap().path, [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0]]);
+        for protocol in PROTOCOLS {
+            let answer = read(json!({"protocol": protocol, "waypoints": [[0, 0], [1, 2]]}));
+            assert_eq!(answer.unwrap().path, [[0.0, 0.0], [1.0, 2.0]]);
+        }
+        assert_eq!(read(json!({"protocol": 2, "segments": []})).unwrap().path.len(), 0);
+        for (first, second, says) in [
+            (json!({"kind": "spline"}), same.clone(), "segment 0 is of kind 'spline'"),
+            (same.clone(), json!({"mode": "carry"}), "segment 1 is of mode 'carry'"),
+            (same.clone(), json!({"attached": "ball"}), "segment 1 carries 'ball'"),
+            (json!({"opening_m": 0.04}), same.clone(), "segment 0 opens the hand by 0.04 m"),
+            (json!({"waypoints": []}), same.clone(), "segment 0 has no way points"),
+            (same.clone(), json!({"waypoints": [[0.5, 1.5], [1, 2]]}), "does not begin where segment 0 ends"),
+            (same.clone(), json!({"waypoints": [[0.5, 1], [1]]}), "way point 2 has 1 values"),
+        ] {
+            let fault = read(json!({"protocol": 2, "segments": segments(&first, &second)})).unwrap_err();
+            assert!(fault.contains(says), "{fault}");
+        }
+        let whole = segments(&same, &same);
+        let fault = read(json!({"protocol": 3, "segments": whole})).unwrap_err();
+        assert!(fault.contains("the protocol is 3, but this version speaks [1, 2]"), "{fault}");
+        let fault = read(json!({"segments": whole})).unwrap_err();
+        assert!(fault.contains("segments are of protocol 2"), "{fault}");
+        let fault = read(json!({"protocol": 2, "segments": whole, "waypoints": [[0, 0]]})).unwrap_err();
+        assert!(fault.contains("way points and segments"), "{fault}");
     }
 
     #[test]

@@ -170,6 +170,7 @@ impl ForeignPlanner {
         let export = self.files.released.join("export");
         json!({
             "protocol": 1,
+            "protocols": foreign_answer::PROTOCOLS,
             "scenario": trial.scenario,
             "criterion": trial.criterion.name(),
             "seed": trial.seed,

@@ -58,6 +58,15 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     // A number of seconds that nobody else sleeps.
     let sleep = format!("sleep {}", 1_000_000 + u64::from(std::process::id()));
     let elsewhere = "echo 0,0,0,0,0,0,0,0,0\n";
+    // To a program that asks for it.
+    let segments = |mode: &str| {
+        let segment = format!(
+            r#"{{"kind": "polyline", "mode": "{mode}", "waypoints": [[0, 0, 0, 0, 0, 0, 0, 0, 0]]}}"#
+        );
+        format!(
+            "grep -q '\"protocols\":\\[1,2\\]' && echo '{{\"protocol\": 2, \"segments\": [{segment}]}}'\n"
+        )
+    };
     let trials = trials_of(
         &[
             "echo cannot load >&2; exit 3\n",
@@ -71,6 +80,8 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
             elsewhere,
             "exit 0\n",
             "cat > /dev/null; echo '{\"outcome\": \"no-reachable-grasp\", \"statistics\": {\"iterations\": 5}}'\n",
+            &segments("reach"),
+            &segments("carry"),
         ],
         &["--time-limit", "0.5"],
     );
@@ -89,6 +100,8 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert_each(&trials, "p8", TrialOutcome::Rejected, "off the start");
     assert_each(&trials, "p9", TrialOutcome::GaveUp, "without a path");
     assert_each(&trials, "p10", TrialOutcome::NoReachableGrasp, "");
+    assert_each(&trials, "p11", TrialOutcome::Rejected, "off the start");
+    assert_each(&trials, "p12", TrialOutcome::Garbled, "segment 0 is of mode 'carry'");
     assert!(trials.iter().any(|trial| trial.record.statistics.iterations == 5));
     // Nothing is left running.
     let listing = std::process::Command::new("ps").args(["-eo", "args"]).output().expect("ps");

@@ -408,6 +408,7 @@ mod tests {
             ("/segments/0/kind", "spline".into(), "segment 0 is of kind 'spline'"),
             ("/segments/0/mode", "carry".into(), "segment 0 is of mode 'carry'"),
             ("/segments/0/attached", "ball".into(), "segment 0 carries 'ball'"),
+            ("/segments/0/opening_m", 0.04.into(), "segment 0 opens the hand by 0.04 m"),
             ("/segments/0/waypoints/0/0", 0.5.into(), "its segments are not its way points"),
             ("/segments", serde_json::json!([]), "its segments are not its way points"),
         ] {

@@ -18,6 +18,7 @@ pub struct PlanSegment {
     /// One value per joint each (m, rad).
     pub waypoints: Vec<Vec<f64>>,
     /// The least clearance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
+    #[serde(default)]
     pub clearances_m: Vec<Option<f64>>,
 }
 
@@ -31,6 +32,28 @@ impl PlanSegment {
         Self { kind, mode, attached: None, opening_m: None, waypoints, clearances_m }
     }
 
+    /// The way points of segments that follow each other: where two meet, one.
+    ///
+    /// # Errors
+    /// A sentence: what this version does not know of a segment, or that one is empty or does not begin where the one
+    /// before ends.
+    pub fn joined(segments: &[Self]) -> Result<Vec<Vec<f64>>, String> {
+        let mut joined: Vec<Vec<f64>> = Vec::new();
+        for (index, segment) in segments.iter().enumerate() {
+            if let Some(unknown) = segment.unknown() {
+                return Err(format!("segment {index} {unknown}"));
+            }
+            let Some(first) = segment.waypoints.first() else {
+                return Err(format!("segment {index} has no way points"));
+            };
+            if joined.pop().is_some_and(|last| last != *first) {
+                return Err(format!("segment {index} does not begin where segment {} ends", index - 1));
+            }
+            joined.extend_from_slice(&segment.waypoints);
+        }
+        Ok(joined)
+    }
+
     /// What this version does not know of the segment.
     fn unknown(&self) -> Option<String> {
         if self.kind != POLYLINE {
@@ -42,7 +65,11 @@ impl PlanSegment {
         if self.mode != REACH {
             return Some(format!("is of mode '{}', which this version does not know ({REACH})", self.mode));
         }
-        self.attached.as_ref().map(|object| format!("carries '{object}', which this version does not know"))
+        if let Some(object) = &self.attached {
+            return Some(format!("carries '{object}', which this version does not know"));
+        }
+        self.opening_m
+            .map(|opening_m| format!("opens the hand by {opening_m} m, which this version does not know"))
     }
 }
 
@@ -72,10 +99,7 @@ pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), Sce
         plan.format = Some(PlanFile::FORMAT.to_owned());
         return Ok(());
     }
-    let unknown = |(index, segment): (usize, &PlanSegment)| Some((index, segment.unknown()?));
-    if let Some((index, unknown)) = plan.segments.iter().enumerate().find_map(unknown) {
-        return Err(fault(path, format!("segment {index} {unknown}")));
-    }
+    PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
     if plan.segments != of_waypoints {
         return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
     }
