@@ -7,7 +7,7 @@ use std::sync::Arc;
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::rows_of_pose;
 use cranny_robot::{
-    IkSearch, IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource,
+    IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource, solve_restarts,
 };
 use cranny_scenario::panda_mobile;
 use cranny_spatial::{Pose, Stream};
@@ -376,11 +376,15 @@ impl Search<'_> {
             return found.into_iter().map(|found| found.q).filter(|q| accept(q)).take(self.count).collect();
         }
         let mut random = Stream::new(self.seed, number);
-        let mut search = IkSearch::new(self.robot, pose, self.settings);
-        while search.solutions().len() < self.count && search.attempts() < self.attempts {
-            let left = self.attempts - search.attempts();
-            search.next_solution(&mut random, left, &mut accept);
-        }
-        search.solutions().iter().map(|solution| solution.q.clone()).collect()
+        let found = solve_restarts(
+            self.robot,
+            pose,
+            &mut random,
+            self.settings,
+            self.count,
+            self.attempts,
+            &mut accept,
+        );
+        found.into_iter().map(|found| found.q).collect()
     }
 }

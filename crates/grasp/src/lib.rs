@@ -26,8 +26,6 @@ pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
 pub use hand::{BoxHand, Finger, Hand};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
-pub use metric::{
-    COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, pairwise_distances, spread,
-};
+pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};
 pub use sampler::{FirstApproach, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
 pub use subset::{covering_subset, farthest_subset, random_subset};

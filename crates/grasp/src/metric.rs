@@ -37,13 +37,6 @@ pub fn coverage(reference: &[Grasp], set: &[Grasp], threshold: f64) -> f64 {
     if reference.is_empty() { 0.0 } else { covered as f64 / reference.len() as f64 }
 }
 
-/// The distances of all pairs of different grasps: (0, 1), (0, 2), …, (1, 2), ….
-pub fn pairwise_distances(grasps: &[Grasp]) -> Vec<f64> {
-    let places: Vec<Place> = grasps.iter().map(Place::of).collect();
-    let from = |index: usize| places[index + 1..].iter().map(move |other| (index, other));
-    (0..places.len()).flat_map(from).map(|(index, other)| places[index].distance(other)).collect()
-}
-
 /// How far grasps are from each other, over all pairs of different ones: see [`spread`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
@@ -55,7 +48,7 @@ pub struct Spread {
     pub greatest: f64,
 }
 
-/// The least, the middle and the greatest of what [`pairwise_distances`] gives, which it does not hold in memory
+/// The least, the middle and the greatest distance of all pairs of different grasps, without holding all in memory
 /// (5·10⁹ distances of 10⁵ grasps have 40 GB); None for fewer than two grasps.
 ///
 /// The bits of numbers that are not negative are ordered as the numbers are. The middle one is found by its

@@ -3,15 +3,6 @@ use std::f64::consts::TAU;
 use crate::{JointKind, JointLimits, Mover, Robot};
 
 impl Robot {
-    /// Whether a joint can stand a full turn from where it stands with all links in the same place: it turns, by more
-    /// than 2π from limit to limit, and whatever follows it turns a whole number of times as far.
-    ///
-    /// # Panics
-    /// If there is no such joint.
-    pub fn has_full_turn(&self, joint: usize) -> bool {
-        self.full_turns[joint]
-    }
-
     /// Turns joints of `q` by whole turns, within their limits, to where they are nearest to `reference`: all links
     /// stay where they are. Whether any was turned. Joints without a full turn stay as they are.
     ///
@@ -32,7 +23,8 @@ impl Robot {
     }
 }
 
-/// Per joint of the group: see [`Robot::has_full_turn`].
+/// Per joint of the group whether it can stand a full turn from where it stands with all links in the same place: it
+/// turns, by more than 2π from limit to limit, and whatever follows it turns a whole number of times as far.
 pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<bool> {
     let keeps_its_place = |joint: usize| {
         let moved = movers.iter().flatten().filter(|mover| mover.joint == joint);
@@ -94,7 +86,7 @@ mod tests {
         let robot = |gear| {
             Robot::from_urdf_text(&urdf(gear), "g.urdf", None, &RobotOptions::default()).expect("a good URDF")
         };
-        assert!(robot(-2.0).has_full_turn(0));
-        assert!(!robot(0.5).has_full_turn(0));
+        assert!(robot(-2.0).full_turns[0]);
+        assert!(!robot(0.5).full_turns[0]);
     }
 }

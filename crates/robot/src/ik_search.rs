@@ -75,14 +75,6 @@ impl<'robot> IkSearch<'robot> {
         }
     }
 
-    /// Forgets all solutions and starts again with another target.
-    pub fn retarget(&mut self, root_from_tip: &Pose) {
-        self.root_from_tip = *root_from_tip;
-        self.solutions.clear();
-        self.waiting = 0..0;
-        self.attempts = 0;
-    }
-
     /// The next solution that is distinct from those before and that `accept` agrees with; None if at most
     /// `attempts` more random starts lead to none.
     pub fn next_solution(

@@ -38,20 +38,6 @@ pub struct IkSolution {
     pub iterations: usize,
 }
 
-/// One attempt from `start` to bring the tip to `root_from_tip`: see [`IkSolver::solve_from`]. A caller with
-/// many targets keeps an [`IkSolver`] instead.
-///
-/// # Panics
-/// If `start` does not hold one value for each joint of the group.
-pub fn solve_single(
-    robot: &Robot,
-    root_from_tip: &Pose,
-    start: &[f64],
-    settings: IkSettings,
-) -> Option<IkSolution> {
-    IkSolver::new(robot, settings).solve_from(root_from_tip, start)
-}
-
 /// Inverse kinematics by damped least squares, with the memory that attempts write to.
 #[derive(Clone, Debug)]
 pub struct IkSolver<'robot> {

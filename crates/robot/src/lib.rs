@@ -67,7 +67,7 @@ pub use error::{Hindrance, Location, RobotError};
 pub use hand::{FingerRange, HandDescription, RobotFinger, RobotHand};
 pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
-pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver, solve_single};
+pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver};
 pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
 pub use joint_space::{between, distance};
 pub use kinematics::LinkFrames;

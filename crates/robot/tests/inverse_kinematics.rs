@@ -2,7 +2,7 @@
 
 mod fixture;
 
-use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, IkSolver, Robot, solve_restarts, solve_single};
+use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, IkSolver, Robot, solve_restarts};
 use cranny_spatial::{Pose, PoseDifference, Stream};
 use proptest::prelude::*;
 
@@ -97,7 +97,8 @@ fn a_small_displacement_is_solved_near_the_start() {
         let found = solver.solve_from(&target, &fixture::HOME).expect("a near target is reached");
         let farthest = found.q.iter().zip(&fixture::HOME).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(farthest < 0.3, "{farthest}");
-        assert_eq!(solve_single(&robot, &target, &fixture::HOME, IkSettings::default()), Some(found));
+        let mut fresh = IkSolver::new(&robot, IkSettings::default());
+        assert_eq!(fresh.solve_from(&target, &fixture::HOME), Some(found));
     }
 }
 
@@ -130,7 +131,7 @@ fn a_target_out_of_reach_has_no_solution() {
     assert_eq!(search.attempts(), 100);
     // The same where the target is not even a number.
     target.translation.vector.y = f64::NAN;
-    search.retarget(&target);
+    let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     assert!(search.next_solution(&mut Stream::new(1, 0), 100, &mut |_| true).is_none());
     assert!(search.next_from(&fixture::HOME, &mut |_| true).is_none());
 }

@@ -21,11 +21,6 @@ impl Default for SceneSettings {
     }
 }
 
-impl SceneSettings {
-    /// With all grasps: for a page, where they can be pointed at.
-    pub const ALL_GRASPS: Self = Self { grasps: usize::MAX };
-}
-
 /// Obstacles: greyish blue, which neither robot nor objects are. In turns, so that two that touch differ.
 const OBSTACLES: [u32; 4] = [0x0094_aac0, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd];
 

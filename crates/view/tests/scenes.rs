@@ -58,7 +58,7 @@ fn links_are_where_forward_kinematics_puts_them_at_every_instant() {
 fn a_scene_holds_robot_bodies_grasps_and_floor() {
     for (id, obstacles) in [("011", 6), ("021", 3), ("031", 2), ("041", 4)] {
         let scenario = scenario(id);
-        let scene = Scene::of_task(&scenario, None, &SceneSettings::ALL_GRASPS).unwrap();
+        let scene = Scene::of_task(&scenario, None, &SceneSettings { grasps: usize::MAX }).unwrap();
         let count = |is: fn(&Role) -> bool| scene.nodes.iter().filter(|node| is(&node.role)).count();
         assert_eq!(count(|role| matches!(role, Role::Link(_))), scenario.robot.links().len());
         assert_eq!(count(|role| matches!(role, Role::Obstacle(_))), obstacles, "{id}");
