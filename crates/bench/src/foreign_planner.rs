@@ -11,6 +11,7 @@ use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
 use crate::opened_scenario::OpenedScenario;
 use crate::process_group::{self, Leash};
+use crate::trial::RecordedPath;
 use crate::worker_message::Request;
 use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord};
 
@@ -71,11 +72,7 @@ impl ForeignPlanner {
     }
 
     /// What the program makes of a trial, and its path, not yet judged.
-    pub fn plan(
-        &self,
-        task: &ForeignTask,
-        leash: &Leash,
-    ) -> Result<(TrialRecord, Vec<Vec<f64>>), BenchError> {
+    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<RecordedPath, BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let limits =

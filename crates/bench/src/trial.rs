@@ -148,6 +148,9 @@ pub struct TrialRecord {
     pub also_solved: Option<bool>,
 }
 
+/// A record, and the path that was found; empty where there is none.
+pub(crate) type RecordedPath = (TrialRecord, Vec<Vec<f64>>);
+
 impl TrialRecord {
     /// Of a trial without a path, or with one that is not judged yet.
     pub(crate) fn without_path(

@@ -6,6 +6,7 @@ use cranny_solve::solve;
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
+use crate::trial::RecordedPath;
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord, judge};
 
@@ -22,7 +23,7 @@ pub fn run(
     scenarios: &mut OpenedScenarios,
     leash: &Leash,
     tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
-) -> Result<(TrialRecord, Vec<Vec<f64>>), BenchError> {
+) -> Result<RecordedPath, BenchError> {
     let question = &request.question;
     let trial = &question.trial;
     // 1.

@@ -65,7 +65,8 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
         vec![arguments.output.clone()]
     };
     let exported = Exported { files, trials: trials.len() };
-    let lines = || exported.files.iter().map(|file| format!("  {}\n", file.display())).collect::<String>();
+    let lines =
+        || exported.files.iter().map(|file| format!("  {}\n", file.display())).collect::<Vec<_>>().concat();
     text::answer(&exported, || format!("{} trials:\n{}", exported.trials, lines()), output)?;
     Ok(Answer::Done)
 }

@@ -193,7 +193,8 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
         (Some(id), _) => one(id, arguments, format, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
-    let page = || rendered.files.iter().map(|file| format!("{}\n", file.display())).collect();
+    let page =
+        || rendered.files.iter().map(|file| format!("{}\n", file.display())).collect::<Vec<_>>().concat();
     text::answer(&rendered, page, output)?;
     Ok(Answer::Done)
 }

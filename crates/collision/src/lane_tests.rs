@@ -124,7 +124,7 @@ proptest! {
         let margins = Margins { margin_m, ..Margins::default() };
         // On a turning base some links never get near some bodies.
         for urdf in [ARM, &ball(2.0), &ARM.replacen("prismatic", "revolute", 1)] {
-            let cell = Cell::new(robot(urdf), world(&mut random), margins.clone()).expect("a good margin");
+            let cell = Cell::new(robot(urdf), world(&mut random), margins).expect("a good margin");
             let configurations = configurations(&cell, &mut random, 400, 1e-6);
             for level in levels() {
                 prop_assert_eq!(disagreements(&cell, &configurations, level), 0, "{:?}", level);

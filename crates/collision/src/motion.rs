@@ -215,9 +215,9 @@ impl Cell {
                         let known = self.pairs.get(*pair);
                         let blur_m = self.lanes.blur_m(&known).max(FINEST_IN_LANES_M);
                         if travel_of(&known, scratch) * share > blur_m {
-                            next.pairs.push(*pair)
+                            next.pairs.push(*pair);
                         } else {
-                            rest.pairs.push(*pair)
+                            rest.pairs.push(*pair);
                         }
                     }
                     next.push_halves(interval, begin_next);

@@ -8,8 +8,6 @@ use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use cranny_shape::ShapeError;
-
 use crate::ScenarioError;
 
 /// Writes a file as a whole or not at all. What a link leads to is replaced, and the link stays.
@@ -90,14 +88,18 @@ pub fn write_whole_folder<T>(
     })
 }
 
+/// Writes a file of a folder that is not in its place yet, and makes the folders above it.
+pub(crate) fn write_into(folder: &Path, name: &str, text: &str) -> Result<(), ScenarioError> {
+    let path = folder.join(name);
+    let written = fs::create_dir_all(path.parent().unwrap_or(folder)).and_then(|()| fs::write(&path, text));
+    written.map_err(|reason| ScenarioError::Unwritable { path, reason })
+}
+
 /// The fault, said of the place where the file was to be.
 fn moved(fault: ScenarioError, from: &Path, to: &Path) -> ScenarioError {
     let place = |path: PathBuf| path.strip_prefix(from).map(|below| to.join(below)).unwrap_or(path);
     match fault {
         ScenarioError::Unwritable { path, reason } => ScenarioError::Unwritable { path: place(path), reason },
-        ScenarioError::ShapeFile(ShapeError::Write { path, source }) => {
-            ShapeError::Write { path: place(path), source }.into()
-        }
         other => other,
     }
 }

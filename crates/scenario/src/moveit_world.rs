@@ -57,7 +57,7 @@ impl MessageFile<'_> {
         for number in position.into_iter().chain(orientation) {
             yaml::finite(self.path, number, entry.referenced)?;
         }
-        let rotation = if orientation == [0.0; 4] {
+        let rotation = if orientation.iter().all(|value| *value == 0.0) {
             Rotation::identity()
         } else {
             yaml::rotation(self.path, orientation, entry.referenced)?

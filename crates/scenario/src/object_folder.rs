@@ -1,6 +1,5 @@
 //! Objects on disk: a folder with `object.yaml`, the mesh and a mesh for each convex part.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_shape::{ConvexParts, StablePose, TriangleSoup, VolumeError};
@@ -8,6 +7,7 @@ use cranny_spatial::nalgebra::{Matrix3, Quaternion};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
+use crate::atomic_file::write_into;
 use crate::{ObjectType, ScenarioError, write_whole_file, yaml};
 
 /// The file that makes a folder an object.
@@ -52,14 +52,11 @@ impl ObjectType {
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
-        let parts_folder = folder.join(PARTS_FOLDER);
-        fs::create_dir_all(&parts_folder)
-            .map_err(|reason| ScenarioError::Unwritable { path: parts_folder, reason })?;
-        self.mesh.write_obj(&folder.join(MESH_FILE))?;
+        write_into(folder, MESH_FILE, &self.mesh.obj_text(1))?;
         let mut convex_parts = Vec::new();
         for (index, part) in self.parts.parts.iter().enumerate() {
             let name = format!("{PARTS_FOLDER}/{index:02}.obj");
-            part.write_obj(&folder.join(&name))?;
+            write_into(folder, &name, &part.obj_text(1))?;
             convex_parts.push(PathBuf::from(name));
         }
         let i = &self.inertia_kg_m2;

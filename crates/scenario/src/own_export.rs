@@ -1,11 +1,11 @@
 //! Scenarios as folders of Cranny's own layout.
 
-use std::fs;
 use std::path::Path;
 
 use cranny_collision::Body;
 use cranny_plan::Criterion;
 
+use crate::atomic_file::write_into;
 use crate::released::{FLOOR_M, planning_from_scene};
 use crate::{Recipe, Scenario, ScenarioError, own_layout, write_whole_folder};
 
@@ -31,9 +31,8 @@ impl Scenario {
         write_whole_folder(folder, |folder| {
             recipe.write_folder(folder)?;
             if self.criterion == Criterion::Paper {
-                let path = folder.join(own_layout::FILE);
                 let text = format!("{}criterion: {}\n", recipe.yaml(), self.criterion.name());
-                fs::write(&path, text).map_err(|reason| ScenarioError::Unwritable { path, reason })?;
+                write_into(folder, own_layout::FILE, &text)?;
             }
             Ok(())
         })

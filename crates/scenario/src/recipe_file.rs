@@ -1,12 +1,12 @@
 //! Recipes as folders of Cranny's own layout.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
 use cranny_spatial::{Pose, Rotation};
 
+use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::released_export::file_name;
 use crate::{ScenarioError, own_layout};
@@ -21,26 +21,18 @@ impl Recipe {
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
-        let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-        fs::create_dir_all(folder).map_err(|reason| unwritable(folder, reason))?;
-        let write = |name: &str, text: &str| {
-            let path = folder.join(name);
-            fs::write(&path, text).map_err(|reason| unwritable(&path, reason))
-        };
         for body in self.obstacles.iter().chain(&self.target) {
             for (index, (_, shape)) in body.shapes.iter().enumerate() {
                 if let RecipeShape::Mesh(soup) | RecipeShape::Hull(soup) = shape {
-                    let meshes = folder.join(MESHES);
-                    fs::create_dir_all(&meshes).map_err(|reason| unwritable(&meshes, reason))?;
-                    soup.write_obj(&folder.join(mesh_file(body, index)))?;
+                    write_into(folder, &mesh_file(body, index), &soup.obj_text(1))?;
                 }
             }
         }
-        write("grasps.csv", &csv_text(&self.grasps))?;
+        write_into(folder, "grasps.csv", &csv_text(&self.grasps))?;
         if !self.ik.is_empty() {
-            write("ik.csv", &configurations_text(&self.ik))?;
+            write_into(folder, "ik.csv", &configurations_text(&self.ik))?;
         }
-        write(own_layout::FILE, &self.yaml())
+        write_into(folder, own_layout::FILE, &self.yaml())
     }
 
     /// The text of its `scenario.yaml`.

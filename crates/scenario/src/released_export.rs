@@ -1,13 +1,13 @@
 //! Recipes as folders of the paper's released layout.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use cranny_grasp::rows_of_pose;
 use cranny_shape::{ShapeError, Surface, TriangleSoup, VolumeMoments};
 use cranny_spatial::Vector;
 
+use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::recipe_file::configurations_text;
 use crate::released::planning_from_scene;
@@ -32,15 +32,7 @@ impl Recipe {
         let Some(target) = &self.target else {
             return Err(ScenarioError::TargetCount { path: folder.to_owned(), actual: 0 });
         };
-        let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-        let write = |name: &str, text: &str| {
-            let path = folder.join(name);
-            fs::write(&path, text).map_err(|reason| unwritable(&path, reason))
-        };
-        for part in ["export", "object_library/meshes", "object_library/vhacd", "object_library/urdf"] {
-            let path = folder.join(part);
-            fs::create_dir_all(&path).map_err(|reason| unwritable(&path, reason))?;
-        }
+        let write = |name: &str, text: &str| write_into(folder, name, text);
         let mut merged = TriangleSoup::default();
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
         for (body, mass_kg) in
@@ -48,8 +40,7 @@ impl Recipe {
         {
             let soup = body.soup()?;
             let name = file_name(&body.name);
-            let mesh_path = folder.join(format!("{LIBRARY}/meshes/{name}.obj"));
-            soup.write_obj(&mesh_path)?;
+            write(&format!("{LIBRARY}/meshes/{name}.obj"), &soup.obj_text(1))?;
             // A simulator takes each group as the hull of its own.
             write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
             write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg)?)?;
@@ -58,7 +49,7 @@ impl Recipe {
         }
         library.push_str("yaml_file_type: ObjectLibrary\nyaml_file_version: '1.0'\n");
         write("object_library/object_library.yaml", &library)?;
-        merged.write_obj(&folder.join("export/obstacles.obj"))?;
+        write("export/obstacles.obj", &merged.obj_text(1))?;
         let start: Vec<Vec<f64>> = self.start.iter().map(|value| vec![*value]).collect();
         write("export/robot_start_conf.csv", &configurations_text(&start))?;
         write("export/grasp_IK_solutions.csv", &configurations_text(&self.ik))?;

@@ -122,14 +122,6 @@ pub enum ShapeError {
         /// How many points the first one has.
         points: usize,
     },
-    /// The file cannot be written.
-    #[error("{path}: cannot write the mesh: {source}", path = path.display())]
-    Write {
-        /// The mesh file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
     /// A mesh is scaled by zero, or by something that is not a number.
     #[error("a mesh cannot be scaled by ({x}, {y}, {z})")]
     Scale {
@@ -185,7 +177,7 @@ impl ShapeError {
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         match self {
-            Self::Read { .. } | Self::Write { .. } | Self::Format { .. } | Self::Content { .. } => self,
+            Self::Read { .. } | Self::Format { .. } | Self::Content { .. } => self,
             fault => Self::Content { path: path.to_owned(), source: Box::new(fault) },
         }
     }

@@ -50,16 +50,8 @@ impl TriangleSoup {
         Ok(soup)
     }
 
-    /// Writes the triangles as an OBJ file, in metres; what is read back is rounded to single precision.
-    ///
-    /// # Errors
-    /// [`ShapeError::Write`].
-    pub fn write_obj(&self, path: &Path) -> Result<(), ShapeError> {
-        let text = self.obj_text(1);
-        std::fs::write(path, text).map_err(|source| ShapeError::Write { path: path.to_owned(), source })
-    }
-
-    /// The triangles as in an OBJ file, where the first vertex has the number `first`.
+    /// The triangles as in an OBJ file, in metres, where the first vertex has the number `first`, 1 in a file of their
+    /// own; what is read back is rounded to single precision.
     pub fn obj_text(&self, first: u32) -> String {
         let mut text = String::new();
         for v in &self.vertices {

@@ -25,8 +25,7 @@ fn problem(scenario: &Scenario) -> Problem {
 }
 
 fn cell(problem: &Problem) -> &Cell {
-    let cell = problem.cell().expect("an exact problem");
-    cell
+    problem.cell().expect("an exact problem")
 }
 
 /// Way points, timed and judged.

@@ -40,7 +40,7 @@ impl Clutter {
         let floor = world.bodies()[world.body_index("floor").expect("a floor")].clone();
         let mut random = Stream::new(seed, 0);
         let mut clutter = Self { robot, start, floor, boxes: Vec::new(), grasps: Vec::new() };
-        let mut kept_free = vec![clutter.frames_at(&clutter.start)];
+        let mut kept_free = vec![clutter.robot.frames_at(&clutter.start)];
         let empty = clutter.problem(0);
         let cell = empty.cell().expect("the criterion is exact");
         let mut scratch = cell.scratch();
@@ -48,7 +48,7 @@ impl Clutter {
             let limits = clutter.robot.limits();
             let q: Vec<f64> = limits.iter().map(|l| random.uniform_between(l.lower, l.upper)).collect();
             if cell.is_free(&q, &mut scratch) {
-                let frames = clutter.frames_at(&q);
+                let frames = clutter.robot.frames_at(&q);
                 let world_from_gripper = *frames.link(clutter.robot.tip());
                 clutter.grasps.push(Grasp { world_from_gripper, score: None, width_m: None });
                 kept_free.push(frames);
@@ -79,11 +79,6 @@ impl Clutter {
         let goal = Goal::Grasps(GraspSet::new(self.grasps.clone()).expect("good grasps"));
         Problem::exact(self.robot.clone(), world, None, self.start.clone(), goal, Margins::default())
             .expect("a good problem")
-    }
-
-    fn frames_at(&self, q: &[f64]) -> LinkFrames {
-        let frames = self.robot.frames_at(q);
-        frames
     }
 
     fn keeps_off(&self, frames: &LinkFrames, solid: &Solid, world_from_solid: &Pose) -> bool {
