@@ -40,7 +40,7 @@ pub fn plane_arm() -> String {
         lower: r#"<cylinder radius="0.03" length="0.3"/>"#,
         turn_rad: 2.9,
         elbow_rad: 2.9,
-        wrist: r#"<joint name="wrist" type="revolute"><parent link="lower"/><child link="palm"/><origin xyz="0.3 0 0"/>
+        wrist: r#"<joint name="wrist" type="revolute"><parent link="lower"/><child link="flange"/><origin xyz="0.3 0 0"/>
     <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>"#,
         fin: "",
     })
@@ -53,7 +53,7 @@ pub fn rolling_arm(roll_rad: f64, has_fin: bool) -> String {
         r#"<link name="wrist"/>
   <joint name="bend" type="revolute"><parent link="lower"/><child link="wrist"/><origin xyz="0.3 0 0"/>
     <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="roll" type="revolute"><parent link="wrist"/><child link="palm"/>
+  <joint name="roll" type="revolute"><parent link="wrist"/><child link="flange"/>
     <axis xyz="1 0 0"/><limit lower="-{roll_rad}" upper="{roll_rad}" velocity="1" effort="1"/></joint>"#
     );
     let fin = r#"<collision><origin xyz="0.06 0 0.1"/><geometry><box size="0.04 0.02 0.15"/></geometry></collision>"#;
@@ -74,7 +74,7 @@ struct ArmParts<'a> {
     lower: &'a str,
     turn_rad: f64,
     elbow_rad: f64,
-    /// From the lower arm to the palm.
+    /// From the lower arm to the flange.
     wrist: &'a str,
     /// What the palm has besides.
     fin: &'a str,
@@ -97,6 +97,8 @@ fn arm(parts: &ArmParts) -> String {
   <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.3 0 0"/>
     <axis xyz="0 0 1"/><limit lower="-{elbow_rad}" upper="{elbow_rad}" velocity="1" effort="1"/></joint>
   {wrist}
+  <link name="flange"/>
+  <joint name="mount" type="fixed"><parent link="flange"/><child link="palm"/></joint>
   <link name="palm"><collision><origin xyz="0.06 0 0"/>
     <geometry><box size="0.04 0.12 0.05"/></geometry></collision>{fin}</link>
   <link name="left_finger"><collision><geometry><box size="0.05 0.01 0.02"/></geometry></collision></link>
