@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::{Trajectory, audit};
-use cranny_scenario::Scenario;
+use cranny_plan::{Trajectory, Validity};
+use cranny_scenario::{Scenario};
 use cranny_solve::ik_statuses;
 use cranny_view::{
     Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,
@@ -102,12 +102,10 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
         let exact = scenario.exact_problem(Margins::default())?;
         let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
         let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
-            let (file, problem) = (&plan.file, &plan.task.problem);
             let trajectory = trajectory_in(shown, plan)?;
-            let has_path = !file.waypoints.is_empty();
-            let verification =
-                has_path.then(|| audit(problem, &file.waypoints)).transpose().map_err(fault)?;
-            PagePlan::of_file("plan", file, &shown.robot, trajectory.as_ref(), verification).map_err(fault)
+            let verification = plan.file.audit(&plan.task.problem).map_err(fault)?;
+            PagePlan::of_file("plan", &plan.file, &shown.robot, trajectory.as_ref(), verification)
+                .map_err(fault)
         };
         let plans = plan.map(of_plan).transpose()?;
         let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
@@ -124,7 +122,10 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
     let path = match plan {
         Some(plan) => {
             let trajectory = trajectory_in(scenario, plan)?;
-            ShownPath::of_plan(&scenario.robot, &plan.file, trajectory.as_ref(), rate_hz).map_err(fault)?
+            let waypoints = &plan.file.waypoints;
+            let path =
+                ShownPath::of(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).map_err(fault)?;
+            path.map(|path| ShownPath { grasp: plan.file.grasp, ..path })
         }
         None => None,
     };

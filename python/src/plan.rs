@@ -178,17 +178,11 @@ impl PyPlan {
             let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
             return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
         }
-        let (is_valid, trajectory) = py
-            .detach(|| -> Result<_, PlanError> {
-                if file.waypoints.is_empty() {
-                    return Ok((false, None));
-                }
-                let is_valid = audit(&task.problem, &file.waypoints)?.valid;
-                let trajectory = if file.timing.is_some() { file.trajectory(&task.problem)? } else { None };
-                Ok((is_valid, trajectory))
-            })
-            .map_err(fault)?;
-        Ok(Self { task, file, trajectory: trajectory.map(Arc::new), is_valid })
+        let judged = || Ok::<_, PlanError>((file.audit(&task.problem)?, file.trajectory(&task.problem)?));
+        let (audit, trajectory) = py.detach(judged).map_err(fault)?;
+        let is_valid = audit.is_some_and(|audit| audit.valid);
+        let trajectory = trajectory.filter(|_| file.timing.is_some()).map(Arc::new);
+        Ok(Self { task, file, trajectory, is_valid })
     }
 
     fn timed(&self) -> PyResult<Arc<Trajectory>> {

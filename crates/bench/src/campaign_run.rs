@@ -4,8 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use crate::trial::RecordedPath;
-use crate::worker_message::Request;
+use crate::worker_message::{Request, TrialRun};
 use crate::worker_process::{Served, WorkerProcess};
 use crate::{BenchError, Question, Results, RunInformation, Schedule, TrialRecord, WorkerProgram};
 
@@ -146,7 +145,7 @@ fn ask(
     settings: &CampaignSettings,
     exports: &Path,
     stop: &AtomicBool,
-) -> Result<Option<RecordedPath>, BenchError> {
+) -> Result<Option<TrialRun>, BenchError> {
     // One that ended between two trials takes none with it.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
         *worker = Some(WorkerProcess::start(&settings.worker)?);
@@ -180,7 +179,7 @@ pub(crate) fn ask_once(
     question: &Question,
     settings: &CampaignSettings,
     stop: &AtomicBool,
-) -> Result<Option<RecordedPath>, BenchError> {
+) -> Result<Option<TrialRun>, BenchError> {
     let exports = exports()?;
     ask(&mut None, question, settings, exports.path(), stop)
 }

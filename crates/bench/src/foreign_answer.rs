@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cranny_plan::Statistics;
+use cranny_plan::{Outcome, Statistics};
 use cranny_scenario::PlanSegment;
 use serde::Deserialize;
 
@@ -19,9 +19,6 @@ pub struct ForeignAnswer {
     pub statistics: Statistics,
 }
 
-/// The protocols of `docs/exec_protocol.md` that an answer may follow.
-pub const PROTOCOLS: [u64; 2] = [1, 2];
-
 /// The JSON form of an answer.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,23 +29,11 @@ struct Document {
     #[serde(default)]
     waypoints: Vec<Vec<f64>>,
     #[serde(default)]
-    segments: Vec<PlanSegment>,
+    segments: Option<Vec<PlanSegment>>,
     #[serde(default)]
-    outcome: Option<ForeignOutcome>,
+    outcome: Option<Outcome>,
     #[serde(default)]
     statistics: ForeignStatistics,
-}
-
-/// What a program may say of its end; whether it is solved says the judge.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum ForeignOutcome {
-    Solved,
-    BudgetExhausted,
-    GaveUp,
-    StartInvalid,
-    GoalsInvalid,
-    NoReachableGrasp,
 }
 
 #[derive(Default, Deserialize)]
@@ -78,24 +63,25 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
     }
     let document: Document =
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
-    let path = path_of(document.protocol.unwrap_or(1), document.waypoints, &document.segments)?;
+    let path = match (document.protocol.unwrap_or(1), document.segments) {
+        (1 | 2, None) => document.waypoints,
+        (2, Some(segments)) if document.waypoints.is_empty() => PlanSegment::joined(&segments)?,
+        (1 | 2, Some(_)) => {
+            return Err("segments stand in answers that name protocol 2 and have no way points".to_owned());
+        }
+        (other, _) => return Err(format!("its protocol is {other}, but this version speaks 1 and 2")),
+    };
     if let Some((index, q)) = path.iter().enumerate().find(|(_, q)| q.len() != joints) {
         return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
     }
     let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
         document.statistics;
-    let outcome = match document.outcome {
-        Some(ForeignOutcome::GaveUp) => TrialOutcome::GaveUp,
-        Some(ForeignOutcome::StartInvalid) => TrialOutcome::StartInvalid,
-        Some(ForeignOutcome::GoalsInvalid) => TrialOutcome::GoalsInvalid,
-        Some(ForeignOutcome::NoReachableGrasp) => TrialOutcome::NoReachableGrasp,
-        Some(ForeignOutcome::Solved) if path.is_empty() => {
+    let outcome = match document.outcome.unwrap_or(Outcome::BudgetExhausted) {
+        Outcome::Solved if path.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
         }
-        // With way points the judge has the word.
-        None | Some(ForeignOutcome::BudgetExhausted | ForeignOutcome::Solved) => {
-            TrialOutcome::BudgetExhausted
-        }
+        Outcome::Cancelled => return Err("nobody stopped the program, but it says 'cancelled'".to_owned()),
+        outcome => TrialOutcome::without_path(outcome),
     };
     Ok(ForeignAnswer {
         outcome,
@@ -109,27 +95,6 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
             ..Statistics::default()
         },
     })
-}
-
-/// The path of an answer, given as way points or, from protocol 2 on, as segments.
-fn path_of(
-    protocol: u64,
-    waypoints: Vec<Vec<f64>>,
-    segments: &[PlanSegment],
-) -> Result<Vec<Vec<f64>>, String> {
-    if !PROTOCOLS.contains(&protocol) {
-        return Err(format!("the protocol is {protocol}, but this version speaks {PROTOCOLS:?}"));
-    }
-    if segments.is_empty() {
-        return Ok(waypoints);
-    }
-    if protocol < 2 {
-        return Err("segments are of protocol 2, which the answer does not name".to_owned());
-    }
-    if !waypoints.is_empty() {
-        return Err("there are way points and segments; give one of them".to_owned());
-    }
-    PlanSegment::joined(segments)
 }
 
 /// What the released program writes beside its way points.
@@ -235,7 +200,7 @@ mod tests {
         let same = json!({});
         let answer = read(json!({"protocol": 2, "segments": segments(&same, &same), "outcome": "solved"}));
         assert_eq!(answer.unwrap().path, [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0]]);
-        for protocol in PROTOCOLS {
+        for protocol in [1, 2] {
             let answer = read(json!({"protocol": protocol, "waypoints": [[0, 0], [1, 2]]}));
             assert_eq!(answer.unwrap().path, [[0.0, 0.0], [1.0, 2.0]]);
         }
@@ -254,11 +219,11 @@ mod tests {
         }
         let whole = segments(&same, &same);
         let fault = read(json!({"protocol": 3, "segments": whole})).unwrap_err();
-        assert!(fault.contains("the protocol is 3, but this version speaks [1, 2]"), "{fault}");
+        assert!(fault.contains("its protocol is 3, but this version speaks 1 and 2"), "{fault}");
         let fault = read(json!({"segments": whole})).unwrap_err();
-        assert!(fault.contains("segments are of protocol 2"), "{fault}");
+        assert!(fault.contains("name protocol 2"), "{fault}");
         let fault = read(json!({"protocol": 2, "segments": whole, "waypoints": [[0, 0]]})).unwrap_err();
-        assert!(fault.contains("way points and segments"), "{fault}");
+        assert!(fault.contains("no way points"), "{fault}");
     }
 
     #[test]
@@ -281,6 +246,7 @@ mod tests {
         assert!(fault(b"{\"waypoints\":\n [[1, ").contains("line 2"));
         assert!(fault(b"{\"outcome\": \"solved\"}").contains("no way points"));
         assert!(fault(b"{\"way_points\": []}").contains("way_points"));
+        assert!(fault(b"{\"outcome\": \"cancelled\"}").contains("'cancelled'"));
         assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
     }
 

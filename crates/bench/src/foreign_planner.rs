@@ -11,8 +11,7 @@ use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
 use crate::opened_scenario::OpenedScenario;
 use crate::process_group::{self, Leash};
-use crate::trial::RecordedPath;
-use crate::worker_message::Request;
+use crate::worker_message::{Request, TrialRun};
 use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord};
 
 /// The program of others, with the files of one scenario.
@@ -72,7 +71,7 @@ impl ForeignPlanner {
     }
 
     /// What the program makes of a trial, and its path, not yet judged.
-    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<RecordedPath, BenchError> {
+    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<TrialRun, BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let limits =
@@ -167,7 +166,7 @@ impl ForeignPlanner {
         let export = self.files.released.join("export");
         json!({
             "protocol": 1,
-            "protocols": foreign_answer::PROTOCOLS,
+            "protocols": [1, 2],
             "scenario": trial.scenario,
             "criterion": trial.criterion.name(),
             "seed": trial.seed,

@@ -1,4 +1,4 @@
-use cranny_plan::{Criterion, Statistics};
+use cranny_plan::{Criterion, Outcome, Statistics};
 use serde::{Deserialize, Serialize};
 
 /// One question to one planner: what is run again when it is replayed, and what is never counted twice.
@@ -100,6 +100,18 @@ impl TrialOutcome {
         Self::OutOfMemory,
     ];
 
+    /// How a search ended, unless the judge finds that it gave a path.
+    pub(crate) fn without_path(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Solved | Outcome::BudgetExhausted => Self::BudgetExhausted,
+            Outcome::Cancelled => Self::Cancelled,
+            Outcome::GaveUp => Self::GaveUp,
+            Outcome::StartInvalid => Self::StartInvalid,
+            Outcome::GoalsInvalid => Self::GoalsInvalid,
+            Outcome::NoReachableGrasp => Self::NoReachableGrasp,
+        }
+    }
+
     /// What files and reports call it.
     pub fn name(self) -> &'static str {
         match self {
@@ -147,9 +159,6 @@ pub struct TrialRecord {
     /// Whether the path also meets the other of the two criteria, where that was asked.
     pub also_solved: Option<bool>,
 }
-
-/// A record, and the path that was found; empty where there is none.
-pub(crate) type RecordedPath = (TrialRecord, Vec<Vec<f64>>);
 
 impl TrialRecord {
     /// Of a trial without a path, or with one that is not judged yet.

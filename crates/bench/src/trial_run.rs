@@ -1,13 +1,12 @@
 use std::time::Duration;
 
-use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Observer, Outcome, audit_with};
+use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Observer, audit_with};
 use cranny_solve::solve;
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
-use crate::trial::RecordedPath;
-use crate::worker_message::{Message, Request};
+use crate::worker_message::{Message, Request, TrialRun};
 use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord, judge};
 
 /// Runs one trial, and returns how it went and the planner's own path.
@@ -23,7 +22,7 @@ pub fn run(
     scenarios: &mut OpenedScenarios,
     leash: &Leash,
     tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
-) -> Result<RecordedPath, BenchError> {
+) -> Result<TrialRun, BenchError> {
     let question = &request.question;
     let trial = &question.trial;
     // 1.
@@ -66,7 +65,7 @@ pub fn run(
             let mut end = EndOfSearch { tell, told: Ok(()) };
             let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
             end.told?;
-            let outcome = outcome_without_path(answer.outcome);
+            let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
             let path = answer.waypoints().cloned().collect();
             // A path to one goal is judged as one to any grasp.
@@ -108,18 +107,6 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
     let missing =
         || BenchError::Goal { scenario: opened.scenario.id.clone(), goal: index, known: goals.len() };
     goals.get(index).cloned().ok_or_else(missing)
-}
-
-/// How a search ended, unless the judge finds that its path is one.
-fn outcome_without_path(outcome: Outcome) -> TrialOutcome {
-    match outcome {
-        Outcome::Solved | Outcome::BudgetExhausted => TrialOutcome::BudgetExhausted,
-        Outcome::Cancelled => TrialOutcome::Cancelled,
-        Outcome::GaveUp => TrialOutcome::GaveUp,
-        Outcome::StartInvalid => TrialOutcome::StartInvalid,
-        Outcome::GoalsInvalid => TrialOutcome::GoalsInvalid,
-        Outcome::NoReachableGrasp => TrialOutcome::NoReachableGrasp,
-    }
 }
 
 /// A planner that stops at its limit may look at its clock so much before it, as a share of the limit.

@@ -16,6 +16,9 @@ pub struct Request {
     pub memory_limit_bytes: u64,
 }
 
+/// How a trial went, and the path that its planner gave.
+pub type TrialRun = (TrialRecord, Vec<Vec<f64>>);
+
 /// What a worker answers, in this order; [`Message::Refused`] in place of any of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -3,13 +3,15 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins};
 use cranny_plan::{Criterion, PlanError, Problem, audit};
-use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_scenario::{
+    Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints,
+};
 use cranny_solve::{Timing, ik_statuses};
 use cranny_view::{PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
-use crate::plan_task::check_plan;
+use crate::plan_task::{check_plan, read_plan};
 use crate::progress::{self, stop_on_interrupt};
 use crate::search_replay;
 use crate::task::open_scenario;
@@ -32,26 +34,14 @@ pub struct PageTask {
     pub cell: Arc<Cell>,
 }
 
-/// What stands in the file of a plan.
-enum Read {
-    Plan(Box<PlanFile>),
-    Waypoints,
-}
-
 impl PageTask {
     pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
-        let read = |file: &PathBuf| -> Result<Read, Failure> {
-            let is_plan = file.extension().is_some_and(|extension| extension == "json");
-            Ok(if is_plan { Read::Plan(Box::new(PlanFile::read(file)?)) } else { Read::Waypoints })
-        };
-        let files = request.plans.iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        let robot_of = |file: &Read| match file {
-            Read::Plan(plan) => plan.robot.clone().map(PathBuf::from),
-            Read::Waypoints => None,
-        };
+        let files =
+            request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
+        let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: None,
-            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().find_map(robot_of)),
+            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
@@ -63,35 +53,25 @@ impl PageTask {
         let mut plans = Vec::new();
         for (file, read) in request.plans.iter().zip(&files) {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-            match read {
-                Read::Plan(plan) => {
-                    check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
-                    let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-                    let trajectory = plan.trajectory(&problem)?;
-                    let has_path = !plan.waypoints.is_empty();
-                    let verification = has_path.then(|| audit(&problem, &plan.waypoints)).transpose()?;
-                    let mut shown_plan =
-                        PagePlan::of_file(name, plan, &shown.robot, trajectory.as_ref(), verification)?;
-                    if let Some(stop) = &stop {
-                        let replay = search_replay::replay(file, plan, &problem, stop, output)?;
-                        shown_plan.search_tree = Some(replay);
-                    }
-                    plans.push(shown_plan);
-                }
-                Read::Waypoints => {
-                    let waypoints = read_waypoints(file, shown.robot.dof())?;
-                    let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                    let trajectory = Timing::default().of(&problem, &waypoints)?;
-                    let verification = audit(&problem, &waypoints)?;
-                    plans.push(PagePlan::of_waypoints(
-                        name,
-                        &waypoints,
-                        &shown.robot,
-                        trajectory.as_ref(),
-                        Some(verification),
-                    )?);
-                }
+            let robot = &shown.robot;
+            let Some(plan) = read else {
+                let waypoints = read_waypoints(file, robot.dof())?;
+                let problem = tasks.problem(own.criterion, Margins::default(), None)?;
+                let trajectory = Timing::default().of(&problem, &waypoints)?;
+                let verification = Some(audit(&problem, &waypoints)?);
+                let path =
+                    PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
+                plans.push(path);
+                continue;
+            };
+            check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
+            let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
+            let (trajectory, verification) = (plan.trajectory(&problem)?, plan.audit(&problem)?);
+            let mut shown_plan = PagePlan::of_file(name, plan, robot, trajectory.as_ref(), verification)?;
+            if let Some(stop) = &stop {
+                shown_plan.search_tree = Some(search_replay::replay(file, plan, &problem, stop, output)?);
             }
+            plans.push(shown_plan);
         }
         let spinner = progress::spinner("measuring clearance and inverse kinematics", output.quiet);
         let statuses = ik_statuses(&exact, &shown.ik)?;

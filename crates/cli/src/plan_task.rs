@@ -4,7 +4,9 @@ use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
 use cranny_robot::Robot;
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, mesh_repairs};
+use cranny_scenario::{
+    MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, mesh_repairs,
+};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -17,6 +19,12 @@ pub struct PlanTask {
     /// What can be grasped; nothing where the goal is a configuration.
     pub grasps: GraspSet,
     pub problem: Problem,
+}
+
+/// The plan of a file; `None` for a file of bare way points.
+pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, ScenarioError> {
+    let is_plan = file.extension().is_some_and(|extension| extension == "json");
+    is_plan.then(|| PlanFile::read(file)).transpose()
 }
 
 impl PlanTask {

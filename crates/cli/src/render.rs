@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
-use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_scenario::{OpenOptions, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
+use crate::plan_task::read_plan;
 use crate::task::open_scenario;
 use crate::{progress, text};
 
@@ -347,8 +348,7 @@ fn scene(
     rate_hz: f64,
     output: Output,
 ) -> Result<Scene, Failure> {
-    let is_plan = |file: &Path| file.extension().is_some_and(|extension| extension == "json");
-    let read = plan.filter(|file| is_plan(file)).map(PlanFile::read).transpose()?;
+    let read = plan.map(read_plan).transpose()?.flatten();
     let of_plan = read.as_ref().and_then(|plan| plan.robot.as_ref()).map(PathBuf::from);
     let options = OpenOptions {
         criterion: None,
@@ -361,13 +361,14 @@ fn scene(
             plan.check_joints(file, &scenario.robot)?;
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
             let trajectory = plan.trajectory(&planned.problem(plan.margins)?)?;
-            ShownPath::of_plan(&scenario.robot, &plan, trajectory.as_ref(), rate_hz)?
+            let path = ShownPath::of(&scenario.robot, &plan.waypoints, trajectory.as_ref(), rate_hz)?;
+            path.map(|path| ShownPath { grasp: plan.grasp, ..path })
         }
         (None, Some(file)) => {
             let waypoints = read_waypoints(file, scenario.robot.dof())?;
             let problem = scenario.problem(Margins::default())?;
             let trajectory = Timing::default().of(&problem, &waypoints)?;
-            ShownPath::of_waypoints(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
+            ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
         }
         (_, None) => None,
     };

@@ -1,18 +1,17 @@
 use std::fmt::Write as _;
 
 use cranny_plan::{Audit, AuditSettings, audit_with};
-use cranny_scenario::{PlanFile, read_waypoints};
+use cranny_scenario::read_waypoints;
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
-use crate::plan_task::{PlanTask, check_plan};
+use crate::plan_task::{PlanTask, read_plan};
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
-    let is_plan = file.extension().is_some_and(|extension| extension == "json");
-    let plan = if is_plan { Some(PlanFile::read(file)?) } else { None };
+    let plan = read_plan(file)?;
     let criterion = plan.as_ref().map(|plan| plan.criterion);
     let margins = plan.as_ref().map(|plan| plan.margins).unwrap_or_default();
     let PlanTask { source, problem, .. } =

@@ -1,6 +1,7 @@
 use std::path::Path;
 
-use cranny_plan::{PlanError, Problem, Trajectory};
+use cranny_collision::Margins;
+use cranny_plan::{Audit, PlanError, Problem, Trajectory, audit};
 use cranny_robot::Robot;
 use cranny_solve::Timing;
 
@@ -25,16 +26,72 @@ impl PlanFile {
         timing.of(problem, &self.waypoints)
     }
 
+    /// What the judge says of the path. `None` for a plan without one.
+    ///
+    /// # Errors
+    /// As [`audit`].
+    pub fn audit(&self, problem: &Problem) -> Result<Option<Audit>, PlanError> {
+        let has_path = !self.waypoints.is_empty();
+        has_path.then(|| audit(problem, &self.waypoints)).transpose()
+    }
+
     /// Whether the plan, which was read from `path`, moves the joints of a robot.
     ///
     /// # Errors
     /// [`ScenarioError::Content`] names the first that differs.
     pub fn check_joints(&self, path: &Path, robot: &Robot) -> Result<(), ScenarioError> {
         let mut pairs = self.joint_names.iter().zip(robot.joint_names());
-        let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) else {
-            return Ok(());
-        };
-        let problem = format!("the plan moves joint '{found}' where this scenario's robot has '{expected}'");
-        Err(ScenarioError::Content { path: path.to_owned(), problem })
+        pairs.find(|(found, expected)| found != expected).map_or(Ok(()), |(found, expected)| {
+            let problem =
+                format!("the plan moves joint '{found}' where this scenario's robot has '{expected}'");
+            Err(ScenarioError::Content { path: path.to_owned(), problem })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_plan::TimingMethod;
+
+    use super::*;
+    use crate::{OpenOptions, Margins, PlanTiming, Scenario};
+
+    fn plan(scenario: &Scenario) -> PlanFile {
+        let mut end = scenario.start.clone();
+        end[0] += 0.1;
+        let plan = serde_json::json!({
+            "scenario": "021", "robot": null, "geometry": null, "planner": "x", "settings": {}, "criterion": "exact",
+            "goal_threshold": null, "seed": 0, "version": "0", "outcome": "solved", "margins": Margins::default(),
+            "budget": {"iterations": null, "time_limit_s": null}, "joint_names": scenario.robot.joint_names(),
+            "grasp": null, "translation_error_m": null, "rotation_error_rad": null, "clearance_m": null,
+            "clearances_per_edge_m": [], "path_length": 0.1, "waypoints": [scenario.start, end],
+            "statistics": cranny_plan::Statistics::default(),
+        });
+        serde_json::from_value(plan).unwrap()
+    }
+
+    #[test]
+    fn a_plan_has_the_trajectory_that_its_timing_says() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let plan = plan(&scenario);
+        assert_eq!(plan.trajectory(&problem).unwrap().unwrap().method(), TimingMethod::TimeOptimal);
+        let method = TimingMethod::JerkLimited;
+        let timing = PlanTiming { method, blended: false, duration_s: 1.0, waypoint_times_s: Vec::new() };
+        let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
+        assert_eq!(smooth.trajectory(&problem).unwrap().unwrap().method(), method);
+        let none = PlanFile { waypoints: Vec::new(), ..plan };
+        assert!(none.trajectory(&problem).unwrap().is_none() && none.audit(&problem).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_plan_of_another_robot_is_refused_by_its_joint() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let mut plan = plan(&scenario);
+        let path = Path::new("x.plan.json");
+        assert!(plan.check_joints(path, &scenario.robot).is_ok());
+        plan.joint_names[2] = "elbow".to_owned();
+        let fault = plan.check_joints(path, &scenario.robot).unwrap_err().to_string();
+        assert!(fault.starts_with("x.plan.json: the plan moves joint 'elbow' where"), "{fault}");
     }
 }

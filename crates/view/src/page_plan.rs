@@ -34,10 +34,10 @@ const RATE_HZ: f64 = 60.0;
 const MOST_SAMPLES: f64 = 2400.0;
 
 impl PagePlan {
-    /// The plan of a file, with its path in time and what `verify` says of it.
+    /// The plan of a file, as [`Self::of_waypoints`].
     ///
     /// # Errors
-    /// As [`ShownPath::of_plan`].
+    /// As [`ShownPath::of`].
     pub fn of_file(
         name: impl Into<String>,
         plan: &PlanFile,
@@ -45,20 +45,18 @@ impl PagePlan {
         trajectory: Option<&Trajectory>,
         verification: Option<Audit>,
     ) -> Result<Self, ViewError> {
-        let duration_s = plan.timing.as_ref().map_or(plan.path_length, |timing| timing.duration_s);
         Ok(Self {
             planner: plan.planner.clone(),
             outcome: Some(plan.outcome),
-            path: ShownPath::of_plan(robot, plan, trajectory, rate_hz(duration_s))?,
             failures: plan.failures.clone(),
-            ..Self::unshown(name.into(), &plan.waypoints, verification)
+            ..Self::of_waypoints(name, &plan.waypoints, robot, trajectory, verification)?
         })
     }
 
-    /// Bare way points, from whoever planned them, in time and with what `verify` says of them.
+    /// Way points, from whoever planned them, with their time and what `verify` says of them.
     ///
     /// # Errors
-    /// As [`ShownPath::of_waypoints`].
+    /// As [`ShownPath::of`].
     pub fn of_waypoints(
         name: impl Into<String>,
         waypoints: &[Vec<f64>],
@@ -66,22 +64,19 @@ impl PagePlan {
         trajectory: Option<&Trajectory>,
         verification: Option<Audit>,
     ) -> Result<Self, ViewError> {
-        let rate_hz = rate_hz(path_length(waypoints));
-        let path = ShownPath::of_waypoints(robot, waypoints, trajectory, rate_hz)?;
-        Ok(Self { path, ..Self::unshown(name.into(), waypoints, verification) })
-    }
-
-    fn unshown(name: String, waypoints: &[Vec<f64>], verification: Option<Audit>) -> Self {
-        Self {
-            name,
+        let path_length = path_length(waypoints);
+        let duration_s = trajectory.map_or(path_length, Trajectory::duration_s);
+        let rate_hz = RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE));
+        Ok(Self {
+            name: name.into(),
             planner: String::new(),
             outcome: None,
-            path_length: path_length(waypoints),
-            path: None,
+            path_length,
+            path: ShownPath::of(robot, waypoints, trajectory, rate_hz)?,
             verification,
             failures: Vec::new(),
             search_tree: None,
-        }
+        })
     }
 
     /// The grasp that the path ends at: what `verify` finds, not what the file claims.
@@ -135,10 +130,6 @@ impl PagePlan {
             search_tree: self.search_tree.as_ref().map(TreeRecording::rows),
         }
     }
-}
-
-fn rate_hz(duration_s: f64) -> f64 {
-    RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
 }
 
 /// A plan as a page reads it.

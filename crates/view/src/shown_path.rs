@@ -1,6 +1,5 @@
 use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
 use cranny_robot::Robot;
-use cranny_scenario::PlanFile;
 
 use crate::ViewError;
 
@@ -28,27 +27,13 @@ const UNTIMED_SPEED: f64 = 1.0;
 const MOST_INSTANTS: f64 = 1e5;
 
 impl ShownPath {
-    /// The path of a plan, as [`Self::of_waypoints`], to the grasp that the plan says.
-    ///
-    /// # Errors
-    /// As [`Self::of_waypoints`].
-    pub fn of_plan(
-        robot: &Robot,
-        plan: &PlanFile,
-        trajectory: Option<&Trajectory>,
-        rate_hz: f64,
-    ) -> Result<Option<Self>, ViewError> {
-        let path = Self::of_waypoints(robot, &plan.waypoints, trajectory, rate_hz)?;
-        Ok(path.map(|path| Self { grasp: plan.grasp, ..path }))
-    }
-
     /// A row of way points at `rate_hz` samples a second, in the time of its trajectory, or at an even pace where it
     /// has none. `None` for no way point.
     ///
     /// # Errors
     /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Plan`] for a rate that is
     /// none.
-    pub fn of_waypoints(
+    pub fn of(
         robot: &Robot,
         waypoints: &[Vec<f64>],
         trajectory: Option<&Trajectory>,

@@ -24,7 +24,7 @@ fn bent_path(scenario: &Scenario) -> ShownPath {
     let waypoints = [scenario.start.clone(), middle, end];
     let problem = scenario.problem(Margins::default()).expect("a problem");
     let trajectory = Timing::default().of(&problem, &waypoints).expect("a path");
-    let path = ShownPath::of_waypoints(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
+    let path = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
     path.expect("a path").expect("with way points")
 }
 
