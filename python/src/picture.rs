@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::{Trajectory, Validity};
-use cranny_scenario::{Scenario};
+use cranny_plan::Trajectory;
+use cranny_scenario::Scenario;
 use cranny_solve::ik_statuses;
 use cranny_view::{
     Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,

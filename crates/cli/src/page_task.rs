@@ -3,9 +3,7 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins};
 use cranny_plan::{Criterion, PlanError, Problem, audit};
-use cranny_scenario::{
-    Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints,
-};
+use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints};
 use cranny_solve::{Timing, ik_statuses};
 use cranny_view::{PageData, PagePlan, PageSettings};
 

@@ -4,9 +4,7 @@ use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Problem};
 use cranny_robot::Robot;
-use cranny_scenario::{
-    MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, mesh_repairs,
-};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;

@@ -6,7 +6,7 @@ use cranny_scenario::read_waypoints;
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
-use crate::plan_task::{PlanTask, read_plan};
+use crate::plan_task::{PlanTask, check_plan, read_plan};
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {

@@ -1,6 +1,5 @@
 use std::path::Path;
 
-use cranny_collision::Margins;
 use cranny_plan::{Audit, PlanError, Problem, Trajectory, audit};
 use cranny_robot::Robot;
 use cranny_solve::Timing;
@@ -51,10 +50,11 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
+    use cranny_collision::Margins;
     use cranny_plan::TimingMethod;
 
     use super::*;
-    use crate::{OpenOptions, Margins, PlanTiming, Scenario};
+    use crate::{OpenOptions, PlanTiming, Scenario};
 
     fn plan(scenario: &Scenario) -> PlanFile {
         let mut end = scenario.start.clone();

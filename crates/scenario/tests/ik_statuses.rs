@@ -9,7 +9,7 @@ use cranny_solve::ik_statuses;
 
 #[test]
 fn a_known_configuration_solves_the_grasps_that_it_holds() {
-    let scenario = Scenario::open("045", &OpenOptions::default()).unwrap();
+    let scenario = Scenario::open("015", &OpenOptions::default()).unwrap();
     let problem = scenario.problem(Margins::default()).unwrap();
     let few = ik_statuses(&problem, &[]).unwrap();
     let many =
