@@ -12,6 +12,7 @@ use cranny_view::{
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use strum::VariantArray as _;
 
 use crate::fault::{bad_value, fault};
 use crate::interrupt::Interrupt;
@@ -139,8 +140,6 @@ fn trajectory_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<Trajecto
 }
 
 fn standard_view(name: &str) -> PyResult<StandardView> {
-    StandardView::ALL.into_iter().find(|view| view.name() == name).ok_or_else(|| {
-        let known = StandardView::ALL.map(StandardView::name).join(", ");
-        bad_value(format!("there is no view '{name}' (there are: {known})"))
-    })
+    let known = || StandardView::VARIANTS.iter().map(|view| view.name()).collect::<Vec<_>>().join(", ");
+    name.parse().map_err(|_| bad_value(format!("there is no view '{name}' (there are: {})", known())))
 }

@@ -300,16 +300,11 @@ pub fn scenario_ids() -> Vec<String> {
 
 /// The geometry of that name.
 fn geometry_of(name: &str) -> PyResult<Geometry> {
-    [Geometry::Scene, Geometry::Export]
-        .into_iter()
-        .find(|geometry| geometry.name() == name)
-        .ok_or_else(|| bad_value(format!("geometry is '{name}', but \"scene\" or \"export\" is expected")))
+    let unknown = |_| bad_value(format!("geometry is '{name}', but \"scene\" or \"export\" is expected"));
+    name.parse().map_err(unknown)
 }
 
 /// The criterion of that name.
 pub fn criterion_of(name: &str) -> PyResult<Criterion> {
-    [Criterion::Exact, Criterion::Paper]
-        .into_iter()
-        .find(|criterion| criterion.name() == name)
-        .ok_or_else(|| bad_value(format!("there is no criterion '{name}' (there are: exact, paper)")))
+    name.parse().map_err(|_| bad_value(format!("there is no criterion '{name}' (there are: exact, paper)")))
 }

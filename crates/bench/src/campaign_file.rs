@@ -7,7 +7,6 @@ use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
 use crate::scenario_choice::matches;
-use crate::trial::criterion_name;
 use crate::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
 
 /// What a campaign's file says.
@@ -17,7 +16,7 @@ struct CampaignEntry {
     scenarios: Vec<String>,
     planners: Vec<Spanned<PlannerEntry>>,
     #[serde(default)]
-    criteria: Option<Vec<CriterionEntry>>,
+    criteria: Option<Vec<Criterion>>,
     #[serde(default)]
     runs: Option<u64>,
     #[serde(default)]
@@ -35,9 +34,6 @@ struct CampaignEntry {
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
-
-#[derive(Deserialize)]
-struct CriterionEntry(#[serde(with = "criterion_name")] Criterion);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -94,7 +90,6 @@ impl Campaign {
             planners.push(planner.read(folder).map_err(|problem| fault(referenced, problem))?);
         }
         let default = Self::default();
-        let criteria = entry.criteria.map(|criteria| criteria.into_iter().map(|entry| entry.0).collect());
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions
@@ -112,7 +107,7 @@ impl Campaign {
         Ok(Self {
             scenarios: entry.scenarios.iter().map(|word| scenario_beside(folder, word)).collect(),
             planners,
-            criteria: criteria.unwrap_or(default.criteria),
+            criteria: entry.criteria.unwrap_or(default.criteria),
             runs: entry.runs.unwrap_or(default.runs),
             first_seed: entry.first_seed.unwrap_or(default.first_seed),
             time_limit_s: entry.time_limit_s.unwrap_or(default.time_limit_s),

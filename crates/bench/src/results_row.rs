@@ -82,11 +82,8 @@ pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError>
         let id = row.get(0).map_err(fault)?;
         let no =
             |what, text: &str| BenchError::Row { path: path.to_owned(), id, what, text: text.to_owned() };
-        let criterion = [Criterion::Exact, Criterion::Paper]
-            .into_iter()
-            .find(|known| known.name() == criterion)
-            .ok_or_else(|| no("criterion", &criterion))?;
-        let outcome = TrialOutcome::of_name(&outcome).ok_or_else(|| no("outcome", &outcome))?;
+        let criterion = criterion.parse().map_err(|_| no("criterion", &criterion))?;
+        let outcome = outcome.parse().map_err(|_| no("outcome", &outcome))?;
         trials.push(stored(row, criterion, outcome).map_err(fault)?);
     }
     Ok(trials)

@@ -1,5 +1,6 @@
 use cranny_plan::{Criterion, Outcome, Statistics};
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 /// One question to one planner: what is run again when it is replayed, and what is never counted twice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,7 +14,6 @@ pub struct Trial {
     /// All its settings, as canonical JSON (sorted keys): two settings of one planner stay apart.
     pub settings: String,
     /// What counts as solved.
-    #[serde(with = "criterion_name")]
     pub criterion: Criterion,
     /// What the random numbers are drawn from.
     pub seed: u64,
@@ -32,30 +32,12 @@ impl Trial {
     }
 }
 
-/// A criterion by its name.
-pub(crate) mod criterion_name {
-    use cranny_plan::Criterion;
-    use serde::{Deserialize as _, Deserializer, Serializer, de};
-
-    /// The criterion of that name.
-    pub fn of(name: &str) -> Option<Criterion> {
-        [Criterion::Exact, Criterion::Paper].into_iter().find(|criterion| criterion.name() == name)
-    }
-
-    #[allow(clippy::trivially_copy_pass_by_ref)] // The signature is serde's.
-    pub fn serialize<S: Serializer>(criterion: &Criterion, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(criterion.name())
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Criterion, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        of(&name).ok_or_else(|| de::Error::unknown_variant(&name, &["exact", "paper"]))
-    }
-}
-
 /// How a trial ended. "Solved" is what the judge says, whatever the planner says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, EnumString, IntoStaticStr, VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum TrialOutcome {
     /// There is a path, and the judge finds that it meets the criterion.
     Solved,
@@ -84,22 +66,6 @@ pub enum TrialOutcome {
 }
 
 impl TrialOutcome {
-    /// Every outcome, in the order of its declaration.
-    pub const ALL: [Self; 12] = [
-        Self::Solved,
-        Self::BudgetExhausted,
-        Self::GaveUp,
-        Self::Cancelled,
-        Self::StartInvalid,
-        Self::GoalsInvalid,
-        Self::NoReachableGrasp,
-        Self::Rejected,
-        Self::Garbled,
-        Self::Crashed,
-        Self::Hung,
-        Self::OutOfMemory,
-    ];
-
     /// How a search ended, unless the judge finds that it gave a path.
     pub(crate) fn without_path(outcome: Outcome) -> Self {
         match outcome {
@@ -114,25 +80,7 @@ impl TrialOutcome {
 
     /// What files and reports call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Solved => "solved",
-            Self::BudgetExhausted => "budget-exhausted",
-            Self::GaveUp => "gave-up",
-            Self::Cancelled => "cancelled",
-            Self::StartInvalid => "start-invalid",
-            Self::GoalsInvalid => "goals-invalid",
-            Self::NoReachableGrasp => "no-reachable-grasp",
-            Self::Rejected => "rejected",
-            Self::Garbled => "garbled",
-            Self::Crashed => "crashed",
-            Self::Hung => "hung",
-            Self::OutOfMemory => "out-of-memory",
-        }
-    }
-
-    /// The outcome of that name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|outcome| outcome.name() == name)
+        self.into()
     }
 }
 

@@ -11,6 +11,7 @@ use cranny_bench::{BenchError, StoredTrial, TrialOutcome};
 use cranny_plan::Criterion;
 use proptest::prelude::*;
 use serde_json::Value;
+use strum::VariantArray as _;
 
 use synthetic::{Campaign, Manner, add, campaign, empty};
 
@@ -345,12 +346,12 @@ proptest! {
 
     #[test]
     fn the_curve_ends_at_the_success_rate_where_nothing_is_cut_short_by_iterations(
-        ends in prop::collection::vec((0..TrialOutcome::ALL.len(), 0.0..10.0_f64), 20),
+        ends in prop::collection::vec((0..TrialOutcome::VARIANTS.len(), 0.0..10.0_f64), 20),
     ) {
         let mut campaign = plain();
         for (trial, (outcome, time_s)) in campaign.trials.iter_mut().zip(ends) {
             // A search that was cancelled is cut short too.
-            let outcome = TrialOutcome::ALL[outcome];
+            let outcome = TrialOutcome::VARIANTS[outcome];
             end(trial, if outcome == TrialOutcome::Cancelled { TrialOutcome::GaveUp } else { outcome }, time_s);
         }
         let summary = summary(&campaign);

@@ -9,6 +9,7 @@ use cranny_view::{
     StandardView,
 };
 use serde::Serialize;
+use strum::VariantArray as _;
 
 use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
@@ -110,7 +111,7 @@ impl ViewArgument {
             Self::Front => vec![StandardView::Front],
             Self::Side => vec![StandardView::Side],
             Self::Top => vec![StandardView::Top],
-            Self::All => StandardView::ALL.to_vec(),
+            Self::All => StandardView::VARIANTS.to_vec(),
         }
     }
 }

@@ -6,6 +6,7 @@ use cranny_robot::{IK_BATCH, IkSearch, IkSearchSettings, IkSettings, IkSolution,
 use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream};
 use rayon::prelude::*;
 use serde::Serialize;
+use strum::IntoStaticStr;
 
 use crate::grasp_poses::open_poses;
 use crate::{PlanError, Problem};
@@ -55,7 +56,8 @@ pub struct IkAnnotation {
 }
 
 /// Why a grasp can or cannot be held.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 pub enum IkStatus {
     /// At least one free configuration was found.
     Solved,
@@ -85,13 +87,7 @@ pub enum IkStatus {
 impl IkStatus {
     /// What `--json` calls it.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Solved => "solved",
-            Self::HandCollides { .. } => "hand-collides",
-            Self::OutOfReach { .. } => "out-of-reach",
-            Self::NoSolution { .. } => "no-solution",
-            Self::Stopped => "stopped",
-        }
+        self.into()
     }
 }
 

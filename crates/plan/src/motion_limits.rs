@@ -1,11 +1,13 @@
 use cranny_robot::{JointLimits, Robot};
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
 use crate::PlanError;
 
 /// How a path is given its time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 #[non_exhaustive]
 pub enum TimingMethod {
     /// As fast as the limits of velocity and acceleration allow along the path (TOPP-RA).
@@ -18,10 +20,7 @@ pub enum TimingMethod {
 impl TimingMethod {
     /// What files and `--json` call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::TimeOptimal => "time-optimal",
-            Self::JerkLimited => "jerk-limited",
-        }
+        self.into()
     }
 }
 

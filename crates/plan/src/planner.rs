@@ -1,6 +1,7 @@
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
 use crate::{GraspFailure, PlanError, Problem};
 
@@ -21,8 +22,9 @@ impl Default for Budget {
 }
 
 /// How a search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Outcome {
     /// There is a path, and it meets the criterion.
     Solved,
@@ -43,15 +45,7 @@ pub enum Outcome {
 impl Outcome {
     /// What files and `--json` call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Solved => "solved",
-            Self::BudgetExhausted => "budget-exhausted",
-            Self::Cancelled => "cancelled",
-            Self::GaveUp => "gave-up",
-            Self::StartInvalid => "start-invalid",
-            Self::GoalsInvalid => "goals-invalid",
-            Self::NoReachableGrasp => "no-reachable-grasp",
-        }
+        self.into()
     }
 
     /// What it means, in a few words.

@@ -4,6 +4,8 @@ use cranny_collision::{Cell, Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
 use cranny_robot::Robot;
 use cranny_spatial::PoseDifference;
+use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr};
 
 use crate::baseline_check::BaselineCheck;
 use crate::{NotChecked, PlanError};
@@ -29,7 +31,9 @@ pub enum Goal {
 }
 
 /// When a problem counts as solved (DESIGN, "What solved means").
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, EnumString, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Criterion {
     /// Within 1 mm and 1° of a grasp, the real geometry, the whole path proven.
     #[default]
@@ -41,10 +45,7 @@ pub enum Criterion {
 impl Criterion {
     /// What files and flags call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Paper => "paper",
-        }
+        self.into()
     }
 }
 

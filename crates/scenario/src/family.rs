@@ -1,10 +1,12 @@
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::{Obstacle, RecipeBody, RecipeShape, ScenarioError, builtin_object};
 
 /// The paper's environments, each with one dial that makes it harder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Family {
     /// A screwdriver in an open shelf on a table (01); the dial is how far behind the front edge it lies.
     Shelf,
@@ -62,17 +64,9 @@ const FRONT_M: f64 = 0.6;
 const MIDDLE_M: f64 = 1.0;
 
 impl Family {
-    /// All families.
-    pub const ALL: [Self; 4] = [Self::Shelf, Self::Table, Self::Gap, Self::Gate];
-
     /// What flags call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Shelf => "shelf",
-            Self::Table => "table",
-            Self::Gap => "gap",
-            Self::Gate => "gate",
-        }
+        self.into()
     }
 
     /// The family of that name.
@@ -80,10 +74,8 @@ impl Family {
     /// # Errors
     /// [`ScenarioError::UnknownFamily`], which lists the names that there are.
     pub fn of_name(name: &str) -> Result<Self, ScenarioError> {
-        Self::ALL.into_iter().find(|family| family.name() == name).ok_or_else(|| {
-            let known = Self::ALL.map(Self::name).join(", ");
-            ScenarioError::UnknownFamily { name: name.to_owned(), known }
-        })
+        let known = || Self::VARIANTS.iter().map(|family| family.name()).collect::<Vec<_>>().join(", ");
+        name.parse().map_err(|_| ScenarioError::UnknownFamily { name: name.to_owned(), known: known() })
     }
 
     /// What its dial is.

@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
 use crate::plan_segment::{check_format, check_segments, segments_of};
-use crate::scenario_file::CriterionName;
 use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
@@ -34,7 +33,6 @@ pub struct PlanFile {
     /// The planner's settings.
     pub settings: serde_json::Value,
     /// What counted as solved.
-    #[serde(with = "CriterionName")]
     pub criterion: Criterion,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,

@@ -7,6 +7,7 @@ use cranny_plan::{Criterion, Goal, Problem};
 use cranny_robot::Robot;
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::Pose;
+use strum::{EnumString, IntoStaticStr};
 
 use crate::archive::Unpacked;
 use crate::{RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
@@ -48,7 +49,8 @@ pub struct OpenOptions {
 }
 
 /// The two geometries that a released scenario comes with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Geometry {
     /// The true scene: `scene.yaml` with the object library.
     Scene,
@@ -59,10 +61,7 @@ pub enum Geometry {
 impl Geometry {
     /// What flags and plan files call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Export => "export",
-        }
+        self.into()
     }
 }
 

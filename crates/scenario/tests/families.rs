@@ -13,6 +13,7 @@ use cranny_scenario::{
 };
 use cranny_shape::overlap;
 use cranny_spatial::Pose;
+use strum::VariantArray as _;
 
 fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
     write(&SetProgress { done: &|| (), stop: &AtomicBool::new(false) })
@@ -53,7 +54,7 @@ fn rests_beside_everything(scenario: &Scenario) -> bool {
 #[test]
 fn every_scenario_of_a_set_opens_with_a_free_start_and_a_free_grasp() {
     let root = tempfile::tempdir().unwrap();
-    for family in Family::ALL {
+    for &family in Family::VARIANTS {
         let folder = root.path().join(family.name());
         let report = set(family, 7, 12, &folder);
         assert_eq!((report.written.len(), report.missing), (12, 0), "{family:?}");

@@ -1,4 +1,5 @@
 use cranny_spatial::{Point, Vector, sin_cos};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 /// From where a scene is looked at, by a lens without distortion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +16,8 @@ pub struct Camera {
 
 /// The four directions from which every scenario can be looked at. The robot reaches along x of the planning
 /// frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum StandardView {
     /// From the right, somewhat ahead and above: the view that shows most.
     ThreeQuarter,
@@ -28,17 +30,9 @@ pub enum StandardView {
 }
 
 impl StandardView {
-    /// All four.
-    pub const ALL: [Self; 4] = [Self::ThreeQuarter, Self::Front, Self::Side, Self::Top];
-
     /// What flags and file names call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::ThreeQuarter => "three-quarter",
-            Self::Front => "front",
-            Self::Side => "side",
-            Self::Top => "top",
-        }
+        self.into()
     }
 
     /// Where the eye is as seen from what it looks at, in degrees: turned about z from x, and above the ground.
@@ -105,7 +99,7 @@ mod tests {
         let points: Vec<Point> = (0..8)
             .map(|i| Point::new(f64::from(i & 1) * 2.0, f64::from(i >> 1 & 1) - 3.0, f64::from(i >> 2)))
             .collect();
-        for view in StandardView::ALL {
+        for &view in StandardView::VARIANTS {
             let camera = Camera::framing(view.direction_deg(), &points, 4.0 / 3.0);
             let slope = libm::tan(0.5 * camera.height_rad);
             let reach = points.iter().map(|point| {

@@ -183,6 +183,8 @@ fn is_crossed(around: &Aabb, from: &Point, to: &Point) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use strum::VariantArray as _;
+
     use cranny_scenario::{OpenOptions, Scenario};
 
     use super::*;
@@ -214,7 +216,7 @@ mod tests {
     fn all_of_a_built_in_scenario_is_in_its_picture_on_a_sheet() {
         for entry in cranny_scenario::catalogue() {
             let scene = scene(entry.id);
-            for view in StandardView::ALL {
+            for &view in StandardView::VARIANTS {
                 let aspect = 4.0 / 3.0;
                 let camera = scene.whole_camera_from(view.direction_deg(), aspect);
                 let slope = libm::tan(0.5 * camera.height_rad);
