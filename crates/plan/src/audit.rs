@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::problem::Validity;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, NotChecked, Place, PlanError, Problem, Violation};
+use crate::{Goal, JointOffset, NotChecked, Place, PlanError, Problem, Violation};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -102,23 +102,22 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     let mut violations = Vec::new();
     // 1.
     let (joint_names, limits) = (problem.robot().joint_names(), problem.robot().limits());
+    let offset = |joint: usize, off: f64| {
+        let (joint, unit) = (joint_names[joint].clone(), limits[joint].unit);
+        JointOffset { joint, off, unit }
+    };
     for (joint, (a, b)) in first.iter().zip(problem.start()).enumerate() {
         let off = (a - b).abs();
         if off > START_TOLERANCE {
-            violations.push(Violation::Start {
-                joint: joint_names[joint].clone(),
-                off,
-                unit: limits[joint].unit,
-            });
+            violations.push(Violation::Start(offset(joint, off)));
         }
     }
     // 2.
     for (way_point, q) in path.iter().enumerate() {
-        for ((value, limits), name) in q.iter().zip(limits).zip(joint_names) {
+        for (joint, (value, limits)) in q.iter().zip(limits).enumerate() {
             let excess = (limits.lower - value).max(value - limits.upper);
             if excess > 0.0 {
-                let (joint, unit) = (name.clone(), limits.unit);
-                violations.push(Violation::JointLimit { way_point, joint, excess, unit });
+                violations.push(Violation::JointLimit { way_point, excess: offset(joint, excess) });
             }
         }
     }
@@ -187,9 +186,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((joint, off)) = nearest.filter(|(_, off)| settings.at_goal && *off > START_TOLERANCE)
             {
-                let unit = limits[joint].unit;
-                let joint = joint_names[joint].clone();
-                violations.push(Violation::Configuration { way_point, joint, off, unit });
+                violations.push(Violation::Configuration { way_point, farthest: offset(joint, off) });
             }
             None
         }

@@ -66,4 +66,4 @@ pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
-pub use violation::{Place, Violation};
+pub use violation::{JointOffset, Place, Violation};

@@ -1,33 +1,25 @@
 use std::fmt;
 
 use cranny_robot::JointUnit;
+use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use strum::IntoStaticStr;
 
 use crate::GoalError;
 
 /// One thing that is wrong with a path. It is shown in one sentence ([`fmt::Display`]); as JSON it is an object of
 /// `kind`, `edge`, `at`, `first`, `second`, `depth_m` and what the kind has besides.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Violation {
     /// The path does not begin at the start of the problem.
-    Start {
-        /// The joint.
-        joint: String,
-        /// How far it is off (m or rad).
-        off: f64,
-        /// What that is measured in.
-        unit: JointUnit,
-    },
+    Start(JointOffset),
     /// A joint is outside its limits.
     JointLimit {
         /// Which way point, from 0.
         way_point: usize,
-        /// The joint.
-        joint: String,
-        /// How far it is beyond (m or rad).
-        excess: f64,
-        /// What that is measured in.
-        unit: JointUnit,
+        /// How far it is beyond.
+        excess: JointOffset,
     },
     /// Two things touch.
     Contact {
@@ -37,6 +29,7 @@ pub enum Violation {
         depth_m: f64,
     },
     /// Under `paper`: the released check says that a way point is not free.
+    #[strum(to_string = "contact")]
     NotFree {
         /// Which way point, from 0.
         way_point: usize,
@@ -65,6 +58,7 @@ pub enum Violation {
         excess_m: f64,
     },
     /// The path does not end at a grasp.
+    #[strum(to_string = "goal")]
     Grasp {
         /// Which way point is the last.
         way_point: usize,
@@ -72,16 +66,24 @@ pub enum Violation {
         nearest: Option<GoalError>,
     },
     /// The path does not end at a goal configuration.
+    #[strum(to_string = "goal")]
     Configuration {
         /// Which way point is the last.
         way_point: usize,
         /// The joint that is farthest off from the nearest one.
-        joint: String,
-        /// How far (m or rad).
-        off: f64,
-        /// What that is measured in.
-        unit: JointUnit,
+        farthest: JointOffset,
     },
+}
+
+/// How far a joint is from where it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointOffset {
+    /// The joint.
+    pub joint: String,
+    /// How far (m or rad).
+    pub off: f64,
+    /// What that is measured in.
+    pub unit: JointUnit,
 }
 
 /// A place on an edge where two things are too close.
@@ -100,21 +102,13 @@ pub struct Place {
 impl Violation {
     /// What files and `--json` call its kind.
     pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Start { .. } => "start",
-            Self::JointLimit { .. } => "joint-limit",
-            Self::Contact { .. } | Self::NotFree { .. } => "contact",
-            Self::Clearance { .. } => "clearance",
-            Self::Unresolved { .. } => "unresolved",
-            Self::Step { .. } => "step",
-            Self::Grasp { .. } | Self::Configuration { .. } => "goal",
-        }
+        self.into()
     }
 
     /// Which edge, from 0, or way point where it is about a single one.
     pub fn edge(&self) -> usize {
         match self {
-            Self::Start { .. } => 0,
+            Self::Start(_) => 0,
             Self::JointLimit { way_point, .. }
             | Self::NotFree { way_point }
             | Self::Grasp { way_point, .. }
@@ -147,97 +141,76 @@ impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mm = |metres: f64| metres * 1e3;
         match self {
-            Self::Start { joint, off, unit } => write!(f, "{joint} is {off:.6} {unit} off the start"),
-            Self::JointLimit { way_point, joint, excess, unit } => {
-                write!(f, "way point {way_point}: {joint} is {excess:.4} {unit} beyond its limit")
+            Self::Start(JointOffset { joint, off, unit }) => {
+                write!(f, "{joint} is {off:.6} {unit} off the start")
             }
-            Self::Contact { place, depth_m } => {
-                let Place { first, second, .. } = place;
+            Self::JointLimit { way_point, excess: JointOffset { joint, off, unit } } => {
+                write!(f, "way point {way_point}: {joint} is {off:.4} {unit} beyond its limit")
+            }
+            Self::Contact { place: place @ Place { first, second, .. }, depth_m } => {
                 write!(f, "{place}: {first} is {:.3} mm deep in {second}", mm(*depth_m))
             }
             Self::NotFree { way_point } => write!(f, "way point {way_point} is not free"),
-            Self::Clearance { place, clearance_m, required_m } => {
-                let Place { first, second, .. } = place;
+            Self::Clearance { place: place @ Place { first, second, .. }, clearance_m, required_m } => {
                 let (clearance, required) = (mm(*clearance_m), mm(*required_m));
                 write!(
                     f,
                     "{place}: {first} is {clearance:.3} mm from {second}, {required:.3} mm are demanded"
                 )
             }
-            Self::Unresolved { place, .. } => {
-                let Place { first, second, .. } = place;
+            Self::Unresolved { place: place @ Place { first, second, .. }, .. } => {
                 write!(f, "{place}: {first} against {second} can be neither proven nor refuted")
             }
             Self::Step { edge, .. } => write!(f, "edge {edge} is longer than the released planners step"),
             Self::Grasp { nearest: None, .. } => write!(f, "the path ends at no grasp, for there is none"),
-            Self::Grasp {
-                nearest: Some(GoalError { grasp, translation_error_m, rotation_error_rad }),
-                ..
-            } => {
-                let (off, turned) = (mm(*translation_error_m), rotation_error_rad.to_degrees());
+            Self::Grasp { nearest: Some(nearest), .. } => {
+                let (off, turned) =
+                    (mm(nearest.translation_error_m), nearest.rotation_error_rad.to_degrees());
+                let grasp = nearest.grasp;
                 write!(f, "the path ends {off:.2} mm and {turned:.2}° from the nearest grasp, {grasp}")
             }
-            Self::Configuration { joint, off, unit, .. } => {
+            Self::Configuration { farthest: JointOffset { joint, off, unit }, .. } => {
                 write!(f, "the path ends with {joint} {off:.6} {unit} off the nearest goal")
             }
         }
     }
 }
 
-/// A violation as JSON has it. The first six keys are in all kinds.
-#[derive(Default, Serialize)]
-struct Row<'a> {
-    kind: &'static str,
-    edge: usize,
-    at: f64,
-    first: &'a str,
-    second: &'a str,
-    depth_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    off: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unit: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    clearance_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    required_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    excess_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    translation_error_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rotation_error_rad: Option<f64>,
-}
-
 impl Serialize for Violation {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let of_joint = |joint, off, unit: JointUnit| Row {
-            first: joint,
-            off: Some(off),
-            unit: Some(unit.symbol()),
-            ..Row::default()
-        };
-        let row = match self {
-            Self::Start { joint, off, unit } | Self::Configuration { joint, off, unit, .. } => {
-                of_joint(joint.as_str(), *off, *unit)
+        let place = self.place();
+        let (mut first, mut unit, mut depth_m) = (place.map_or("", |place| &place.first), None, None);
+        let figures: &[(&str, f64)] = match self {
+            Self::Start(offset)
+            | Self::JointLimit { excess: offset, .. }
+            | Self::Configuration { farthest: offset, .. } => {
+                (first, unit) = (&offset.joint, Some(offset.unit.symbol()));
+                &[("off", offset.off)]
             }
-            Self::JointLimit { joint, excess, unit, .. } => of_joint(joint, *excess, *unit),
-            Self::Contact { depth_m, .. } => Row { depth_m: Some(*depth_m), ..Row::default() },
-            Self::NotFree { .. } => Row::default(),
+            Self::Contact { depth_m: depth, .. } => {
+                depth_m = Some(depth);
+                &[]
+            }
             Self::Clearance { clearance_m, required_m, .. } => {
-                Row { clearance_m: Some(*clearance_m), required_m: Some(*required_m), ..Row::default() }
+                &[("clearance_m", *clearance_m), ("required_m", *required_m)]
             }
-            Self::Unresolved { clearance_m, .. } => Row { clearance_m: Some(*clearance_m), ..Row::default() },
-            Self::Step { excess_m, .. } => Row { excess_m: Some(*excess_m), ..Row::default() },
-            Self::Grasp { nearest, .. } => Row {
-                translation_error_m: nearest.map(|nearest| nearest.translation_error_m),
-                rotation_error_rad: nearest.map(|nearest| nearest.rotation_error_rad),
-                ..Row::default()
-            },
+            Self::Unresolved { clearance_m, .. } => &[("clearance_m", *clearance_m)],
+            Self::Step { excess_m, .. } => &[("excess_m", *excess_m)],
+            Self::Grasp { nearest: Some(nearest), .. } => &[
+                ("translation_error_m", nearest.translation_error_m),
+                ("rotation_error_rad", nearest.rotation_error_rad),
+            ],
+            Self::NotFree { .. } | Self::Grasp { nearest: None, .. } => &[],
         };
-        let at = self.place().map_or(0.0, |place| place.at);
-        let [first, second] =
-            self.place().map_or([row.first, ""], |place| [place.first.as_str(), place.second.as_str()]);
-        Row { kind: self.kind(), edge: self.edge(), at, first, second, ..row }.serialize(serializer)
+        let mut row = serializer.serialize_map(None)?;
+        row.serialize_entry("kind", self.kind())?;
+        row.serialize_entry("edge", &self.edge())?;
+        row.serialize_entry("at", &place.map_or(0.0, |place| place.at))?;
+        row.serialize_entry("first", first)?;
+        row.serialize_entry("second", place.map_or("", |place| &place.second))?;
+        row.serialize_entry("depth_m", &depth_m)?;
+        figures.iter().try_for_each(|(key, value)| row.serialize_entry(key, value))?;
+        unit.map_or(Ok(()), |unit| row.serialize_entry("unit", unit))?;
+        row.end()
     }
 }
