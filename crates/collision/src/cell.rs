@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Separation, overlap};
+use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::contact::{Collider, Contact};
@@ -341,9 +341,7 @@ impl Cell {
         let deepest = self
             .placed(pair.first, frames)
             .flat_map(|(pose_a, a)| {
-                self.placed_other(pair, frames)
-                    .into_iter()
-                    .filter_map(move |(pose_b, b)| overlap(a, &pose_a, b, &pose_b))
+                self.placed_other(pair, frames).filter_map(move |(pose_b, b)| overlap(a, &pose_a, b, &pose_b))
             })
             .max_by(|a, b| a.depth_m.total_cmp(&b.depth_m));
         let clearance_m = self.distance(pair, frames, f64::MAX).lower_m;
@@ -371,14 +369,7 @@ impl Cell {
 
     /// Whether the pair's distance is certified to reach `distance_m`.
     fn reaches(&self, pair: &Pair, frames: &LinkFrames, distance_m: f64) -> bool {
-        let first = self.placed(pair.first, frames);
-        match pair.second {
-            Other::Link { body, .. } => group_reaches(first, &self.placed(body, frames), distance_m),
-            Other::Part(index) => {
-                let part = &self.parts[index].1;
-                group_reaches(first, &std::iter::once((part.world_from_solid, &part.solid)), distance_m)
-            }
-        }
+        group_reaches(self.placed(pair.first, frames), &self.placed_other(pair, frames), distance_m)
     }
 
     /// A lower bound of the pair's distance (m) from two balls, and two boxes where the balls do not show
@@ -397,34 +388,30 @@ impl Cell {
     }
 
     pub(crate) fn distance(&self, pair: &Pair, frames: &LinkFrames, beyond_m: f64) -> Separation {
-        match pair.second {
-            Other::Link { body, .. } => {
-                group_separation(self.placed(pair.first, frames), &self.placed(body, frames), beyond_m)
-            }
-            Other::Part(index) => {
-                let part = &self.parts[index].1;
-                let placed = std::iter::once((part.world_from_solid, &part.solid));
-                group_separation(self.placed(pair.first, frames), &placed, beyond_m)
-            }
-        }
+        group_separation(self.placed(pair.first, frames), &self.placed_other(pair, frames), beyond_m)
     }
 
-    fn placed<'a>(
+    /// The solids of the first thing of a pair, where they are.
+    pub(crate) fn placed<'a>(
         &'a self,
         body: usize,
         frames: &LinkFrames,
-    ) -> impl Iterator<Item = (Pose, &'a cranny_shape::Solid)> + Clone + use<'a> {
+    ) -> impl Iterator<Item = (Pose, &'a Solid)> + Clone + use<'a> {
         self.bodies[body].placed(frames)
     }
 
-    fn placed_other<'a>(&'a self, pair: &Pair, frames: &LinkFrames) -> Vec<(Pose, &'a cranny_shape::Solid)> {
-        match pair.second {
-            Other::Link { body, .. } => self.placed(body, frames).collect(),
-            Other::Part(index) => {
-                let part = &self.parts[index].1;
-                vec![(part.world_from_solid, &part.solid)]
-            }
-        }
+    /// Those of the second.
+    pub(crate) fn placed_other<'a>(
+        &'a self,
+        pair: &Pair,
+        frames: &LinkFrames,
+    ) -> impl Iterator<Item = (Pose, &'a Solid)> + Clone + use<'a> {
+        let (link, part) = match pair.second {
+            Other::Link { body, .. } => (Some(self.placed(body, frames)), None),
+            Other::Part(index) => (None, Some(&self.parts[index].1)),
+        };
+        let part = part.map(|part| (part.world_from_solid, &part.solid));
+        link.into_iter().flatten().chain(part)
     }
 }
 

@@ -1,5 +1,5 @@
-use cranny_shape::{Solid, closest_points};
-use cranny_spatial::{Point, Pose};
+use cranny_shape::closest_points;
+use cranny_spatial::Point;
 
 use crate::cell::{Cell, Scratch};
 use crate::contact::{Collider, Contact};
@@ -58,28 +58,11 @@ impl Cell {
     }
 
     fn nearest_points(&self, pair: &Pair, scratch: &Scratch) -> Option<[Point; 2]> {
-        let firsts = self.solids_of(Collider::Link(self.bodies[pair.first].link), scratch);
-        // Of a body all parts: none is nearer than the one of the nearest pair.
-        let seconds = self.solids_of(self.other(pair), scratch);
-        let pairs = firsts.iter().flat_map(|one| seconds.iter().map(move |other| (one, other)));
+        let seconds = || self.placed_other(pair, &scratch.frames);
+        let firsts = self.placed(pair.first, &scratch.frames);
+        let pairs = firsts.flat_map(|one| seconds().map(move |other| (one, other)));
         pairs
-            .filter_map(|((pose_a, a), (pose_b, b))| closest_points(a, pose_a, b, pose_b))
+            .filter_map(|((pose_a, a), (pose_b, b))| closest_points(a, &pose_a, b, &pose_b))
             .min_by(|m, n| (m[1] - m[0]).norm_squared().total_cmp(&(n[1] - n[0]).norm_squared()))
-    }
-
-    /// The solids of a link or body where they are.
-    fn solids_of<'a>(&'a self, collider: Collider, scratch: &Scratch) -> Vec<(Pose, &'a Solid)> {
-        match collider {
-            Collider::Link(link) => {
-                let world_from_link = scratch.frames.link(link);
-                let body = self.bodies.iter().find(|body| body.link == link);
-                let shapes = body.into_iter().flat_map(|body| &body.shapes);
-                shapes.map(|(link_from_shape, solid)| (world_from_link * link_from_shape, solid)).collect()
-            }
-            Collider::Body(body) => {
-                let parts = self.world().bodies()[body].parts.iter();
-                parts.map(|part| (part.world_from_solid, &part.solid)).collect()
-            }
-        }
     }
 }

@@ -78,7 +78,7 @@ pub(crate) fn open_texts(
         (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
         _ => Vec::new(),
     };
-    let criterion = options.criterion.or(file.criterion.as_ref().map(|entry| entry.0)).unwrap_or_default();
+    let criterion = options.criterion.or(file.criterion).unwrap_or_default();
     Scenario {
         id,
         criterion,

@@ -47,7 +47,8 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     pub obstacles: Vec<BodyEntry>,
     pub target: Option<BodyEntry>,
-    pub criterion: Option<CriterionEntry>,
+    #[schemars(with = "Option<CriterionName>")]
+    pub criterion: Option<Criterion>,
 }
 
 /// A height that must be said, `null` for none.
@@ -147,23 +148,14 @@ pub(crate) struct MeshEntry {
     pub scale: Option<f64>,
 }
 
-/// How files spell a criterion.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[schemars(rename = "Criterion")]
-#[serde(remote = "Criterion", rename_all = "kebab-case")]
+/// A criterion, to the schema.
+#[derive(JsonSchema)]
+#[schemars(rename = "Criterion", rename_all = "kebab-case")]
+#[allow(dead_code)] // Nobody makes one: its names are read as those of the other.
 pub(crate) enum CriterionName {
     Exact,
     Paper,
 }
-
-/// A criterion as the value of a key.
-#[derive(Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub(crate) struct CriterionEntry(
-    #[serde(with = "CriterionName")]
-    #[schemars(with = "CriterionName")]
-    pub Criterion,
-);
 
 /// The start: a list in the order of the joints, or a value for each joint by name.
 pub(crate) enum StartEntry {
