@@ -59,5 +59,3 @@ pub use motion::{MeasuredMotion, Motion};
 pub use released::{ReleasedCheck, ReleasedScratch};
 pub use unchecked::{Unchecked, UncheckedReason};
 pub use world::{Body, Part, World};
-
-pub use cranny_robot::between;

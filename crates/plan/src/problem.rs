@@ -158,14 +158,6 @@ impl Problem {
         BaselineCheck::of(self).is_free(&self.start)
     }
 
-    /// The same problem from another start.
-    ///
-    /// # Errors
-    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] if it does not fit the robot.
-    pub fn with_start(&self, start: Vec<f64>) -> Result<Self, PlanError> {
-        Self { start, ..self.clone() }.checked()
-    }
-
     /// The same problem with another goal.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 use std::time::Instant;
 
-use cranny_collision::{Cell, Motion, Scratch, between};
+use cranny_collision::{Cell, Motion, Scratch};
+use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,8 @@
 //! bare way points.
 //!
 //! ```
-//! use cranny_scenario::{Margins, OpenOptions, Scenario};
+//! use cranny_collision::Margins;
+//! use cranny_scenario::{OpenOptions, Scenario};
 //!
 //! let scenario = Scenario::open("021", &OpenOptions::default())?;
 //! assert_eq!(scenario.grasps.len(), 200);

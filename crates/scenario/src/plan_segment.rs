@@ -56,20 +56,16 @@ impl PlanSegment {
 
     /// What this version does not know of the segment.
     fn unknown(&self) -> Option<String> {
-        if self.kind != POLYLINE {
-            return Some(format!(
-                "is of kind '{}', which this version does not know ({POLYLINE})",
-                self.kind
-            ));
-        }
-        if self.mode != REACH {
-            return Some(format!("is of mode '{}', which this version does not know ({REACH})", self.mode));
-        }
-        if let Some(object) = &self.attached {
-            return Some(format!("carries '{object}', which this version does not know"));
-        }
-        self.opening_m
-            .map(|opening_m| format!("opens the hand by {opening_m} m, which this version does not know"))
+        let unknown = if self.kind != POLYLINE {
+            format!("is of kind '{}'", self.kind)
+        } else if self.mode != REACH {
+            format!("is of mode '{}'", self.mode)
+        } else if let Some(object) = &self.attached {
+            format!("carries '{object}'")
+        } else {
+            format!("opens the hand by {} m", self.opening_m?)
+        };
+        Some(format!("{unknown}, which this version does not know ({POLYLINE}, {REACH})"))
     }
 }
 
