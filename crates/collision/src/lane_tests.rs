@@ -141,8 +141,9 @@ fn a_look_ahead_ends_at_the_first_contact() {
     for _ in 0..500 {
         let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| cell.robot().random_configuration(&mut random));
         let places = (1..=11).map(|index| f64::from(index) / 11.0);
-        let mut is_free =
-            |place: f64| cell.is_free(&crate::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch);
+        let mut is_free = |place: f64| {
+            cell.is_free(&cranny_robot::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch)
+        };
         let expected = places.clone().position(|place| !is_free(place)).unwrap_or(11);
         assert_eq!(cell.free_ahead(&a, &b, &places.collect::<Vec<_>>(), &mut scratch), expected);
     }

@@ -1,5 +1,4 @@
 use std::collections::BTreeMap;
-use std::fmt;
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -40,28 +39,21 @@ impl JointLimits {
     }
 }
 
-/// What the value of a joint is measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What the value of a joint is measured in; shown as its symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::Display, strum::IntoStaticStr)]
 pub enum JointUnit {
     /// A prismatic joint.
+    #[strum(to_string = "m")]
     Metre,
     /// A revolute joint.
+    #[strum(to_string = "rad")]
     Radian,
 }
 
 impl JointUnit {
     /// Its symbol: "m" or "rad".
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Metre => "m",
-            Self::Radian => "rad",
-        }
-    }
-}
-
-impl fmt::Display for JointUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.symbol())
+        self.into()
     }
 }
 

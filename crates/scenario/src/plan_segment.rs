@@ -74,13 +74,8 @@ impl PlanSegment {
 /// # Errors
 /// [`ScenarioError::Content`] for another.
 pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
-    match format.filter(|format| *format != PlanFile::FORMAT) {
-        None => Ok(()),
-        Some(other) => Err(fault(
-            path,
-            format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT),
-        )),
-    }
+    let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
+    Err(fault(path, format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT)))
 }
 
 /// Checks the segments of a plan that was read, or makes that of one written before there were any.
