@@ -33,10 +33,11 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All of them.
-pub const FILE_READERS: [FileReader; 25] = [
+pub const FILE_READERS: [FileReader; 26] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
+    reader("hand", "robot/hand.yaml", read_robot),
     reader("obj", "mesh/mesh.obj", |folder| read_mesh(&folder.join("mesh/mesh.obj"))),
     reader("stl", "mesh/mesh.stl", |folder| read_mesh(&folder.join("mesh/mesh.stl"))),
     reader("ply", "mesh/mesh.ply", |folder| read_mesh(&folder.join("mesh/mesh.ply"))),

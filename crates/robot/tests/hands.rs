@@ -1,0 +1,104 @@
+//! What a `hand.yaml` says of a robot's hand.
+
+use cranny_robot::{HandDescription, JointGroup, JointKind, Robot, RobotError, RobotOptions};
+
+const GRIPPER: &str = r#"<robot name="gripper"><link name="base"/><link name="flange"/>
+  <link name="palm"><collision><geometry><box size="0.1 0.1 0.04"/></geometry></collision></link>
+  <link name="jaw_a"><collision><geometry><box size="0.02 0.01 0.05"/></geometry></collision></link>
+  <link name="jaw_b"><collision><geometry><box size="0.02 0.01 0.05"/></geometry></collision></link>
+  <link name="between"/><link name="camera"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="flange"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="mount" type="fixed"><parent link="flange"/><child link="palm"/></joint>
+  <joint name="slide_a" type="prismatic"><parent link="palm"/><child link="jaw_a"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.03" velocity="1" effort="1"/></joint>
+  <joint name="slide_b" type="prismatic"><parent link="palm"/><child link="jaw_b"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.03" velocity="1" effort="1"/></joint>
+  <joint name="reach" type="fixed"><parent link="palm"/><child link="between"/><origin xyz="0 0 0.1"/></joint>
+  <joint name="see" type="fixed"><parent link="palm"/><child link="camera"/></joint>
+</robot>"#;
+
+const HAND: &str = "name: jaws
+tip: between
+fingers:
+  slide_a: {open: 0.03, closed: 0.0}
+  slide_b: {open: 0.03, closed: 0.0}
+opening_m: 0.06
+finger_depth_m: 0.04
+closing_force_n: 30
+";
+
+fn hand() -> HandDescription {
+    HandDescription::parse(HAND, "hand.yaml").unwrap()
+}
+
+fn robot(options: &RobotOptions) -> Result<Robot, RobotError> {
+    Robot::from_urdf_text(GRIPPER, "gripper.urdf", None, options)
+}
+
+#[test]
+fn a_described_hand_stands_open_and_reaches_with_its_own_frame() {
+    let options = RobotOptions { hands: vec![hand()], ..RobotOptions::default() };
+    let robot = robot(&options).unwrap();
+    assert_eq!(robot.joint_names(), ["turn"]);
+    assert_eq!(robot.links()[robot.tip()].name, "between");
+    let names: Vec<&str> = robot.hand_links().iter().map(|&link| robot.links()[link].name.as_str()).collect();
+    assert_eq!(names, ["palm", "jaw_a", "jaw_b"]);
+    let known = robot.hand().unwrap();
+    assert_eq!((known.description.opening_m, known.fingers.len()), (0.06, 2));
+    let frames = robot.frames();
+    for (finger, side) in known.fingers.iter().zip([1.0, -1.0]) {
+        assert_eq!(finger.kind, JointKind::Prismatic);
+        assert!((frames.link(finger.link).translation.y - 0.03 * side).abs() < 1e-12);
+        assert!((finger.axis_in_link.y - side).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn what_the_robot_lacks_is_left_out_and_what_is_asked_for_goes_first() {
+    let mut other = hand();
+    other.tip = Some("nowhere".into());
+    other.fingers.insert("slide_c".into(), other.fingers["slide_a"]);
+    let options = RobotOptions {
+        hands: vec![other],
+        fixed: [("slide_b".to_owned(), 0.01)].into(),
+        tip: Some("camera".into()),
+        ..RobotOptions::default()
+    };
+    let halfway = robot(&options).unwrap();
+    assert!(halfway.hand().is_none());
+    assert_eq!(halfway.links()[halfway.tip()].name, "camera");
+    let at = |name: &str| halfway.frames().link(halfway.link_index(name).unwrap()).translation.y;
+    assert!((at("jaw_a") - 0.03).abs() < 1e-12 && (at("jaw_b") + 0.01).abs() < 1e-12);
+    // Who names a finger's joint wants it to move.
+    let joints = ["turn", "slide_a"].map(str::to_owned).to_vec();
+    let options =
+        RobotOptions { hands: vec![hand()], group: JointGroup::Joints(joints), ..RobotOptions::default() };
+    assert_eq!(robot(&options).unwrap().dof(), 2);
+}
+
+#[test]
+fn a_hand_beside_the_urdf_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = folder.path().join("gripper.urdf");
+    std::fs::write(&urdf, GRIPPER).unwrap();
+    assert!(Robot::load(&urdf, &RobotOptions::default()).unwrap().hand().is_none());
+    std::fs::write(folder.path().join("hand.yaml"), HAND).unwrap();
+    let robot = Robot::load(&urdf, &RobotOptions::default()).unwrap();
+    assert_eq!(robot.hand().unwrap().description, hand());
+}
+
+#[test]
+fn a_faulty_description_is_refused_with_its_line() {
+    for (from, to, says) in [
+        ("opening_m: 0.06", "opening_m: -0.06", "hand.yaml:6: "),
+        ("closing_force_n: 30", "closing_force_n: .nan", "hand.yaml:8: "),
+        ("finger_depth_m: 0.04", "finger_depth: 0.04", "hand.yaml:7: "),
+        ("open: 0.03, closed", "open: wide, closed", "hand.yaml:4: "),
+    ] {
+        let fault = HandDescription::parse(&HAND.replacen(from, to, 1), "hand.yaml").unwrap_err().to_string();
+        assert!(fault.starts_with(says), "{fault}");
+    }
+    let fault = HandDescription::parse(" ", "hand.yaml").unwrap_err().to_string();
+    assert!(fault.contains("empty"), "{fault}");
+}
