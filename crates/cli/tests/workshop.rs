@@ -109,12 +109,13 @@ fn grasps_are_sampled_for_the_target_of_a_scenario() {
     let filtered = json(folder, &["grasps", "filter", "021", "--grasps", "ball.csv"]);
     assert_eq!(filtered["free"].as_u64(), Some(40), "{filtered}");
     refused(folder, &["grasps", "sample", "021", "--pose", "0"], &["--pose", "scenario"]);
-    // A scenario of another robot: where its gripper opens to, no file says.
+    // A scenario of another robot, whose files come along; without its hand.yaml nothing says where its gripper opens to.
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/file_readers/sound/robot/arm.urdf");
     done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
     done(folder, &["scenario", "pack", "cell"]);
     assert_eq!(json(folder, &["info", "cell.zip"])["robot"], json(folder, &["info", "cell"])["robot"]);
-    refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm"]);
+    std::fs::remove_file(folder.join("cell/robot/hand.yaml")).expect("it came along");
+    refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm", "hand.yaml"]);
 }
 
 #[test]
