@@ -3,7 +3,6 @@ use std::sync::Arc;
 use cranny_robot::{JointLimits, LinkFrames, Robot};
 use cranny_shape::overlap;
 use cranny_spatial::ROUNDING_M;
-use rayon::prelude::*;
 
 use crate::link_body::{LinkBody, group_reaches};
 use crate::pairs::{Other, Pair};
@@ -57,7 +56,7 @@ impl JointTable {
         Self { pairs: self.pairs.iter().map(|pair| begin + pair).collect(), ..self.clone() }
     }
 
-    /// The tables of all such pairs, filled on all cores.
+    /// The tables of all such pairs.
     pub fn all(robot: &Robot, bodies: &[LinkBody], pairs: &[Pair]) -> Vec<Self> {
         let mut tables: Vec<Self> = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
@@ -68,16 +67,21 @@ impl JointTable {
                 None => tables.push(Self::empty(robot, joints, index)),
             }
         }
-        // A builder each, so that a table is the same whoever fills it.
-        tables.par_iter_mut().for_each(|table| {
-            let middle: Vec<f64> = robot.limits().iter().map(|l| 0.5 * (l.lower + l.upper)).collect();
-            let (frames, travel) = (robot.frames_at(&middle), Travel::new(robot, bodies));
-            let slope = vec![0.0; robot.dof()];
-            let mut builder = Builder { robot, bodies, pairs, frames, travel, q: middle, slope };
+        let mut builder = Builder {
+            robot,
+            bodies,
+            pairs,
+            frames: robot.frames(),
+            travel: Travel::new(robot, bodies),
+            q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
+            slope: vec![0.0; robot.dof()],
+        };
+        for table in &mut tables {
+            builder.robot.forward_kinematics(&builder.q, &mut builder.frames);
             let mut cells = vec![!CONTACT; SIDE * SIDE];
             builder.fill(table, &mut cells, [0, 0], SIDE, table.all_pairs());
             table.cells = cells.into();
-        });
+        }
         tables
     }
 

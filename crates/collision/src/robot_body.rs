@@ -55,13 +55,11 @@ impl RobotBody {
         };
         let key: TableKey = pairs.iter().filter_map(of_pair).collect();
         // A thread that panicked left what was finished.
-        let known = || self.tables.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, tables)) = known().iter().find(|(other, _)| *other == key) {
+        let mut known = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tables)) = known.iter().find(|(other, _)| *other == key) {
             return tables.clone();
         }
-        // Without the lock: a core that waits for the others may be asked for the same meanwhile.
         let tables: Arc<[JointTable]> = JointTable::all(robot, &self.links, pairs).into();
-        let mut known = known();
         if known.len() == MOST_TABLES {
             known.remove(0);
         }
