@@ -48,6 +48,9 @@ pub fn run(
             (record, path, None)
         }
         (PlannerCall::BuiltIn { planner, settings: planner_settings }, None) => {
+            // A path to one goal is judged as one to any grasp.
+            let aimed =
+                goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
             let asked = cranny_solve::Request {
                 planner: Some(planner.clone()),
                 settings: planner_settings.clone(),
@@ -57,18 +60,15 @@ pub fn run(
                 },
                 seed: trial.seed,
                 keep_path: true,
-                audit: settings,
+                audit: AuditSettings { clearances: settings.clearances && aimed.is_none(), ..settings },
                 ..cranny_solve::Request::default()
             };
-            let aimed =
-                goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
             let mut end = EndOfSearch { tell, told: Ok(()) };
             let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
             let path = answer.waypoints().cloned().collect();
-            // A path to one goal is judged as one to any grasp.
             (record, path, answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),

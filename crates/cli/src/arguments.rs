@@ -105,7 +105,7 @@ pub struct TaskArguments {
     /// Check pairs of links that touch in every sample too, which are left out otherwise and named
     #[arg(long)]
     pub strict_pairs: bool,
-    /// Another robot's URDF (with SRDF and limits.yaml beside it) instead of the scenario's
+    /// Another robot's URDF (with SRDF, limits.yaml and hand.yaml beside it) instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used

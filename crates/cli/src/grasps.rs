@@ -74,7 +74,7 @@ pub struct SampleArguments {
     /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
     #[arg(long, value_name = "MU")]
     pub friction: Option<f64>,
-    /// Gripper, as YAML [default: the built-in robot's hand]
+    /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
     #[arg(long, value_name = "FILE")]
     pub gripper: Option<PathBuf>,
     /// Approach directions about each closing axis

@@ -57,7 +57,7 @@ pub enum ScenarioCommand {
   cranny plan my_shelf
   cranny scenario new my_cell --robot ur5.urdf --group manipulator --tip tool0 --package ~/ros/share
 
-The files of another robot (URDF, SRDF, limits.yaml, meshes) are copied to FOLDER/robot. What stands around it
+The files of another robot (URDF, SRDF, limits.yaml, hand.yaml, meshes) are copied to FOLDER/robot. What stands around it
 and the grasps are then to be adapted to it.")]
 pub struct NewArguments {
     /// Folder to make

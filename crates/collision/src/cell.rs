@@ -5,7 +5,7 @@ use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::contact::{Collider, Contact};
-use crate::lane_scratch::LaneScratch;
+use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_reaches, group_separation};
 use crate::motion::WorkList;
@@ -413,9 +413,4 @@ impl Cell {
         let part = part.map(|part| (part.world_from_solid, &part.solid));
         link.into_iter().flatten().chain(part)
     }
-}
-
-/// There are far fewer pairs than an index can tell apart.
-fn as_index(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }

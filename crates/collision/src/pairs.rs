@@ -26,7 +26,7 @@ pub(crate) enum Other {
 }
 
 /// All that is checked against each other, by index: every link that moves with every part, in the order of the tree;
-/// then links with links. Of the former there is no list: ten links among 10⁵ boxes make a million.
+/// then links with links. The former are counted, not listed: ten links among 10⁵ boxes make a million.
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     moving: Vec<Moving>,
@@ -34,6 +34,8 @@ pub(crate) struct Pairs {
     parts: Vec<(usize, bool)>,
     links: Vec<Pair>,
     margins: Margins,
+    /// The greatest distance that is demanded between any part and a link, and a link of the hand, in metres.
+    greatest_m: [f64; 2],
 }
 
 /// A link that moves.
@@ -76,12 +78,19 @@ impl Pairs {
             let second = Other::Link { body: second, shared_joints };
             Pair { first, second, required_m: margins.between_links() }
         };
-        Self {
+        let mut pairs = Self {
             moving: moving.map(|body| Moving { body, is_of_hand: is_of_hand(body) }).collect(),
             parts: tree.parts().iter().map(|&part| (part, is_grasped(part))).collect(),
             links: link_pairs.into_iter().map(link_pair).collect(),
             margins,
-        }
+            greatest_m: [0.0; 2],
+        };
+        pairs.greatest_m = [false, true].map(|is_of_hand| {
+            let required =
+                pairs.parts.iter().map(|(_, is_grasped)| pairs.required_m(is_of_hand && *is_grasped));
+            required.fold(0.0, f64::max)
+        });
+        pairs
     }
 
     pub fn len(&self) -> usize {
@@ -115,9 +124,7 @@ impl Pairs {
     /// Of each link that moves its pairs with parts, in order.
     pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
         self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand })| {
-            let required =
-                self.parts.iter().map(|(_, is_grasped)| self.required_m(is_of_hand && *is_grasped));
-            let required_m = required.fold(0.0, f64::max);
+            let required_m = self.greatest_m[usize::from(is_of_hand)];
             PartPairs { body, begin: index * self.parts.len(), required_m, is_of_hand }
         })
     }

@@ -7,8 +7,8 @@ use crate::Problem;
 use crate::grasp_poses::{all_open_poses, poses};
 use crate::problem::Validity;
 
-/// What the two baselines ask, which plan under either criterion, with the room to compute it in. Planners that prove
-/// what they do ask the [`Cell`] itself.
+/// What the two baselines ask, which plan under either criterion: a check with its scratch. Planners that prove what
+/// they do ask the [`Cell`] itself.
 pub(crate) enum BaselineCheck<'a> {
     Exact(&'a Cell, Box<Scratch>),
     Paper(&'a ReleasedCheck, Box<ReleasedScratch>),
@@ -30,8 +30,8 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether goals are looked at: the released planners do not.
-    pub fn looks_at_goals(&self) -> bool {
+    /// Whether goals are checked: the released planners do not.
+    pub fn checks_goals(&self) -> bool {
         matches!(self, Self::Exact(..))
     }
 

@@ -154,8 +154,8 @@ impl Search<'_> {
         let check = &mut self.check;
         let checks = &mut self.statistics.collision_checks;
         let mut is_free = |q: &[f64]| {
-            *checks += u64::from(check.looks_at_goals());
-            !check.looks_at_goals() || check.is_free(q)
+            *checks += u64::from(check.checks_goals());
+            !check.checks_goals() || check.is_free(q)
         };
         // The paper's way first: from the start, pulled towards it; then from random configurations.
         let from_start = match attempts_before {
@@ -178,7 +178,7 @@ impl Search<'_> {
     fn connect(&mut self, goal: &[f64]) -> Result<Connection, Outcome> {
         self.statistics.goals_tried += 1;
         let problem = self.problem;
-        if self.check.looks_at_goals() && !self.check.is_free(goal) {
+        if self.check.checks_goals() && !self.check.is_free(goal) {
             return Ok(Connection::GoalInvalid);
         }
         let mut trees = [SearchTree::new(problem.start()), SearchTree::new(goal)];

@@ -17,13 +17,13 @@ use crate::robot_files::{HAND, LIMITS};
 use crate::tree::Tree;
 use crate::urdf::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, HandDescription, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual,
-    MeshUse, Mover, Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
+    Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
-    /// Builds a robot from the URDF file at `path`, with the SRDF and the `limits.yaml` beside it unless
-    /// `options` name others, and the hand of the `hand.yaml` beside it before those of `options`.
+    /// Builds a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `hand.yaml`
+    /// beside it unless `options` name others.
     ///
     /// # Errors
     /// Whatever is wrong with the files or the options: see [`RobotError`].
@@ -46,8 +46,8 @@ impl Robot {
         // 1. What the files say, and that it fits together.
         let urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
-        let options = &options.with_open_hands(&tree);
         let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
+        let options = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
         let rates = parsed(options.limits.as_ref(), parse_rate_limits)?.unwrap_or_default();
         for (name, rate) in &rates {
             tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at.to_string(), name))?;
@@ -134,10 +134,7 @@ impl UrdfFile {
         let mut options = options.clone();
         options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
         options.limits = options.limits.or_else(|| beside(path.with_file_name(LIMITS)));
-        let hand = beside(path.with_file_name(HAND));
-        if let Some(hand) = parsed(hand.as_ref(), HandDescription::parse)? {
-            options.hands.insert(0, hand);
-        }
+        options.hand = options.hand.or_else(|| beside(path.with_file_name(HAND)));
         Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
     }
 }
@@ -147,7 +144,7 @@ fn read(kind: Readable, path: &Path) -> Result<String, RobotError> {
 }
 
 /// What `parse` makes of the text of a file and its name.
-fn parsed<T>(
+pub(crate) fn parsed<T>(
     source: Option<&TextSource>,
     parse: impl Fn(&str, &str) -> Result<T, RobotError>,
 ) -> Result<Option<T>, RobotError> {

@@ -348,6 +348,18 @@ pub enum RobotError {
         /// What is wrong with it.
         reason: Box<ShapeError>,
     },
+    /// A figure of a `hand.yaml` is none.
+    #[error("{at}: {attribute} of {element} is {value}, but must be a number{}", if *attribute == "open" || *attribute == "closed" { "" } else { " greater than 0" })]
+    HandFigure {
+        /// Where.
+        at: Location,
+        /// The hand or finger.
+        element: String,
+        /// Which figure.
+        attribute: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A `limits.yaml` or `hand.yaml` is malformed.
     #[error("{at}: {reason}")]
     Yaml {

@@ -3,10 +3,12 @@ use std::collections::BTreeMap;
 use cranny_spatial::Vector;
 use serde::{Deserialize, Serialize};
 
+use crate::assembly::parsed;
+use crate::joint_group::{named_group, unknown_joint, unknown_link};
 use crate::limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf::Urdf;
-use crate::{JointGroup, JointKind, Link, Location, Mover, RobotError, RobotOptions};
+use crate::{JointKind, Link, Location, Mover, RobotError, RobotOptions, Srdf};
 
 /// What a URDF does not say of a parallel hand: `hand.yaml` in the folder of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,22 +34,29 @@ impl HandDescription {
     /// Reads the text of a `hand.yaml`; `file` is the name for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::NotPositive`] for a figure
+    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
     /// that cannot be.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let hand: Self = parse_yaml(text, file)?;
+        let fault = |key: &str, element: String, attribute, value| {
+            let line = text.lines().position(|line| line.trim_start().starts_with(key));
+            let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
+            RobotError::HandFigure { at: Location { file: file.to_owned(), line }, element, attribute, value }
+        };
         for (attribute, value) in [
             ("opening_m", hand.opening_m),
             ("finger_depth_m", hand.finger_depth_m),
             ("closing_force_n", hand.closing_force_n),
         ] {
             if !(value.is_finite() && value > 0.0) {
-                let is_line = |line: &str| line.trim_start().starts_with(attribute);
-                let line = text.lines().position(is_line).map_or(1, |line| line + 1);
-                let line = u32::try_from(line).unwrap_or(u32::MAX);
-                let (at, element) =
-                    (Location { file: file.to_owned(), line }, format!("hand `{}`", hand.name));
-                return Err(RobotError::NotPositive { at, element, attribute, value });
+                return Err(fault(attribute, format!("hand `{}`", hand.name), attribute, value));
+            }
+        }
+        for (finger, range) in &hand.fingers {
+            for (attribute, value) in [("open", range.open), ("closed", range.closed)] {
+                if !value.is_finite() {
+                    return Err(fault(finger, format!("finger `{finger}`"), attribute, value));
+                }
             }
         }
         Ok(hand)
@@ -95,7 +104,7 @@ impl RobotHand {
             let (link, axis_in_link) = (tree.node_of_joint[joint], motion.axis_in_child);
             Some(RobotFinger { link, kind: motion.kind.into(), axis_in_link, range: *range })
         };
-        options.hands.iter().find_map(|description| {
+        options.known_hands.iter().find_map(|description| {
             let fingers: Option<Vec<RobotFinger>> = description.fingers.iter().map(finger).collect();
             Some(Self { description: description.clone(), fingers: fingers? })
         })
@@ -103,21 +112,39 @@ impl RobotHand {
 }
 
 impl RobotOptions {
-    /// The same where the fingers of its hands stand open, and the gripper frame is theirs, as far as the robot has
-    /// such joints and links and the options do not say otherwise.
-    pub(crate) fn with_open_hands(&self, tree: &Tree) -> Self {
+    /// The same with the robot's own hand as the first of those that are known, fingers open, and the gripper frame as
+    /// the tip, as far as the robot has such joints and links and the options do not say otherwise.
+    pub(crate) fn with_open_hands(
+        &self,
+        urdf: &Urdf,
+        tree: &Tree,
+        srdf: Option<&Srdf>,
+    ) -> Result<Self, RobotError> {
         let mut options = self.clone();
-        for HandDescription { tip, fingers, .. } in &self.hands {
+        if let Some(own) = parsed(self.hand.as_ref(), HandDescription::parse)? {
+            let place = || format!("{}: hand `{}`", urdf.file, own.name);
+            if let Some(finger) = own.fingers.keys().find(|finger| tree.joint(finger).is_none()) {
+                return Err(unknown_joint(urdf, place(), finger));
+            }
+            if let Some(tip) = own.tip.as_ref().filter(|tip| tree.node(tip).is_none()) {
+                return Err(unknown_link(urdf, place(), tip));
+            }
+            options.known_hands.insert(0, own);
+        }
+        // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
+        let group = named_group(urdf, tree, srdf, self)?;
+        let is_held = |finger: &String| {
+            let motion = |joint: usize| urdf.joints[joint].motion.as_ref();
+            let mimics = |joint| motion(joint).is_some_and(|motion| motion.mimic.is_some());
+            tree.joint(finger).is_some_and(|joint| !group.contains(&joint) && !mimics(joint))
+        };
+        for HandDescription { tip, fingers, .. } in &options.known_hands {
             options.tip = options.tip.or_else(|| tip.clone().filter(|tip| tree.node(tip).is_some()));
-            // Who names it a joint of the group wants it to move.
-            let is_in_group =
-                |finger: &String| matches!(&self.group, JointGroup::Joints(names) if names.contains(finger));
-            let is_held = |finger: &String| tree.joint(finger).is_some() && !is_in_group(finger);
             for (finger, range) in fingers.iter().filter(|(finger, _)| is_held(finger)) {
                 options.fixed.entry(finger.clone()).or_insert(range.open);
             }
         }
-        options
+        Ok(options)
     }
 }
 

@@ -45,6 +45,18 @@ impl Resolved {
     }
 }
 
+/// The joints of the group that the options name, by index; none where they name none.
+pub(crate) fn named_group(
+    urdf: &Urdf,
+    tree: &Tree,
+    srdf: Option<&Srdf>,
+    options: &RobotOptions,
+) -> Result<Vec<usize>, RobotError> {
+    let resolver = Resolver { urdf, tree, srdf, options };
+    resolver.check_names()?;
+    Ok(resolver.named_group()?.unwrap_or_default())
+}
+
 /// The error for a `name` that is not in the file.
 pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = spelling::nearest(name, urdf.joints.iter().map(|joint| joint.name.as_str()));

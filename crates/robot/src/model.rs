@@ -149,7 +149,7 @@ impl Robot {
         &self.hand_links
     }
 
-    /// What is known of the hand, if it is described ([`RobotOptions::hands`](crate::RobotOptions::hands)).
+    /// What is known of the hand, if it is described ([`RobotOptions::hand`](crate::RobotOptions::hand)).
     pub fn hand(&self) -> Option<&RobotHand> {
         self.hand.as_ref()
     }

@@ -22,9 +22,11 @@ pub struct RobotOptions {
     /// Values at which joints outside the group are held, in metres or radians. Default of a joint: 0, or
     /// the limit next to it.
     pub fixed: BTreeMap<String, f64>,
-    /// Hands that the robot may have: where it has their joints these stand open, unless `fixed` says otherwise, and
-    /// where it has their gripper frame that is its tip, unless `tip` does. What the robot lacks is left out.
-    pub hands: Vec<HandDescription>,
+    /// Its hand: where the fingers stand open, unless `fixed` says otherwise or they belong to the group, and which
+    /// frame is the tip, unless `tip` does. Default: `hand.yaml` beside the URDF, if there is one.
+    pub hand: Option<TextSource>,
+    /// Hands that the robot may have besides: of these, what it lacks is left out.
+    pub known_hands: Vec<HandDescription>,
     /// Folders in which `package://` names are looked for, before the folders above the URDF.
     pub packages: Vec<PathBuf>,
     /// What solid a mesh stands for.

@@ -38,7 +38,7 @@ fn robot(options: &RobotOptions) -> Result<Robot, RobotError> {
 
 #[test]
 fn a_described_hand_stands_open_and_reaches_with_its_own_frame() {
-    let options = RobotOptions { hands: vec![hand()], ..RobotOptions::default() };
+    let options = RobotOptions { known_hands: vec![hand()], ..RobotOptions::default() };
     let robot = robot(&options).unwrap();
     assert_eq!(robot.joint_names(), ["turn"]);
     assert_eq!(robot.links()[robot.tip()].name, "between");
@@ -60,7 +60,7 @@ fn what_the_robot_lacks_is_left_out_and_what_is_asked_for_goes_first() {
     other.tip = Some("nowhere".into());
     other.fingers.insert("slide_c".into(), other.fingers["slide_a"]);
     let options = RobotOptions {
-        hands: vec![other],
+        known_hands: vec![other],
         fixed: [("slide_b".to_owned(), 0.01)].into(),
         tip: Some("camera".into()),
         ..RobotOptions::default()
@@ -72,9 +72,31 @@ fn what_the_robot_lacks_is_left_out_and_what_is_asked_for_goes_first() {
     assert!((at("jaw_a") - 0.03).abs() < 1e-12 && (at("jaw_b") + 0.01).abs() < 1e-12);
     // Who names a finger's joint wants it to move.
     let joints = ["turn", "slide_a"].map(str::to_owned).to_vec();
-    let options =
-        RobotOptions { hands: vec![hand()], group: JointGroup::Joints(joints), ..RobotOptions::default() };
+    let options = RobotOptions {
+        known_hands: vec![hand()],
+        group: JointGroup::Joints(joints),
+        ..RobotOptions::default()
+    };
     assert_eq!(robot(&options).unwrap().dof(), 2);
+}
+
+#[test]
+fn a_finger_that_mimics_another_follows_it() {
+    let mimic = GRIPPER.replace(
+        r#"<limit lower="0" upper="0.03" velocity="1" effort="1"/></joint>
+  <joint name="reach""#,
+        r#"<limit lower="0" upper="0.03" velocity="1" effort="1"/><mimic joint="slide_a"/></joint>
+  <joint name="reach""#,
+    );
+    assert_ne!(mimic, GRIPPER);
+    let at = |options: &RobotOptions| {
+        let robot = Robot::from_urdf_text(&mimic, "gripper.urdf", None, options).unwrap();
+        robot.frames().link(robot.link_index("jaw_b").unwrap()).translation.y
+    };
+    let open = RobotOptions { known_hands: vec![hand()], ..RobotOptions::default() };
+    assert!((at(&open) + 0.03).abs() < 1e-12);
+    let closed = RobotOptions { fixed: [("slide_a".to_owned(), 0.0)].into(), ..open };
+    assert!(at(&closed).abs() < 1e-12);
 }
 
 #[test]
@@ -86,6 +108,14 @@ fn a_hand_beside_the_urdf_is_found() {
     std::fs::write(folder.path().join("hand.yaml"), HAND).unwrap();
     let robot = Robot::load(&urdf, &RobotOptions::default()).unwrap();
     assert_eq!(robot.hand().unwrap().description, hand());
+    // Of its own hand nothing is left out.
+    for (from, to, says) in
+        [("slide_b", "slide_c", "joint 'slide_c'"), ("tip: between", "tip: betwen", "'betwen'")]
+    {
+        std::fs::write(folder.path().join("hand.yaml"), HAND.replace(from, to)).unwrap();
+        let fault = Robot::load(&urdf, &RobotOptions::default()).unwrap_err().to_string();
+        assert!(fault.contains("hand `jaws`") && fault.replace('`', "'").contains(says), "{fault}");
+    }
 }
 
 #[test]
@@ -95,6 +125,11 @@ fn a_faulty_description_is_refused_with_its_line() {
         ("closing_force_n: 30", "closing_force_n: .nan", "hand.yaml:8: "),
         ("finger_depth_m: 0.04", "finger_depth: 0.04", "hand.yaml:7: "),
         ("open: 0.03, closed", "open: wide, closed", "hand.yaml:4: "),
+        (
+            "slide_b: {open: 0.03, closed: 0.0}",
+            "slide_b: {open: 0.03, closed: .inf}",
+            "hand.yaml:5: closed of finger",
+        ),
     ] {
         let fault = HandDescription::parse(&HAND.replacen(from, to, 1), "hand.yaml").unwrap_err().to_string();
         assert!(fault.starts_with(says), "{fault}");

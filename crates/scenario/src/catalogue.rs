@@ -23,8 +23,9 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
-/// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and
-/// the parameter as it is said.
+/// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its
+/// environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and the parameter
+/// as it is said.
 macro_rules! entries {
     ($($family:ident, $environment:literal, $before:literal, $after:literal {
         $($id:literal: $parameter_m:literal = $said:literal,)*

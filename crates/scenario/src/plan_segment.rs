@@ -10,12 +10,14 @@ pub struct PlanSegment {
     /// What joins the way points: `polyline`, straight lines.
     pub kind: String,
     /// What the robot does meanwhile: `reach`, the hand open and empty.
+    #[serde(default)] // Of a kind that nobody knows the kind is told, not what it lacks.
     pub mode: String,
     /// The object that the hand carries; `None` in `reach`.
     pub attached: Option<String>,
     /// How far apart the fingers are, in metres; `None`: as far as they go.
     pub opening_m: Option<f64>,
     /// One value per joint each (m, rad).
+    #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
     /// The least clearance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
     #[serde(default)]

@@ -17,7 +17,7 @@ const KNOWN_HANDS: [(&str, &str); 1] = [("panda_mobile/hand.yaml", builtin_robot
 pub(crate) fn with_known_hands(options: &RobotOptions) -> Result<RobotOptions, RobotError> {
     let mut options = options.clone();
     for (name, text) in KNOWN_HANDS {
-        options.hands.push(HandDescription::parse(text, name)?);
+        options.known_hands.push(HandDescription::parse(text, name)?);
     }
     Ok(options)
 }

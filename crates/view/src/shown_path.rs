@@ -1,5 +1,5 @@
 use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
-use cranny_robot::Robot;
+use cranny_robot::{Robot, between, distance};
 
 use crate::ViewError;
 
@@ -70,15 +70,13 @@ impl ShownPath {
         let rate_hz = within(rate_hz, path_length(waypoints) / UNTIMED_SPEED);
         let mut begin_s = 0.0;
         for edge in waypoints.windows(2) {
-            let squares = edge[0].iter().zip(&edge[1]).map(|(a, b)| (b - a) * (b - a));
-            let duration_s = squares.sum::<f64>().sqrt() / UNTIMED_SPEED;
+            let duration_s = distance(&edge[0], &edge[1]) / UNTIMED_SPEED;
             let steps = (duration_s * rate_hz).ceil().clamp(1.0, 1e5);
             // Between 1 and 10⁵.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             for step in 1..=steps as u32 {
                 let share = f64::from(step) / steps;
-                let mix = |(a, b): (&f64, &f64)| if share < 1.0 { a + (b - a) * share } else { *b };
-                path.configurations.push(edge[0].iter().zip(&edge[1]).map(mix).collect());
+                path.configurations.push(between(&edge[0], &edge[1], share).collect());
                 path.times_s.push(begin_s + duration_s * share);
             }
             begin_s += duration_s;

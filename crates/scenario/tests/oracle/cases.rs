@@ -52,7 +52,7 @@ fn case(folder: &Path) -> Case {
     let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
     assert_eq!(scenario.criterion, Criterion::Exact);
     let problem = scenario.problem(Margins::default()).unwrap();
-    let cell = problem.cell().expect("{}: not exact");
+    let cell = problem.cell().expect("the criterion is exact");
     Case {
         id: scenario.id.clone(),
         oracle: Oracle::new(scenario.robot.clone(), folder),
