@@ -222,7 +222,7 @@ impl Problem {
         }
     }
 
-    fn goal_configurations(&self) -> &[Vec<f64>] {
+    pub(crate) fn goal_configurations(&self) -> &[Vec<f64>] {
         match &self.goal {
             Goal::Grasps(_) => &[],
             Goal::Configurations(goals) => goals,

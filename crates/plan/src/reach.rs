@@ -139,16 +139,18 @@ struct Growth {
 
 impl Search<'_> {
     fn run(&mut self, goal: &Goal) -> Result<Path, Outcome> {
+        // Start and goals in one look.
         let start = self.problem.start();
-        if !self.cell.is_free(start, &mut self.scratch) {
+        let mut free = Vec::new();
+        let ends = [start, &self.problem.goal_configurations().concat()].concat();
+        self.cell.are_free(&ends, &mut self.scratch, &mut free);
+        if !free[0] {
             return Err(Outcome::StartInvalid);
         }
         self.add_root(0, start);
         match goal {
             Goal::Configurations(goals) => {
-                let mut free = Vec::new();
-                self.cell.are_free(&goals.concat(), &mut self.scratch, &mut free);
-                for (goal, _) in goals.iter().zip(&free).filter(|(_, is_free)| **is_free) {
+                for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
                     if let Some(path) = self.add_goal(goal) {
                         return Ok(path);
                     }
