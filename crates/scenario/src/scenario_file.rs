@@ -148,7 +148,7 @@ pub(crate) struct MeshEntry {
     pub scale: Option<f64>,
 }
 
-/// A criterion, to the schema.
+/// How files spell a criterion.
 #[derive(JsonSchema)]
 #[schemars(rename = "Criterion", rename_all = "kebab-case")]
 #[allow(dead_code)] // Nobody makes one: its names are read as those of the other.
