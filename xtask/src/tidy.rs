@@ -10,6 +10,7 @@ mod floors;
 mod foreign_data;
 mod machine_paths;
 mod module_names;
+mod test_files;
 mod unsafe_code;
 mod walks;
 
@@ -65,6 +66,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         file_opening::check(files),
         unsafe_code::check(members, files),
         machine_paths::check(files),
+        test_files::check(files),
         walks::check(files),
     ]
     .concat()

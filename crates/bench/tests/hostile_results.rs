@@ -1,11 +1,9 @@
 //! A file of results that somebody else made may be anything: it is refused with words, and nothing in it is run.
 
-mod fixture;
-
 use std::path::{Path, PathBuf};
 
+use crate::fixture::{information, record, trial};
 use cranny_bench::{BenchError, Results};
-use fixture::{information, record, trial};
 use rusqlite::Connection;
 
 fn folder() -> tempfile::TempDir {

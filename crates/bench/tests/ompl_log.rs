@@ -1,7 +1,5 @@
 //! Logs for OMPL's tools: what they say, and that the statistics script of the `ompl` package reads them.
 
-mod synthetic;
-
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,7 +7,7 @@ use std::process::Command;
 use cranny_bench::{BenchError, OmplLog, TrialOutcome};
 use rusqlite::Connection;
 
-use synthetic::{Campaign, campaign, empty};
+use crate::synthetic::{Campaign, campaign, empty};
 
 /// The Python of `xtask/python-requirements.txt`, which `cargo xtask test` sets up.
 fn python() -> Option<PathBuf> {

@@ -4,8 +4,6 @@
 // Figures that are copied must be the same to the last bit.
 #![allow(clippy::float_cmp)]
 
-mod synthetic;
-
 use cranny_bench::report::{Measure, Place, Summary, plots};
 use cranny_bench::{BenchError, StoredTrial, TrialOutcome};
 use cranny_plan::Criterion;
@@ -13,7 +11,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use strum::VariantArray as _;
 
-use synthetic::{Campaign, Manner, add, campaign, empty};
+use crate::synthetic::{Campaign, Manner, add, campaign, empty};
 
 /// Twenty runs of one planner on 021 with a limit of 10 s, to be changed.
 fn plain() -> Campaign {

@@ -1,12 +1,10 @@
 //! Results: what is written is read back bit by bit, nothing is there twice, and no fault is silent.
 
-mod fixture;
-
 use std::path::Path;
 
+use crate::fixture::{information, record, trial};
 use cranny_bench::{BenchError, Merged, Results, ScenarioSource, Trial, TrialOutcome, TrialRecord};
 use cranny_plan::Criterion;
-use fixture::{information, record, trial};
 use strum::VariantArray as _;
 
 fn folder() -> tempfile::TempDir {

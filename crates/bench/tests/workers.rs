@@ -1,5 +1,4 @@
 //! Whatever a worker does is an outcome of its trial, and the campaign goes on. The workers here are scripts.
-#![cfg(unix)]
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,15 +1,10 @@
 //! No file makes a reader panic: sound ones damaged at random, and the cases that fuzzing has found.
 
-mod file_readers;
-
 use std::fs;
 
-use file_readers::{FILE_READERS, FileReader, ReaderAtWork, here};
+use crate::file_readers::{FILE_READERS, FileReader, ReaderAtWork, here};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
-
-/// Where `file_readers` is, in this crate.
-const HERE: &str = "tests/file_readers";
 
 /// What happens to a file on its way.
 #[derive(Clone, Debug)]

@@ -1,6 +1,5 @@
 //! Campaigns from their page to their last line: what is wrong is said before the first trial, and what went wrong
 //! after the last.
-#![cfg(unix)]
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;

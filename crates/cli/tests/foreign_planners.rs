@@ -1,5 +1,4 @@
 //! Anybody's planner beside the built-in ones: whatever it does is recorded as what it is.
-#![cfg(unix)]
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

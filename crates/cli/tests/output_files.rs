@@ -1,5 +1,4 @@
 //! What commands write: never over somebody else's file unasked, never a part, and nothing where it fails.
-#![cfg(unix)]
 
 use std::collections::BTreeMap;
 use std::os::unix::fs::FileTypeExt as _;

@@ -1,13 +1,11 @@
 //! What is malformed is refused with a message that names it.
 
-mod fixture;
-
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::fixture::{ball, block, cell};
 use cranny_collision::{Body, Cell, CollisionError, Margins, Part, Scratch, World};
 use cranny_shape::Solid;
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
-use fixture::{ball, block, cell};
 
 fn at(x: f64) -> Pose {
     Pose::translation(x, 0.0, 0.0)

@@ -1,10 +1,8 @@
 //! The closest pair: its distance is the clearance, its points are that far apart, its depth is the deepest.
 
-mod fixture;
-
+use crate::fixture::{arm, cell, random_blocks};
 use cranny_collision::{Body, Collider};
 use cranny_spatial::{CONTACT_M, Stream};
-use fixture::{arm, cell, random_blocks};
 use proptest::prelude::*;
 
 proptest! {

@@ -1,12 +1,10 @@
 //! Single configurations: every question gives the same answer, and the distances are the true ones.
 
-mod fixture;
-
+use crate::fixture::{arm, ball, block, cell, hand, link, random_blocks};
 use cranny_collision::{Body, Cell, Collider, Margins, World};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
 use cranny_test_robots::BALL_RADIUS_M;
-use fixture::{arm, ball, block, cell, hand, link, random_blocks};
 use proptest::prelude::*;
 
 fn cases(cases: u32) -> ProptestConfig {

@@ -1,12 +1,10 @@
 //! Motions that pass something at about the distance that counts as contact: what is said of them is true.
 
-mod fixture;
-
+use crate::fixture::ball;
 use cranny_collision::{Body, Cell, Margins, Motion, World};
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
 use cranny_test_robots::BALL_RADIUS_M;
-use fixture::ball;
 
 /// Something whose upper side is the plane z = 0 about the origin, of any kind.
 fn plate(random: &mut Stream) -> Solid {

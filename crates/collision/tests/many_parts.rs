@@ -1,8 +1,6 @@
 //! A world of many parts answers as its parts do by the handful: what passes over parts that are nowhere
 //! near passes over nothing else.
 
-mod fixture;
-
 use cranny_collision::{Body, Cell};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
@@ -30,13 +28,13 @@ fn random_bodies(random: &mut Stream, count: usize) -> Vec<Body> {
 
 #[test]
 fn many_parts_answer_as_they_do_by_the_handful() {
-    let (robot, mut random) = (fixture::arm(), Stream::new(0, 0));
+    let (robot, mut random) = (crate::fixture::arm(), Stream::new(0, 0));
     let (mut free, mut proven) = (0, 0);
     for _ in 0..3 {
         let bodies = random_bodies(&mut random, 150);
         let handfuls: Vec<Cell> =
-            bodies.chunks(HANDFUL).map(|few| fixture::cell(&robot, few.to_vec(), 0.01)).collect();
-        let cell = fixture::cell(&robot, bodies, 0.01);
+            bodies.chunks(HANDFUL).map(|few| crate::fixture::cell(&robot, few.to_vec(), 0.01)).collect();
+        let cell = crate::fixture::cell(&robot, bodies, 0.01);
         let mut scratch = cell.scratch();
         let mut scratches: Vec<_> = handfuls.iter().map(Cell::scratch).collect();
 
@@ -53,7 +51,7 @@ fn many_parts_answer_as_they_do_by_the_handful() {
         }
         for ends in configurations.chunks(2 * robot.dof()) {
             let (a, target) = ends.split_at(robot.dof());
-            let b = &fixture::between(a, target, 0.1);
+            let b = &crate::fixture::between(a, target, 0.1);
             let expected = handfuls
                 .iter()
                 .zip(&mut scratches)

@@ -1,12 +1,10 @@
 //! How much clearance is demanded between what.
 
-mod fixture;
-
+use crate::fixture::{arm, ball, block, cell, hand, link};
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose};
 use cranny_test_robots::BALL_RADIUS_M;
-use fixture::{arm, ball, block, cell, hand, link};
 
 #[test]
 fn a_link_nearer_than_the_margin_is_not_free() {

@@ -1,12 +1,10 @@
 //! Straight motions: verdicts, their symmetry, and the least distance on the way.
 
-mod fixture;
-
+use crate::fixture::{arm, ball, between, block, cell, random_blocks};
 use cranny_collision::{Body, Motion};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
 use cranny_test_robots::BALL_RADIUS_M;
-use fixture::{arm, ball, between, block, cell, random_blocks};
 use proptest::prelude::*;
 
 /// How far `least_clearance` may lie below the truth, in metres.

@@ -1,14 +1,12 @@
 //! What the check of the released planners lets pass, and the exact one does not.
 
-mod fixture;
-
 use std::sync::Arc;
 
+use crate::fixture::{FOLDED, arm, ball, block, cell, link};
 use cranny_collision::{Body, Cell, ReleasedCheck, World};
 use cranny_robot::Robot;
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Vector};
-use fixture::{FOLDED, arm, ball, block, cell, link};
 
 fn both(robot: &Arc<Robot>, bodies: Vec<Body>) -> (ReleasedCheck, Cell) {
     let surfaces = ReleasedCheck::surfaces_of(&World::new(bodies.clone()).expect("good poses"));

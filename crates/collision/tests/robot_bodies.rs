@@ -1,13 +1,11 @@
 //! What depends on a robot alone is worked out once, and every cell of it answers as if it had been alone.
 
-mod fixture;
-
 use std::sync::Arc;
 
+use crate::fixture::{arm, random_blocks};
 use cranny_collision::{Body, Cell, Margins, World};
 use cranny_robot::Robot;
 use cranny_spatial::Stream;
-use fixture::{arm, random_blocks};
 
 fn cell(robot: &Arc<Robot>, bodies: &[Body], margin_m: f64) -> Cell {
     let world = World::new(bodies.to_vec()).expect("finite poses");

@@ -1,12 +1,10 @@
 //! Which links are checked against each other.
 
-mod fixture;
-
 use std::sync::Arc;
 
+use crate::fixture::{FOLDED, arm, cell, robot};
 use cranny_collision::{Cell, Collider, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
-use fixture::{FOLDED, arm, cell, robot};
 
 /// A base with a bare hub that carries two arms; the left one has a forearm of the given radius.
 fn two_arms(forearm_radius_m: f64, srdf: &str) -> Cell {
@@ -119,8 +117,10 @@ fn a_pair_is_checked_once_it_was_seen_free() {
 #[test]
 fn a_link_that_stands_still_in_a_body_is_named() {
     let robot = arm();
-    let bodies =
-        vec![fixture::block("table", [0.0, 0.0, 0.0], [0.5; 3]), fixture::block("far", [9.0; 3], [0.1; 3])];
+    let bodies = vec![
+        crate::fixture::block("table", [0.0, 0.0, 0.0], [0.5; 3]),
+        crate::fixture::block("far", [9.0; 3], [0.1; 3]),
+    ];
     let cell = cell(&robot, bodies, 0.0);
     let still = robot.ancestors(0).is_empty() && !robot.links()[0].collisions.is_empty();
     let named: Vec<_> = cell.unchecked().iter().map(|u| [u.first, u.second].map(|c| cell.name(c))).collect();
@@ -132,7 +132,7 @@ fn a_link_that_stands_still_in_a_body_is_named() {
 fn links_that_no_joint_moves_against_each_other_are_left_out() {
     let robot = arm();
     let cell = cell(&robot, Vec::new(), 0.0);
-    let hand = fixture::hand(&robot);
+    let hand = crate::fixture::hand(&robot);
     assert!(cell.self_pairs().iter().all(|(a, b)| !(hand.contains(a) && hand.contains(b))));
     assert!(names(&cell).contains(&["left_finger", "lower"]));
 }

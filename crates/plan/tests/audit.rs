@@ -1,12 +1,10 @@
 //! What a judge finds in paths that are known to be wrong, and in what way.
 
-mod fixture;
-
+use crate::fixture::{ball, block, exact, grasps, paper};
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
 use cranny_plan::{Audit, Goal, Problem, Violation, audit, path_length};
 use cranny_spatial::{CONTACT_M, Pose, Vector};
-use fixture::{ball, block, exact, grasps, paper};
 
 /// Of the ball, in metres.
 const RADIUS_M: f64 = 0.05;

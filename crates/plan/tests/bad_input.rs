@@ -1,12 +1,10 @@
 //! What is malformed is an error that names it, not an outcome.
 
-mod fixture;
-
+use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, paper};
 use cranny_collision::{CollisionError, Margins, World};
 use cranny_plan::{
     Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Unobserved, audit, planner, planner_names,
 };
-use fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, paper};
 
 fn built(start: Vec<f64>, goal: Goal) -> Result<Problem, PlanError> {
     Problem::exact(ball(), World::default(), None, start, goal, Margins::default())

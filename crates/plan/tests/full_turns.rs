@@ -1,15 +1,13 @@
 //! Joints that can stand several turns apart: paths do not wind.
 
-mod fixture;
-
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use crate::fixture::block;
 use cranny_collision::{Margins, World};
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_plan::{Budget, Goal, Outcome, Problem, ShortcutSettings, Unobserved, audit, planner, shortcut};
 use cranny_robot::{Robot, RobotOptions};
-use fixture::block;
 
 /// An arm of six joints that turn by 2π either way, as many arms of today do.
 fn arm() -> Arc<Robot> {

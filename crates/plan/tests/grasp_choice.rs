@@ -1,9 +1,7 @@
 //! How J⁺-RRT picks grasps by their score.
 
-mod fixture;
-
+use crate::fixture::{START, arm, easy_grasps, exact, grasp_out_of_reach, grasps, still_life};
 use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved, audit};
-use fixture::{START, arm, easy_grasps, exact, grasp_out_of_reach, grasps, still_life};
 
 fn assert_solves(scores: [Option<f64>; 3]) {
     let scored =

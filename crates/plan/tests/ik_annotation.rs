@@ -1,16 +1,14 @@
 //! What becomes of every grasp of a set.
 
-mod fixture;
-
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use cranny_collision::Cell;
-use cranny_plan::{IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, annotate_ik};
-use cranny_spatial::PoseDifference;
-use fixture::{
+use crate::fixture::{
     OBJECT, START, arm, block, easy_grasps, exact, grasp_at, grasp_out_of_reach, grasps, off, paper,
     still_life,
 };
+use cranny_collision::Cell;
+use cranny_plan::{IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, annotate_ik};
+use cranny_spatial::PoseDifference;
 
 const SETTINGS: IkAnnotationSettings =
     IkAnnotationSettings { method: IkMethod::Restarts, solutions: 3, attempts: 300, seed: 4 };

@@ -1,15 +1,13 @@
 //! What going on after the first path promises.
 
-mod fixture;
-
 use std::time::Duration;
 
+use crate::fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use cranny_grasp::Grasp;
 use cranny_plan::{
     Budget, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem, ShortcutSettings,
     Unobserved, audit, default_planner, optimise, planner, shortcut,
 };
-use fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use proptest::prelude::*;
 
 const FOR_EVER: Duration = Duration::from_hours(1);
@@ -163,7 +161,7 @@ fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     for weight in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(PathCost::new(&arm(), weight), Err(PlanError::ScoreWeight { .. })), "{weight}");
     }
-    let problem = fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()));
+    let problem = crate::fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()));
     let ik_rrt = planner("ik-rrt").expect("a baseline");
     let settings = OptimiseSettings::default();
     let refused =

@@ -1,16 +1,14 @@
 //! What every planner of the registry promises.
 
-mod fixture;
-
 use std::time::Duration;
 
+use crate::fixture::{
+    START, arm, ball, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life,
+    walled_in,
+};
 use cranny_plan::{
     Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Unobserved, audit, planner,
     planner_names,
-};
-use fixture::{
-    START, arm, ball, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life,
-    walled_in,
 };
 
 /// The names of those that also reach for configurations.
@@ -24,7 +22,7 @@ fn bits(report: &PlanReport) -> Vec<Vec<u64>> {
 }
 
 fn under_paper() -> Problem {
-    fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()))
+    crate::fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()))
 }
 
 fn assert_solves(name: &str, problem: &Problem, seed: u64) -> PlanReport {

@@ -1,9 +1,7 @@
 //! What shortening a path promises.
 
-mod fixture;
-
+use crate::fixture::{START, arm, ball, block, easy, exact, plan};
 use cranny_plan::{Goal, PlanError, Problem, ShortcutSettings, audit, path_length, shortcut};
-use fixture::{START, arm, ball, block, easy, exact, plan};
 
 fn settings(seed: u64) -> ShortcutSettings {
     ShortcutSettings { seed, ..ShortcutSettings::default() }
@@ -63,7 +61,12 @@ fn a_path_of_one_way_point_stays_as_it_is() {
 
 #[test]
 fn what_is_not_proven_is_not_shortened() {
-    let problem = fixture::paper(&arm(), Vec::new(), &START, fixture::grasps(fixture::easy_grasps()));
+    let problem = crate::fixture::paper(
+        &arm(),
+        Vec::new(),
+        &START,
+        crate::fixture::grasps(crate::fixture::easy_grasps()),
+    );
     let refused = shortcut(&problem, &[START.to_vec()], settings(0));
     assert!(matches!(refused, Err(PlanError::Goal { .. })), "{refused:?}");
 }

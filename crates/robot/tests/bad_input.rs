@@ -1,7 +1,5 @@
 //! Every fixture of `tests/fixtures/bad` is refused with a message that says where and what.
 
-mod fixture;
-
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -67,16 +65,16 @@ fn assert_says(message: &str, file: &str, line: u32, parts: &[&str]) {
 }
 
 fn arm_with(change: impl FnOnce(&mut RobotOptions)) -> RobotError {
-    let mut options = fixture::mobile_arm_options();
+    let mut options = crate::fixture::mobile_arm_options();
     change(&mut options);
-    Robot::load(&fixture::path("mobile_arm/mobile_arm.urdf"), &options).expect_err("a bad option")
+    Robot::load(&crate::fixture::path("mobile_arm/mobile_arm.urdf"), &options).expect_err("a bad option")
 }
 
 #[test]
 fn every_bad_urdf_is_refused_where_it_is_wrong() {
     for (file, line, parts) in URDF {
         let options = RobotOptions { packages: vec!["given".into()], ..RobotOptions::default() };
-        let error = Robot::load(&fixture::path("bad").join(file), &options).expect_err(file);
+        let error = Robot::load(&crate::fixture::path("bad").join(file), &options).expect_err(file);
         assert_says(&error.to_string(), file, *line, parts);
     }
 }
@@ -85,7 +83,7 @@ fn every_bad_urdf_is_refused_where_it_is_wrong() {
 fn every_bad_srdf_is_refused_where_it_is_wrong() {
     for (file, line, parts) in SRDF {
         let error = arm_with(|options| {
-            options.srdf = Some(TextSource::Path(fixture::path("bad").join(file)));
+            options.srdf = Some(TextSource::Path(crate::fixture::path("bad").join(file)));
             if file.contains("group") || file.contains("chain") {
                 options.group = JointGroup::Srdf("arm".to_owned());
             }
@@ -98,7 +96,7 @@ fn every_bad_srdf_is_refused_where_it_is_wrong() {
 fn every_bad_limits_file_is_refused_where_it_is_wrong() {
     for (file, line, parts) in LIMITS {
         let error = arm_with(|options| {
-            options.limits = Some(TextSource::Path(fixture::path("bad").join(file)));
+            options.limits = Some(TextSource::Path(crate::fixture::path("bad").join(file)));
         });
         assert_says(&error.to_string(), file, *line, parts);
     }
@@ -108,7 +106,7 @@ fn every_bad_limits_file_is_refused_where_it_is_wrong() {
 fn every_bad_fixture_is_in_a_table() {
     let listed: BTreeSet<String> =
         [URDF, SRDF, LIMITS].into_iter().flatten().map(|(file, ..)| (*file).to_owned()).collect();
-    let present: BTreeSet<String> = std::fs::read_dir(fixture::path("bad"))
+    let present: BTreeSet<String> = std::fs::read_dir(crate::fixture::path("bad"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
@@ -161,7 +159,7 @@ fn options_that_do_not_fit_the_robot_name_what_does_not() {
 fn a_missing_file_and_a_mesh_without_a_folder_are_named() {
     let error = Robot::load(Path::new("absent.urdf"), &RobotOptions::default()).unwrap_err();
     assert!(error.to_string().starts_with("absent.urdf: cannot be read"), "{error}");
-    let text = std::fs::read_to_string(fixture::path("bad/missing_mesh.urdf")).unwrap();
+    let text = std::fs::read_to_string(crate::fixture::path("bad/missing_mesh.urdf")).unwrap();
     let error = Robot::from_urdf_text(&text, "inline", None, &RobotOptions::default()).unwrap_err();
     assert!(error.to_string().starts_with("inline:6: link `b`"), "{error}");
 }

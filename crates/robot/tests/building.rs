@@ -1,7 +1,5 @@
 //! What a robot knows about itself after it was built from its files.
 
-mod fixture;
-
 use std::path::Path;
 
 use cranny_robot::{
@@ -16,7 +14,7 @@ fn names(robot: &Robot, pairs: &[(usize, usize)]) -> Vec<(String, String)> {
 
 #[test]
 fn the_arm_has_its_joints_limits_and_rates_in_the_order_of_q() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     assert_eq!(robot.name(), "mobile_arm");
     assert_eq!(robot.dof(), 9);
     assert_eq!(robot.joint_names()[..3], ["base_y", "base_x", "joint1"]);
@@ -32,7 +30,7 @@ fn the_arm_has_its_joints_limits_and_rates_in_the_order_of_q() {
 
 #[test]
 fn links_come_after_their_parents_and_know_what_moves_them() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     for (index, link) in robot.links().iter().enumerate() {
         assert!(link.parent.is_none_or(|parent| parent < index));
         assert_eq!(link.parent.is_none(), index == robot.root());
@@ -45,7 +43,7 @@ fn links_come_after_their_parents_and_know_what_moves_them() {
     assert_eq!(movers("link0"), [0, 1]);
     assert_eq!(movers("right_finger"), (0..9).collect::<Vec<_>>());
     // A mimic joint counts towards its master, with the factor of the whole chain of mimicry.
-    let mimic = fixture::mimic();
+    let mimic = crate::fixture::mimic();
     let movers: Vec<_> = mimic.ancestors(4).iter().map(|mover| (mover.joint, mover.multiplier)).collect();
     assert_eq!(movers, [(0, 1.0), (0, -0.5), (1, 1.0), (0, -1.0)]);
     assert!(mimic.ancestors(4).iter().all(|mover| (mover.axis_in_child.norm() - 1.0).abs() < 1e-12));
@@ -53,12 +51,14 @@ fn links_come_after_their_parents_and_know_what_moves_them() {
 
 #[test]
 fn held_fingers_stand_open_whether_one_or_both_are_named() {
-    let mut options = fixture::mobile_arm_options();
+    let mut options = crate::fixture::mobile_arm_options();
     options.fixed.insert("right_finger_joint".to_owned(), 0.04);
-    let robots =
-        [fixture::mobile_arm(), Robot::load(&fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap()];
+    let robots = [
+        crate::fixture::mobile_arm(),
+        Robot::load(&crate::fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap(),
+    ];
     for robot in robots {
-        let frames = robot.frames_at(&fixture::HOME);
+        let frames = robot.frames_at(&crate::fixture::HOME);
         let hand_from = |link: &str| {
             let frame = |name: &str| frames.link(robot.link_index(name).unwrap());
             frame("hand").inverse() * frame(link)
@@ -70,7 +70,7 @@ fn held_fingers_stand_open_whether_one_or_both_are_named() {
 
 #[test]
 fn links_are_adjacent_across_bare_ones_and_not_across_solid_ones() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let pairs = names(&robot, robot.adjacent_pairs());
     let has = |first: &str, second: &str| pairs.contains(&(first.to_owned(), second.to_owned()));
     assert!(has("platform", "link0") && has("link6", "link7"));
@@ -83,13 +83,13 @@ fn links_are_adjacent_across_bare_ones_and_not_across_solid_ones() {
 
 #[test]
 fn the_srdf_gives_pairs_states_groups_and_the_tip() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let pairs = names(&robot, robot.disabled_pairs());
     assert_eq!(pairs, [("link0".into(), "link2".into()), ("link6".into(), "hand".into())]);
     assert_eq!(robot.group_state("ready"), None, "it says nothing of the base");
     let load = |group: &str| {
         let options = RobotOptions { group: JointGroup::Srdf(group.to_owned()), ..RobotOptions::default() };
-        Robot::load(&fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap()
+        Robot::load(&crate::fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap()
     };
     let arm = load("arm");
     assert_eq!(arm.dof(), 7);
@@ -102,8 +102,8 @@ fn the_srdf_gives_pairs_states_groups_and_the_tip() {
 
 #[test]
 fn without_an_srdf_the_tip_is_the_bare_leaf_below_the_most_joints() {
-    let text = std::fs::read_to_string(fixture::path("mobile_arm/mobile_arm.urdf")).unwrap();
-    let options = RobotOptions { tip: None, ..fixture::mobile_arm_options() };
+    let text = std::fs::read_to_string(crate::fixture::path("mobile_arm/mobile_arm.urdf")).unwrap();
+    let options = RobotOptions { tip: None, ..crate::fixture::mobile_arm_options() };
     let robot = Robot::from_urdf_text(&text, "text", None, &options).unwrap();
     assert_eq!(robot.links()[robot.tip()].name, "grasp_frame");
     assert_eq!(robot.limits()[0].acceleration, None, "a text has no file beside it");
@@ -112,12 +112,13 @@ fn without_an_srdf_the_tip_is_the_bare_leaf_below_the_most_joints() {
 #[test]
 fn a_group_of_names_keeps_their_order_and_holds_the_rest() {
     let group = ["joint3", "joint1"].map(str::to_owned).to_vec();
-    let options = RobotOptions { group: JointGroup::Joints(group.clone()), ..fixture::mobile_arm_options() };
-    let robot = Robot::load(&fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap();
+    let options =
+        RobotOptions { group: JointGroup::Joints(group.clone()), ..crate::fixture::mobile_arm_options() };
+    let robot = Robot::load(&crate::fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap();
     assert_eq!(robot.joint_names(), group);
     assert_eq!(robot.ancestors(robot.tip()).iter().map(|mover| mover.joint).collect::<Vec<_>>(), [1, 0]);
     // All others stand where the whole arm's stand, joint 4 at the limit next to 0.
-    let whole = fixture::mobile_arm();
+    let whole = crate::fixture::mobile_arm();
     let (mut frames, mut whole_frames) = (robot.frames(), whole.frames());
     robot.forward_kinematics(&[0.3, -0.2], &mut frames);
     whole.forward_kinematics(&[0.0, 0.0, -0.2, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0], &mut whole_frames);
@@ -128,8 +129,8 @@ fn a_group_of_names_keeps_their_order_and_holds_the_rest() {
 
 #[test]
 fn limits_are_closed_and_exclude_nan() {
-    let robot = fixture::mobile_arm();
-    let mut q = fixture::HOME;
+    let robot = crate::fixture::mobile_arm();
+    let mut q = crate::fixture::HOME;
     q[0] = 1.0;
     assert!(robot.within_limits(&q));
     q[0] = 1.0 + f64::EPSILON;
@@ -137,7 +138,7 @@ fn limits_are_closed_and_exclude_nan() {
     assert_eq!(robot.first_limit_violation(&q), Some(violation));
     q[0] = f64::NAN;
     assert!(!robot.within_limits(&q));
-    let lead = fixture::mimic().limits()[0];
+    let lead = crate::fixture::mimic().limits()[0];
     assert_eq!((lead.lower, lead.upper), (-CONTINUOUS_LIMIT_RAD, CONTINUOUS_LIMIT_RAD));
 }
 
@@ -147,7 +148,7 @@ fn a_mesh_is_found_in_its_package_scaled_and_kept() {
     std::fs::create_dir_all(&folder).unwrap();
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     std::fs::write(folder.join("tetrahedron.obj"), tetrahedron).unwrap();
-    let text = std::fs::read_to_string(fixture::path("bad/missing_package_mesh.urdf"))
+    let text = std::fs::read_to_string(crate::fixture::path("bad/missing_package_mesh.urdf"))
         .unwrap()
         .replace("absent.stl\"", "meshes/tetrahedron.obj\" scale=\"2 2 2\"");
     for meshes in [MeshUse::Hull, MeshUse::Solid] {
@@ -163,7 +164,7 @@ fn a_mesh_is_found_in_its_package_scaled_and_kept() {
 
 #[test]
 fn every_released_robot_loads() {
-    let Some(data) = fixture::data_folder("loading the released robots") else { return };
+    let Some(data) = crate::fixture::data_folder("loading the released robots") else { return };
     let names = [
         "panda",
         "mobile_panda",
@@ -192,24 +193,24 @@ fn every_released_robot_loads() {
 #[test]
 fn a_robot_is_shared_between_threads() {
     fn assert_shared<T: Send + Sync>(_: &T) {}
-    assert_shared(&fixture::mobile_arm());
+    assert_shared(&crate::fixture::mobile_arm());
 }
 
 #[test]
 fn texts_stand_in_for_files() {
     let text = |name: &str| TextSource::Text {
         name: name.to_owned(),
-        text: std::fs::read_to_string(fixture::path("mobile_arm").join(name)).unwrap(),
+        text: std::fs::read_to_string(crate::fixture::path("mobile_arm").join(name)).unwrap(),
     };
-    let urdf = std::fs::read_to_string(fixture::path("mobile_arm/mobile_arm.urdf")).unwrap();
+    let urdf = std::fs::read_to_string(crate::fixture::path("mobile_arm/mobile_arm.urdf")).unwrap();
     let options = RobotOptions {
         srdf: Some(text("mobile_arm.srdf")),
         limits: Some(text("limits.yaml")),
-        ..fixture::mobile_arm_options()
+        ..crate::fixture::mobile_arm_options()
     };
     let robot = Robot::from_urdf_text(&urdf, "built-in", None, &options).unwrap();
-    assert_eq!(robot.limits(), fixture::mobile_arm().limits());
-    assert_eq!(robot.disabled_pairs(), fixture::mobile_arm().disabled_pairs());
+    assert_eq!(robot.limits(), crate::fixture::mobile_arm().limits());
+    assert_eq!(robot.disabled_pairs(), crate::fixture::mobile_arm().disabled_pairs());
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! Forward kinematics against the `k` crate, which shares no code with this one.
 
-mod fixture;
-
 use std::path::Path;
 
 use cranny_robot::{Robot, RobotOptions};
@@ -42,12 +40,16 @@ fn assert_agrees_with_k(robot: &Robot, urdf: &Path, others: &[(&str, f64)]) {
 #[test]
 fn all_links_of_the_arm_are_where_k_puts_them() {
     let fingers = [("left_finger_joint", 0.04), ("right_finger_joint", 0.04)];
-    assert_agrees_with_k(&fixture::mobile_arm(), &fixture::path("mobile_arm/mobile_arm.urdf"), &fingers);
+    assert_agrees_with_k(
+        &crate::fixture::mobile_arm(),
+        &crate::fixture::path("mobile_arm/mobile_arm.urdf"),
+        &fingers,
+    );
 }
 
 #[test]
 fn all_links_of_the_released_panda_are_where_k_puts_them() {
-    let Some(data) = fixture::data_folder("forward kinematics of the released Panda") else { return };
+    let Some(data) = crate::fixture::data_folder("forward kinematics of the released Panda") else { return };
     let path = data.join("jogramop/robots/franka_panda/mobile_panda.urdf");
     let options = RobotOptions {
         tip: Some("panda_grasptarget".to_owned()),
@@ -62,7 +64,7 @@ fn all_links_of_the_released_panda_are_where_k_puts_them() {
 
 #[test]
 fn mimic_joints_follow_with_factor_and_offset() {
-    let robot = fixture::mimic();
+    let robot = crate::fixture::mimic();
     assert_eq!(robot.joint_names(), ["lead", "slide"]);
     let (value, shift) = (0.7, 0.3);
     let frames = robot.frames_at(&[value, shift]);

@@ -1,7 +1,5 @@
 //! Attempts of inverse kinematics that run side by side.
 
-mod fixture;
-
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, IkSolution, Robot};
 use cranny_spatial::{Pose, PoseDifference, Stream};
 use proptest::prelude::*;
@@ -18,7 +16,7 @@ fn solve(robot: &Robot, seed: u64) -> Vec<(Pose, Option<IkSolution>)> {
     let mut targets = Vec::new();
     for attempt in 0..IK_BATCH {
         let parts: Vec<f64> = (0..robot.dof()).map(|_| random.uniform()).collect();
-        targets.push(tip_at(robot, &fixture::within_limits(robot, &parts)));
+        targets.push(tip_at(robot, &crate::fixture::within_limits(robot, &parts)));
         batch.draw(attempt, &targets[attempt], &mut random);
     }
     batch.run(IK_BATCH);
@@ -30,7 +28,7 @@ proptest! {
 
     #[test]
     fn each_solution_reaches_its_own_target(seed in 0u64..100_000) {
-        let robot = fixture::mobile_arm();
+        let robot = crate::fixture::mobile_arm();
         let settings = IkSettings::default();
         let found = solve(&robot, seed);
         for (target, solution) in &found {
@@ -48,12 +46,12 @@ proptest! {
 
 #[test]
 fn tighter_tolerances_than_single_precision_are_met_too() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let settings =
         IkSettings { translation_tolerance_m: 1e-9, rotation_tolerance_rad: 1e-9, ..IkSettings::default() };
     let mut batch = IkBatch::new(&robot, settings);
     let mut random = Stream::new(2, 0);
-    let target = tip_at(&robot, &fixture::HOME);
+    let target = tip_at(&robot, &crate::fixture::HOME);
     let found: Vec<IkSolution> = (0..20)
         .flat_map(|_| {
             (0..IK_BATCH).for_each(|attempt| batch.draw(attempt, &target, &mut random));
@@ -67,11 +65,11 @@ fn tighter_tolerances_than_single_precision_are_met_too() {
 
 #[test]
 fn a_target_that_is_no_number_or_out_of_reach_has_no_solution() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let mut batch = IkBatch::new(&robot, IkSettings::default());
     let mut random = Stream::new(2, 0);
     for shift in [f64::NAN, f64::INFINITY, 5.0] {
-        let mut target = tip_at(&robot, &fixture::HOME);
+        let mut target = tip_at(&robot, &crate::fixture::HOME);
         target.translation.vector.x += shift;
         (0..IK_BATCH).for_each(|attempt| batch.draw(attempt, &target, &mut random));
         batch.run(IK_BATCH);
@@ -82,5 +80,5 @@ fn a_target_that_is_no_number_or_out_of_reach_has_no_solution() {
 #[test]
 #[should_panic(expected = "no more attempts than lanes")]
 fn more_attempts_than_lanes_are_refused() {
-    IkBatch::new(&fixture::mobile_arm(), IkSettings::default()).run(IK_BATCH + 1);
+    IkBatch::new(&crate::fixture::mobile_arm(), IkSettings::default()).run(IK_BATCH + 1);
 }

@@ -1,7 +1,5 @@
 //! Solutions reach their targets, are distinct and repeatable, and most reachable targets are reached.
 
-mod fixture;
-
 use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, IkSolver, Robot, solve_restarts};
 use cranny_spatial::{Pose, PoseDifference, Stream};
 use proptest::prelude::*;
@@ -13,7 +11,7 @@ fn tip_at(robot: &Robot, q: &[f64]) -> Pose {
 
 fn random_target(robot: &Robot, random: &mut Stream) -> Pose {
     let parts: Vec<f64> = (0..robot.dof()).map(|_| random.uniform()).collect();
-    tip_at(robot, &fixture::within_limits(robot, &parts))
+    tip_at(robot, &crate::fixture::within_limits(robot, &parts))
 }
 
 proptest! {
@@ -21,9 +19,9 @@ proptest! {
 
     #[test]
     fn a_solution_reaches_its_target(parts in prop::collection::vec(0.0..1.0, 9), seed in 0u64..1000) {
-        let robot = fixture::mobile_arm();
+        let robot = crate::fixture::mobile_arm();
         let settings = IkSearchSettings::default();
-        let target = tip_at(&robot, &fixture::within_limits(&robot, &parts));
+        let target = tip_at(&robot, &crate::fixture::within_limits(&robot, &parts));
         let mut search = IkSearch::new(&robot, &target, settings);
         let found = search.next_solution(&mut Stream::new(seed, 0), 200, &mut |_| true).cloned();
         let found = found.expect("a reachable target is reached from one of 200 starts");
@@ -38,8 +36,8 @@ proptest! {
 
 #[test]
 fn solutions_are_distinct_accepted_and_the_same_again() {
-    let robot = fixture::mobile_arm();
-    let target = tip_at(&robot, &fixture::HOME);
+    let robot = crate::fixture::mobile_arm();
+    let target = tip_at(&robot, &crate::fixture::HOME);
     let settings = IkSearchSettings::default();
     let solve = |seed| {
         let mut left_only = |q: &[f64]| q[0] < 0.0;
@@ -63,7 +61,7 @@ fn solutions_are_distinct_accepted_and_the_same_again() {
 #[test]
 fn two_thirds_of_random_starts_succeed_within_ten_steps_on_average() {
     // What planners count on when they budget attempts.
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let mut random = Stream::new(11, 0);
     let (mut attempts, mut successes, mut iterations) = (0, 0, 0);
     for _ in 0..100 {
@@ -83,10 +81,10 @@ fn two_thirds_of_random_starts_succeed_within_ten_steps_on_average() {
 
 #[test]
 fn a_small_displacement_is_solved_near_the_start() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let mut solver = IkSolver::new(&robot, IkSettings::default());
     let mut random = Stream::new(5, 0);
-    let home = tip_at(&robot, &fixture::HOME);
+    let home = tip_at(&robot, &crate::fixture::HOME);
     for _ in 0..100 {
         let mut nudge = || random.uniform_between(-0.03, 0.03);
         let (translation, rotation) = (
@@ -94,25 +92,28 @@ fn a_small_displacement_is_solved_near_the_start() {
             cranny_spatial::Vector::new(nudge(), nudge(), nudge()),
         );
         let target = home * Pose::new(translation, rotation);
-        let found = solver.solve_from(&target, &fixture::HOME).expect("a near target is reached");
-        let farthest = found.q.iter().zip(&fixture::HOME).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let found = solver.solve_from(&target, &crate::fixture::HOME).expect("a near target is reached");
+        let farthest =
+            found.q.iter().zip(&crate::fixture::HOME).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(farthest < 0.3, "{farthest}");
         let mut fresh = IkSolver::new(&robot, IkSettings::default());
-        assert_eq!(fresh.solve_from(&target, &fixture::HOME), Some(found));
+        assert_eq!(fresh.solve_from(&target, &crate::fixture::HOME), Some(found));
     }
 }
 
 #[test]
 fn the_pull_keeps_solutions_nearer_to_the_start() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let mut random = Stream::new(6, 0);
     let targets: Vec<Pose> = (0..200).map(|_| random_target(&robot, &mut random)).collect();
     let mean_distance = |pull| {
         let mut solver = IkSolver::new(&robot, IkSettings { pull, ..IkSettings::default() });
         let distances: Vec<f64> = targets
             .iter()
-            .filter_map(|target| solver.solve_from(target, &fixture::HOME))
-            .map(|found| found.q.iter().zip(&fixture::HOME).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
+            .filter_map(|target| solver.solve_from(target, &crate::fixture::HOME))
+            .map(|found| {
+                found.q.iter().zip(&crate::fixture::HOME).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            })
             .collect();
         eprintln!("pull {pull}: {} of {} targets", distances.len(), targets.len());
         distances.iter().sum::<f64>() / distances.len() as f64
@@ -123,8 +124,8 @@ fn the_pull_keeps_solutions_nearer_to_the_start() {
 
 #[test]
 fn a_target_out_of_reach_has_no_solution() {
-    let robot = fixture::mobile_arm();
-    let mut target = tip_at(&robot, &fixture::HOME);
+    let robot = crate::fixture::mobile_arm();
+    let mut target = tip_at(&robot, &crate::fixture::HOME);
     target.translation.vector.x += 5.0;
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     assert!(search.next_solution(&mut Stream::new(1, 0), 100, &mut |_| true).is_none());
@@ -133,13 +134,13 @@ fn a_target_out_of_reach_has_no_solution() {
     target.translation.vector.y = f64::NAN;
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     assert!(search.next_solution(&mut Stream::new(1, 0), 100, &mut |_| true).is_none());
-    assert!(search.next_from(&fixture::HOME, &mut |_| true).is_none());
+    assert!(search.next_from(&crate::fixture::HOME, &mut |_| true).is_none());
 }
 
 #[test]
 fn an_arm_with_few_joints_is_solved_too() {
     // Two joints cannot reach a given pose in general, but one of their own they can.
-    let robot = fixture::mimic();
+    let robot = crate::fixture::mimic();
     let target = tip_at(&robot, &[0.4, -0.2]);
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     let found = search.next_solution(&mut Stream::new(1, 0), 200, &mut |_| true).expect("solvable");

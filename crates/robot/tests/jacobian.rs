@@ -1,7 +1,5 @@
 //! Jacobians against central differences of the pose, and the laws of the pseudo-inverse.
 
-mod fixture;
-
 use cranny_robot::{DampedInverse, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::nalgebra::DVector;
 use proptest::prelude::*;
@@ -34,10 +32,10 @@ proptest! {
 
     #[test]
     fn jacobian_is_the_derivative_of_the_pose(parts in prop::collection::vec(0.0..1.0, 9), link in 0usize..16) {
-        let arm = fixture::mobile_arm();
-        assert_is_derivative(&arm, &fixture::within_limits(&arm, &parts), link);
-        let mimic = fixture::mimic();
-        assert_is_derivative(&mimic, &fixture::within_limits(&mimic, &parts), link % 5);
+        let arm = crate::fixture::mobile_arm();
+        assert_is_derivative(&arm, &crate::fixture::within_limits(&arm, &parts), link);
+        let mimic = crate::fixture::mimic();
+        assert_is_derivative(&mimic, &crate::fixture::within_limits(&mimic, &parts), link % 5);
     }
 
     #[test]
@@ -47,8 +45,8 @@ proptest! {
         damping in 0.01..1.0,
     ) {
         // The oracle is the other form of the same minimum, over joints: (JᵀJ + λ²I) dq = Jᵀ v.
-        let robot = fixture::mobile_arm();
-        let frames = robot.frames_at(&fixture::within_limits(&robot, &parts));
+        let robot = crate::fixture::mobile_arm();
+        let frames = robot.frames_at(&crate::fixture::within_limits(&robot, &parts));
         let mut jacobian = robot.empty_jacobian();
         robot.jacobian(&frames, robot.tip(), &mut jacobian);
         let twist = Twist::from(twist);
@@ -65,8 +63,8 @@ proptest! {
         parts in prop::collection::vec(0.0..1.0, 9),
         motion in prop::collection::vec(-1.0..1.0, 9),
     ) {
-        let robot = fixture::mobile_arm();
-        let frames = robot.frames_at(&fixture::within_limits(&robot, &parts));
+        let robot = crate::fixture::mobile_arm();
+        let frames = robot.frames_at(&crate::fixture::within_limits(&robot, &parts));
         let mut jacobian = robot.empty_jacobian();
         robot.jacobian(&frames, robot.tip(), &mut jacobian);
         let mut projected = motion.clone();
@@ -83,7 +81,7 @@ proptest! {
 
 #[test]
 fn an_undamped_step_at_a_singularity_is_refused() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let mut jacobian = robot.empty_jacobian();
     let mut step = vec![7.0; 9];
     assert!(!damped_pseudo_inverse_step(&jacobian, &Twist::repeat(1.0), 0.0, &mut step));

@@ -1,7 +1,5 @@
 //! How far a robot reaches at most, against where its tip comes to be.
 
-mod fixture;
-
 use cranny_robot::{Robot, RobotOptions};
 use cranny_spatial::Point;
 use proptest::prelude::*;
@@ -25,7 +23,7 @@ const ODD: &str = "<robot name='odd'>
 
 fn robots() -> Vec<Robot> {
     let odd = Robot::from_urdf_text(ODD, "odd.urdf", None, &RobotOptions::default()).unwrap();
-    vec![fixture::mobile_arm(), fixture::mimic(), odd]
+    vec![crate::fixture::mobile_arm(), crate::fixture::mimic(), odd]
 }
 
 fn tip_at(robot: &Robot, q: &[f64]) -> Point {
@@ -39,7 +37,7 @@ proptest! {
     #[test]
     fn no_tip_is_ever_beyond_the_bound(parts in prop::collection::vec(prop_oneof![0.0..=1.0, Just(0.0), Just(1.0)], 9)) {
         for robot in robots() {
-            let tip = tip_at(&robot, &fixture::within_limits(&robot, &parts));
+            let tip = tip_at(&robot, &crate::fixture::within_limits(&robot, &parts));
             let bound = robot.reach_bound();
             prop_assert!(bound.beyond_m(&tip) == 0.0, "{}: {} beyond", robot.name(), bound.beyond_m(&tip));
         }
@@ -49,13 +47,13 @@ proptest! {
 #[test]
 fn the_bound_of_an_arm_is_near_its_reach() {
     // The farthest tip from the axis of the first joint, while the base stands still, by sampling.
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let bound = robot.reach_bound();
     let mut random = cranny_spatial::Stream::new(3, 0);
     let mut farthest_m: f64 = 0.0;
     for _ in 0..100_000 {
         let parts: Vec<f64> = (0..9).map(|joint| if joint < 2 { 0.5 } else { random.uniform() }).collect();
-        let tip = tip_at(&robot, &fixture::within_limits(&robot, &parts));
+        let tip = tip_at(&robot, &crate::fixture::within_limits(&robot, &parts));
         farthest_m = farthest_m.max((tip - bound_middle(&robot)).norm());
     }
     let radius_m = bound.radius_m();
@@ -70,7 +68,7 @@ fn bound_middle(robot: &Robot) -> Point {
 
 #[test]
 fn a_point_outside_is_beyond_by_what_it_is_outside() {
-    let robot = fixture::mobile_arm();
+    let robot = crate::fixture::mobile_arm();
     let bound = robot.reach_bound();
     let middle = bound_middle(&robot);
     // The base reaches 1 m to each side in x and y.

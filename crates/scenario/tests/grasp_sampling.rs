@@ -2,17 +2,14 @@
 //!
 //! These tests need the released data, and say so where they are skipped.
 
-#[path = "../examples/released_object/mod.rs"]
-mod released_object;
-
 use std::collections::BTreeMap;
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
+use crate::released_object::ReleasedObject;
 use cranny_grasp::{COVERAGE_THRESHOLD, Grasp, covering_subset, nearest_distances, sample_grasps};
 use cranny_shape::{Surface, TriangleSoup, VolumeMoments, stable_poses};
 use cranny_spatial::{Point, Vector};
-use released_object::ReleasedObject;
 
 fn data() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(|data| PathBuf::from(data).join("jogramop"));
@@ -32,10 +29,10 @@ fn two_thousand_grasps_cover_the_released_ones_and_each_passes_the_test_of_its_c
     for id in ["011", "015", "021", "025", "031", "035", "041", "045"] {
         let released = ReleasedObject::open(&data, id).unwrap();
         let surface = Surface::new(&released.mesh).unwrap();
-        let settings = released.settings(released_object::CANDIDATES, 0);
+        let settings = released.settings(crate::released_object::CANDIDATES, 0);
         let found = sample_grasps(&surface, &settings, &|_| true, &mut |_| true).unwrap().grasps;
         let all: Vec<Grasp> = found.iter().map(|sampled| sampled.grasp).collect();
-        let chosen = covering_subset(&all, released_object::KEPT, COVERAGE_THRESHOLD);
+        let chosen = covering_subset(&all, crate::released_object::KEPT, COVERAGE_THRESHOLD);
         assert_eq!(chosen.len(), 2000);
         let kept: Vec<Grasp> = chosen.into_iter().map(|index| all[index]).collect();
         for grasp in &kept {

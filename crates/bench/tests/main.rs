@@ -1,0 +1,13 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod fixture;
+mod synthetic;
+
+mod campaign_file;
+mod hostile_results;
+mod ompl_log;
+mod report;
+mod results;
+mod statistics;
+#[cfg(unix)]
+mod workers;

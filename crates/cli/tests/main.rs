@@ -1,0 +1,26 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod file_readers;
+
+/// Where `file_readers` is, in this crate.
+const HERE: &str = "tests/file_readers";
+
+mod any_bytes;
+mod bad_input;
+mod bench;
+mod bench_report;
+#[cfg(unix)]
+mod campaigns;
+mod commands;
+mod false_proofs;
+#[cfg(unix)]
+mod foreign_planners;
+mod moveit;
+mod optimisation;
+#[cfg(unix)]
+mod output_files;
+mod pictures;
+mod scenarios;
+mod trajectory;
+mod view;
+mod workshop;

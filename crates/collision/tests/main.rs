@@ -1,0 +1,14 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod fixture;
+
+mod bad_input;
+mod closest;
+mod distances;
+mod grazing;
+mod many_parts;
+mod margins;
+mod motions;
+mod released_check;
+mod robot_bodies;
+mod self_pairs;

@@ -1,0 +1,15 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod fixture;
+
+mod audit;
+mod bad_input;
+mod full_turns;
+mod grasp_choice;
+mod hand_filter;
+mod ik_annotation;
+mod optimise;
+mod planners;
+mod shortcut;
+mod trajectory;
+mod twins;

@@ -1,0 +1,13 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod fixture;
+
+mod bad_input;
+mod building;
+mod forward_kinematics;
+mod hands;
+mod ik_batch;
+mod inverse_kinematics;
+mod jacobian;
+mod lane_kinematics;
+mod reach_bound;

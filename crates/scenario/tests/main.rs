@@ -1,0 +1,25 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+#[path = "../examples/released_object/mod.rs"]
+mod released_object;
+
+mod alteration;
+mod bad_input;
+mod blends;
+mod built_in;
+mod built_in_robot;
+mod cancelled_windings;
+mod checking;
+mod families;
+mod grasp_sampling;
+mod identity;
+mod ik_statuses;
+mod lanes;
+mod moveit;
+mod objects;
+mod other_robots;
+mod own_layout;
+mod released_layout;
+mod round_trip;
+mod sharing;
+mod twenty;

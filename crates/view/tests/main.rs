@@ -1,0 +1,6 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+mod page_data;
+mod page_server;
+mod pictures;
+mod scenes;
