@@ -23,7 +23,8 @@ impl Margins {
         Ok(())
     }
 
-    pub(crate) fn between_links(&self) -> f64 {
-        CONTACT_M.max(self.margin_m)
+    /// The least distance that counts as free, in metres.
+    pub(crate) fn required_m(&self, is_grasp: bool) -> f64 {
+        CONTACT_M.max(if is_grasp { self.grasp_margin_m } else { self.margin_m })
     }
 }

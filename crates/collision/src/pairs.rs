@@ -1,5 +1,4 @@
 use cranny_robot::Robot;
-use cranny_spatial::CONTACT_M;
 
 use crate::Margins;
 use crate::link_body::LinkBody;
@@ -76,7 +75,7 @@ impl Pairs {
         let link_pair = |(first, second): (usize, usize)| {
             let shared_joints = shared_joints(robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
-            Pair { first, second, required_m: margins.between_links() }
+            Pair { first, second, required_m: margins.required_m(false) }
         };
         let mut pairs = Self {
             moving: moving.map(|body| Moving { body, is_of_hand: is_of_hand(body) }).collect(),
@@ -87,7 +86,7 @@ impl Pairs {
         };
         pairs.greatest_m = [false, true].map(|is_of_hand| {
             let required =
-                pairs.parts.iter().map(|(_, is_grasped)| pairs.required_m(is_of_hand && *is_grasped));
+                pairs.parts.iter().map(|(_, is_grasped)| margins.required_m(is_of_hand && *is_grasped));
             required.fold(0.0, f64::max)
         });
         pairs
@@ -135,11 +134,7 @@ impl Pairs {
 
     fn with_part(&self, Moving { body, is_of_hand }: Moving, place: usize) -> Pair {
         let (part, is_grasped) = self.parts[place];
-        let required_m = self.required_m(is_of_hand && is_grasped);
+        let required_m = self.margins.required_m(is_of_hand && is_grasped);
         Pair { first: body, second: Other::Part(part), required_m }
-    }
-
-    fn required_m(&self, is_grasp: bool) -> f64 {
-        CONTACT_M.max(if is_grasp { self.margins.grasp_margin_m } else { self.margins.margin_m })
     }
 }

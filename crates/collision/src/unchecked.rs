@@ -103,7 +103,7 @@ impl Cell {
         let body_of = |link: usize| self.bodies.iter().find(|body| body.link == link);
         let is_free = |&(first, second): &(usize, usize)| {
             let (Some(first), Some(second)) = (body_of(first), body_of(second)) else { return false };
-            let required_m = self.margins().between_links();
+            let required_m = self.margins().required_m(false);
             let gap = group_separation(first.placed(frames), &second.placed(frames), required_m);
             gap.lower_m >= required_m
         };

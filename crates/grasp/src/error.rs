@@ -21,6 +21,18 @@ pub enum GraspError {
         /// What would fit.
         range: &'static str,
     },
+    /// A figure of a hand is out of its range.
+    #[error("the {figure} of a hand must be between {least} and {greatest}, but is {value}")]
+    HandFigure {
+        /// Which figure; its name says the unit.
+        figure: &'static str,
+        /// The offending value.
+        value: f64,
+        /// The least that fits.
+        least: f64,
+        /// The greatest that fits.
+        greatest: f64,
+    },
     /// There is no surface to sample on.
     #[error("the object's triangles have no area, so there is nothing to grasp")]
     NoArea,

@@ -1,6 +1,8 @@
-use cranny_shape::{ShapeError, Solid};
+use cranny_shape::Solid;
 use cranny_spatial::{Pose, Vector};
 use serde::{Deserialize, Serialize};
+
+use crate::GraspError;
 
 /// A parallel hand with its fingers open, as solids in the gripper frame: x across the fingers, y the axis on which they
 /// close, z the approach direction. Turned by half a turn about z it is the same hand.
@@ -49,34 +51,65 @@ pub struct BoxHand {
     pub tip_ahead_m: f64,
     /// The palm's sizes along x, y, z.
     pub palm_size_m: [f64; 3],
-    /// With what the pads press on what they hold, in newtons.
+    /// With what the pads press on what they hold, in newtons. Default: 40, what small hands can do, between the least
+    /// of a Robotiq 2F-85 (20) and what a Franka hand holds for long (70).
     #[serde(default = "default_closing_force_n")]
     pub closing_force_n: f64,
 }
 
-/// What small hands can do: between a Robotiq 2F-85's least (20 N) and a Panda's continuous force (70 N).
 fn default_closing_force_n() -> f64 {
     40.0
 }
+
+impl Default for BoxHand {
+    /// About the sizes of a Franka hand.
+    fn default() -> Self {
+        Self {
+            name: "boxes".to_owned(),
+            opening_m: 0.08,
+            finger_width_m: 0.02,
+            finger_thickness_m: 0.015,
+            finger_length_m: 0.0536,
+            tip_ahead_m: 0.007,
+            palm_size_m: [0.06, 0.204, 0.066],
+            closing_force_n: default_closing_force_n(),
+        }
+    }
+}
+
+/// What a length of a hand can be, in metres, and a force, in newtons.
+const LENGTHS_M: (f64, f64) = (1e-6, 10.0);
+const FORCES_N: (f64, f64) = (1e-3, 1e6);
 
 impl BoxHand {
     /// The hand of these boxes.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] for a size that is none.
-    pub fn hand(&self) -> Result<Hand, ShapeError> {
-        let is_force = self.closing_force_n.is_finite() && self.closing_force_n > 0.0;
-        for (what, value, is_sound) in [
-            ("the opening", self.opening_m, self.opening_m > 0.0),
-            ("the closing force", self.closing_force_n, is_force),
-            ("how far the tips are ahead", self.tip_ahead_m, self.tip_ahead_m.is_finite()),
+    /// [`GraspError::HandFigure`] for a figure out of range: lengths lie in [1 µm, 10 m], the closing force in
+    /// [1 mN, 1 MN], and the tips at most 10 m from the origin.
+    ///
+    /// # Panics
+    /// Never: sizes in this range are those of a box.
+    pub fn hand(&self) -> Result<Hand, GraspError> {
+        let [palm_x_m, palm_y_m, palm_z_m] = self.palm_size_m;
+        for (figure, value, (least, greatest)) in [
+            ("opening_m", self.opening_m, LENGTHS_M),
+            ("finger_width_m", self.finger_width_m, LENGTHS_M),
+            ("finger_thickness_m", self.finger_thickness_m, LENGTHS_M),
+            ("finger_length_m", self.finger_length_m, LENGTHS_M),
+            ("tip_ahead_m", self.tip_ahead_m, (-LENGTHS_M.1, LENGTHS_M.1)),
+            ("first palm_size_m", palm_x_m, LENGTHS_M),
+            ("second palm_size_m", palm_y_m, LENGTHS_M),
+            ("third palm_size_m", palm_z_m, LENGTHS_M),
+            ("closing_force_n", self.closing_force_n, FORCES_N),
         ] {
-            if !is_sound {
-                return Err(ShapeError::Size { what, value });
+            if !(least..=greatest).contains(&value) {
+                return Err(GraspError::HandFigure { figure, value, least, greatest });
             }
         }
-        let cuboid = |center: Vector, size: Vector| -> Result<(Pose, Solid), ShapeError> {
-            Ok((Pose::translation(center.x, center.y, center.z), Solid::cuboid(size * 0.5)?))
+        let cuboid = |center: Vector, size: Vector| {
+            let solid = Solid::cuboid(size * 0.5).expect("the sizes are positive");
+            (Pose::translation(center.x, center.y, center.z), solid)
         };
         let finger_size = Vector::new(self.finger_width_m, self.finger_thickness_m, self.finger_length_m);
         let out_m = 0.5 * (self.opening_m + self.finger_thickness_m);
@@ -87,9 +120,9 @@ impl BoxHand {
         Ok(Hand {
             name: self.name.clone(),
             parts: vec![
-                cuboid(Vector::new(0.0, 0.0, palm_z), palm_size)?,
-                cuboid(Vector::new(0.0, out_m, finger_z), finger_size)?,
-                cuboid(Vector::new(0.0, -out_m, finger_z), finger_size)?,
+                cuboid(Vector::new(0.0, 0.0, palm_z), palm_size),
+                cuboid(Vector::new(0.0, out_m, finger_z), finger_size),
+                cuboid(Vector::new(0.0, -out_m, finger_z), finger_size),
             ],
             fingers: vec![
                 Finger { parts: 1..2, stroke_m: stroke_m(1.0) },

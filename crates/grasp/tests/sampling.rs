@@ -234,16 +234,7 @@ fn settings_that_are_none_are_refused() {
 
 #[test]
 fn a_gripper_of_boxes_leaves_its_opening_free() {
-    let boxes = BoxHand {
-        name: "boxes".into(),
-        opening_m: 0.08,
-        finger_width_m: 0.02,
-        finger_thickness_m: 0.015,
-        finger_length_m: 0.0536,
-        tip_ahead_m: 0.007,
-        palm_size_m: [0.06, 0.204, 0.066],
-        closing_force_n: 40.0,
-    };
+    let boxes = BoxHand::default();
     let hand = boxes.hand().unwrap();
     assert_eq!(hand.parts.len(), 3);
     assert!((hand.finger_depth_m - 0.0466).abs() < 1e-12);
@@ -253,11 +244,13 @@ fn a_gripper_of_boxes_leaves_its_opening_free() {
         // Closed on nothing, each pad is in the middle.
         assert!((finger.stroke_m + pose.translation.y.signum() * 0.04 * Vector::y()).norm() < 1e-12);
     }
-    for bad in [
-        BoxHand { finger_width_m: -0.01, ..boxes.clone() },
-        BoxHand { opening_m: 0.0, ..boxes.clone() },
-        BoxHand { closing_force_n: f64::NAN, ..boxes.clone() },
+    for (bad, says) in [
+        (BoxHand { finger_width_m: -0.01, ..boxes.clone() }, "the finger_width_m of a hand must be between"),
+        (BoxHand { opening_m: f64::INFINITY, ..boxes.clone() }, "opening_m"),
+        (BoxHand { closing_force_n: f64::NAN, ..boxes.clone() }, "closing_force_n"),
+        (BoxHand { palm_size_m: [0.1, 5e-324, 0.1], ..boxes.clone() }, "second palm_size_m"),
     ] {
-        assert!(bad.hand().is_err(), "{bad:?}");
+        let fault = bad.hand().unwrap_err().to_string();
+        assert!(fault.contains(says), "{fault}");
     }
 }

@@ -69,6 +69,9 @@ impl Problem {
     /// # Errors
     /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not
     /// fit the robot, [`PlanError::Collision`] for a negative margin.
+    ///
+    /// # Panics
+    /// If the world has no body `target`.
     pub fn exact(
         robot: Arc<Robot>,
         world: World,

@@ -6,21 +6,8 @@ use cranny_plan::HandFilter;
 use cranny_shape::{Solid, Surface, TriangleSoup, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
 
-fn gripper() -> BoxHand {
-    BoxHand {
-        name: "boxes".into(),
-        opening_m: 0.08,
-        finger_width_m: 0.02,
-        finger_thickness_m: 0.015,
-        finger_length_m: 0.0536,
-        tip_ahead_m: 0.007,
-        palm_size_m: [0.06, 0.204, 0.066],
-        closing_force_n: 40.0,
-    }
-}
-
 fn hand() -> Hand {
-    gripper().hand().unwrap()
+    BoxHand::default().hand().unwrap()
 }
 
 fn world(bodies: Vec<Body>) -> World {

@@ -348,8 +348,8 @@ pub enum RobotError {
         /// What is wrong with it.
         reason: Box<ShapeError>,
     },
-    /// A figure of a `hand.yaml` is none.
-    #[error("{at}: {attribute} of {element} is {value}, but must be a number{}", if *attribute == "open" || *attribute == "closed" { "" } else { " greater than 0" })]
+    /// A figure of a `hand.yaml` cannot be.
+    #[error("{at}: {attribute} of {element} is {value}, but must be {range}")]
     HandFigure {
         /// Where.
         at: Location,
@@ -359,6 +359,8 @@ pub enum RobotError {
         attribute: &'static str,
         /// Its value.
         value: f64,
+        /// What would fit.
+        range: String,
     },
     /// A `limits.yaml` or `hand.yaml` is malformed.
     #[error("{at}: {reason}")]

@@ -4,7 +4,7 @@ use cranny_spatial::Vector;
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::parsed;
-use crate::joint_group::{named_group, unknown_joint, unknown_link};
+use crate::joint_group::{named_group, range, unknown_joint, unknown_link};
 use crate::limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf::Urdf;
@@ -38,29 +38,55 @@ impl HandDescription {
     /// that cannot be.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let hand: Self = parse_yaml(text, file)?;
-        let fault = |key: &str, element: String, attribute, value| {
-            let line = text.lines().position(|line| line.trim_start().starts_with(key));
-            let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
-            RobotError::HandFigure { at: Location { file: file.to_owned(), line }, element, attribute, value }
-        };
+        let of_hand = || format!("hand `{}`", hand.name);
         for (attribute, value) in [
             ("opening_m", hand.opening_m),
             ("finger_depth_m", hand.finger_depth_m),
             ("closing_force_n", hand.closing_force_n),
         ] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(fault(attribute, format!("hand `{}`", hand.name), attribute, value));
+                let (at, range) = (line_of(text, file, attribute), "a number greater than 0".to_owned());
+                return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
             }
         }
-        for (finger, range) in &hand.fingers {
-            for (attribute, value) in [("open", range.open), ("closed", range.closed)] {
-                if !value.is_finite() {
-                    return Err(fault(finger, format!("finger `{finger}`"), attribute, value));
+        if hand.fingers.is_empty() {
+            let (at, range) = (line_of(text, file, "fingers"), "at least 1".to_owned());
+            let (element, attribute) = (of_hand(), "the number of fingers");
+            return Err(RobotError::HandFigure { at, element, attribute, value: 0.0, range });
+        }
+        hand.check_fingers(text, file, |_| (f64::MIN, f64::MAX))?;
+        Ok(hand)
+    }
+
+    /// Whether the joint of each finger can stand where it is to stand, open and closed; `limits` by its name.
+    fn check_fingers(
+        &self,
+        text: &str,
+        file: &str,
+        limits: impl Fn(&str) -> (f64, f64),
+    ) -> Result<(), RobotError> {
+        for (finger, places) in &self.fingers {
+            for (attribute, value) in [("open", places.open), ("closed", places.closed)] {
+                let (lower, upper) = limits(finger);
+                if !(lower..=upper).contains(&value) {
+                    let (at, element) = (line_of(text, file, finger), format!("finger `{finger}`"));
+                    let range = match lower {
+                        f64::MIN => "a number".to_owned(),
+                        _ => format!("between {lower} and {upper}, the limits of the joint"),
+                    };
+                    return Err(RobotError::HandFigure { at, element, attribute, value, range });
                 }
             }
         }
-        Ok(hand)
+        Ok(())
     }
+}
+
+/// The line of a text that begins with a key.
+fn line_of(text: &str, file: &str, key: &str) -> Location {
+    let line = text.lines().position(|line| line.trim_start().starts_with(key));
+    let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
+    Location { file: file.to_owned(), line }
 }
 
 /// Where the joint of a finger stands (m, rad).
@@ -121,7 +147,14 @@ impl RobotOptions {
         srdf: Option<&Srdf>,
     ) -> Result<Self, RobotError> {
         let mut options = self.clone();
-        if let Some(own) = parsed(self.hand.as_ref(), HandDescription::parse)? {
+        let motion = |finger: &str| urdf.joints[tree.joint(finger)?].motion.as_ref();
+        let limits = |finger: &str| motion(finger).map_or((f64::MIN, f64::MAX), range);
+        let own = parsed(self.hand.as_ref(), |text, file| {
+            let own = HandDescription::parse(text, file)?;
+            own.check_fingers(text, file, limits)?;
+            Ok(own)
+        })?;
+        if let Some(own) = own {
             let place = || format!("{}: hand `{}`", urdf.file, own.name);
             if let Some(finger) = own.fingers.keys().find(|finger| tree.joint(finger).is_none()) {
                 return Err(unknown_joint(urdf, place(), finger));
@@ -134,9 +167,8 @@ impl RobotOptions {
         // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
         let group = named_group(urdf, tree, srdf, self)?;
         let is_held = |finger: &String| {
-            let motion = |joint: usize| urdf.joints[joint].motion.as_ref();
-            let mimics = |joint| motion(joint).is_some_and(|motion| motion.mimic.is_some());
-            tree.joint(finger).is_some_and(|joint| !group.contains(&joint) && !mimics(joint))
+            let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());
+            tree.joint(finger).is_some_and(|joint| !group.contains(&joint)) && !mimics
         };
         for HandDescription { tip, fingers, .. } in &options.known_hands {
             options.tip = options.tip.or_else(|| tip.clone().filter(|tip| tree.node(tip).is_some()));

@@ -382,13 +382,13 @@ pub enum ScenarioError {
         /// The offending value.
         value: f64,
     },
-    /// A gripper has a size that is none.
+    /// A gripper has a figure that cannot be.
     #[error("{}: {reason}", path.display())]
-    GripperSize {
+    GripperFigure {
         /// The gripper's file.
         path: PathBuf,
-        /// Which size.
-        reason: cranny_shape::ShapeError,
+        /// Which figure.
+        reason: cranny_grasp::GraspError,
     },
     /// A scenario's robot is nowhere.
     #[error("{at}: there is no robot '{name}': it is neither 'panda_mobile' nor a file ({})", path.display())]

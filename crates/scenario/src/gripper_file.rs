@@ -8,8 +8,8 @@ use crate::{ScenarioError, yaml};
 ///
 /// # Errors
 /// [`ScenarioError::Yaml`] with file and line, [`ScenarioError::Unreadable`], or
-/// [`ScenarioError::GripperSize`] for a size that is none.
+/// [`ScenarioError::GripperFigure`] for a figure out of range.
 pub fn read_gripper(path: &Path) -> Result<Hand, ScenarioError> {
     let boxes: BoxHand = yaml::read_argument(path)?;
-    boxes.hand().map_err(|reason| ScenarioError::GripperSize { path: path.to_owned(), reason })
+    boxes.hand().map_err(|reason| ScenarioError::GripperFigure { path: path.to_owned(), reason })
 }

@@ -7,7 +7,7 @@ use crate::problem::Problem;
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let in_tests = |file: &SourceFile| {
         let (tests, name) = file.path.rsplit_once('/')?;
-        (tests.ends_with("/tests") && name.ends_with(".rs")).then(|| (tests.to_owned(), name.to_owned()))
+        (tests.ends_with("/tests") && file.has_extension("rs")).then(|| (tests.to_owned(), name.to_owned()))
     };
     files
         .iter()
