@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Geometry, OpenOptions, Scenario, catalogue, write_moveit_scene};
+use cranny_scenario::{Geometry, OpenOptions, Scenario, TargetPhysics, catalogue, write_moveit_scene};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -219,8 +219,15 @@ impl PyScenario {
                 bodies.len() - 1
             })
         });
+        let scenario = (**own).clone();
+        // A planning scene says of no object what it weighs.
+        let scenario = if place.is_some_and(|place| place < read.bodies().len()) {
+            Scenario { target_source: None, given_physics: TargetPhysics::default(), ..scenario }
+        } else {
+            scenario
+        };
         let world = World::new(bodies).map_err(fault)?;
-        let scenario = Scenario { world, target: place, export: None, ..(**own).clone() };
+        let scenario = Scenario { world, target: place, export: None, ..scenario };
         let caller = slf.getattr("with_moveit_scene")?;
         let made = Made::opened(&caller, (absolute(&path)?,), &PyDict::new(slf.py()))?;
         Ok(Self { made, ..Self::with(slf, scenario) })

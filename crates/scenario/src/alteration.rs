@@ -4,7 +4,7 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_spatial::Pose;
 
-use crate::{Scenario, ScenarioError};
+use crate::{Scenario, ScenarioError, TargetPhysics};
 
 impl Scenario {
     /// The same scenario with one obstacle more. The triangles of a released export, which do not have it, are
@@ -38,7 +38,12 @@ impl Scenario {
             .target
             .filter(|&target| target != removed)
             .map(|target| if removed < target { target - 1 } else { target });
-        Ok(Self { world: World::new(bodies)?, target, export: None, ..self.clone() })
+        let altered = Self { world: World::new(bodies)?, target, export: None, ..self.clone() };
+        Ok(if target.is_some() {
+            altered
+        } else {
+            Self { target_source: None, given_physics: TargetPhysics::default(), ..altered }
+        })
     }
 
     /// The same scenario with the target moved by `motion`, a rigid motion of the planning frame, and all grasps

@@ -11,10 +11,11 @@ use cranny_shape::{ConvexParts, ShapeError, TriangleSoup};
 use crate::{ObjectSettings, ObjectType, ScenarioError};
 
 /// How a built-in object is made.
-struct Recipe {
-    name: &'static str,
+#[derive(Debug)]
+pub(crate) struct Recipe {
+    pub name: &'static str,
     /// Published mass, in kilograms.
-    mass_kg: f64,
+    pub mass_kg: f64,
     shape: fn() -> Result<Shape, ShapeError>,
 }
 
@@ -24,7 +25,7 @@ struct Shape {
     parts: Vec<TriangleSoup>,
 }
 
-const RECIPES: [Recipe; 4] = [
+static RECIPES: [Recipe; 4] = [
     Recipe { name: "flat_screwdriver", mass_kg: 0.0984, shape: screwdriver::shape },
     Recipe { name: "tennis_ball", mass_kg: 0.058, shape: || Ok(tennis_ball::shape()) },
     Recipe { name: "sugar_box", mass_kg: 0.514, shape: || Ok(sugar_box::shape()) },
@@ -41,10 +42,7 @@ pub fn builtin_object_names() -> Vec<&'static str> {
 /// # Errors
 /// [`ScenarioError::UnknownBuiltinObject`], which lists the names that there are.
 pub fn builtin_object(name: &str) -> Result<ObjectType, ScenarioError> {
-    let recipe = recipe(name)?;
-    let Shape { mesh, parts } = (recipe.shape)()?.centred();
-    let parts = ConvexParts::measured(&mesh, parts)?;
-    ObjectType::of_parts(mesh, parts, &ObjectSettings::new(recipe.name, recipe.mass_kg))
+    recipe(name)?.object()
 }
 
 /// The mesh of the built-in object of that name.
@@ -52,14 +50,32 @@ pub fn builtin_object(name: &str) -> Result<ObjectType, ScenarioError> {
 /// # Errors
 /// As [`builtin_object`].
 pub(crate) fn mesh(name: &str) -> Result<TriangleSoup, ScenarioError> {
-    Ok((recipe(name)?.shape)()?.centred().mesh)
+    recipe(name)?.mesh()
 }
 
-fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
+/// How the built-in object of that name is made.
+///
+/// # Errors
+/// As [`builtin_object`].
+pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
     RECIPES.iter().find(|recipe| recipe.name == name).ok_or_else(|| {
         let known = builtin_object_names().join(", ");
         ScenarioError::UnknownBuiltinObject { name: name.to_owned(), known }
     })
+}
+
+impl Recipe {
+    /// The object, with convex parts and stable poses.
+    pub fn object(&self) -> Result<ObjectType, ScenarioError> {
+        let Shape { mesh, parts } = (self.shape)()?.centred();
+        let parts = ConvexParts::measured(&mesh, parts)?;
+        ObjectType::of_parts(mesh, parts, &ObjectSettings::new(self.name, self.mass_kg))
+    }
+
+    /// Its mesh alone.
+    pub fn mesh(&self) -> Result<TriangleSoup, ScenarioError> {
+        Ok((self.shape)()?.centred().mesh)
+    }
 }
 
 impl Shape {

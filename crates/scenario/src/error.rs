@@ -192,6 +192,16 @@ pub enum ScenarioError {
         /// The scenario.
         id: String,
     },
+    /// Nothing says what the target weighs.
+    #[error(
+        "scenario '{id}' does not say what its target '{target}' weighs (write mass_kg beneath target in scenario.yaml)"
+    )]
+    NoMass {
+        /// The scenario.
+        id: String,
+        /// The body to be grasped.
+        target: String,
+    },
     /// The floor is not where a scenario's files have it.
     #[error("only one floor, at {height_m} m in the planning frame, can be written: there the robot stands")]
     OtherFloor {
@@ -244,7 +254,7 @@ pub enum ScenarioError {
     /// A safety margin is demanded where there is no proof to hold it.
     #[error("a margin needs the criterion 'exact': the criterion 'paper' measures no distances")]
     MarginUnderPaper,
-    /// A `MoveIt` file says something that would change the problem but is not read.
+    /// A file says something that would change the problem but is not read.
     #[error("{at}: {what} is not supported ({hint})")]
     Unsupported {
         /// Where.
@@ -483,18 +493,4 @@ pub enum ScenarioError {
     /// The problem is malformed.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
-}
-
-impl ScenarioError {
-    /// The same fault, said of the mesh file that it was found in.
-    #[must_use]
-    pub fn in_mesh(self, path: &std::path::Path) -> Self {
-        match self {
-            Self::ShapeFile(fault) => Self::ShapeFile(fault.in_file(path)),
-            Self::ObjectSize { size_m, unit, scale, .. } => {
-                Self::ObjectSize { file: format!("{}: ", path.display()), size_m, unit, scale }
-            }
-            fault => fault,
-        }
-    }
 }

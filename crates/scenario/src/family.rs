@@ -2,7 +2,7 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-use crate::{Obstacle, RecipeBody, RecipeShape, ScenarioError, builtin_object};
+use crate::{ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics, builtin_object};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
@@ -49,6 +49,8 @@ pub(crate) struct Resting {
     /// What it is called in scenarios.
     pub name: &'static str,
     shape: RecipeShape,
+    /// What a scenario has to say of it, because its shape does not.
+    pub given_physics: TargetPhysics,
     /// Its turn at rest, as in the paper.
     pub ground_from_object: Rotation,
     /// The origin of its frame above the ground, in metres.
@@ -219,13 +221,17 @@ impl Family {
             }
         };
         let mesh = builtin_object::mesh(object)?;
-        let shape = match self {
-            Self::Table => RecipeShape::Sphere(bounds(&mesh, &Rotation::identity()).1.x),
-            Self::Gap => RecipeShape::Cuboid(bounds(&mesh, &Rotation::identity()).1 * 2.0),
-            Self::Shelf | Self::Gate => RecipeShape::Object(object),
+        let source = ObjectSource::builtin(object)?;
+        let physics = source.physics();
+        // A sphere and a box are looked at faster than their meshes, but do not say what they weigh.
+        let (shape, given_physics) = match self {
+            Self::Table => (RecipeShape::Sphere(bounds(&mesh, &Rotation::identity()).1.x), physics),
+            Self::Gap => (RecipeShape::Cuboid(bounds(&mesh, &Rotation::identity()).1 * 2.0), physics),
+            Self::Shelf | Self::Gate => (RecipeShape::Object(source), TargetPhysics::default()),
         };
         let (middle, half) = bounds(&mesh, &ground_from_object);
-        Ok(Resting { object, name, shape, ground_from_object, lift_m: half.z - middle.z, middle })
+        let lift_m = half.z - middle.z;
+        Ok(Resting { object, name, shape, given_physics, ground_from_object, lift_m, middle })
     }
 }
 

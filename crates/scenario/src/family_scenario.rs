@@ -138,6 +138,7 @@ impl FamilyMaker {
             title,
             obstacles: family.obstacles(parameter_m),
             target: Some(self.resting.body(placement, family.support_m())),
+            given_physics: self.resting.given_physics,
             start: PAPER_START.to_vec(),
             grasps: GraspSet::default(),
             ik: Vec::new(),

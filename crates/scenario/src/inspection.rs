@@ -146,6 +146,8 @@ impl Legible {
         for entry in file.obstacles.iter().chain(&file.target) {
             faults.extend(layout.check_name(entry, &mut names).err());
             faults.extend(layout.body_faults(entry));
+            let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
+            faults.extend(layout.physics_fault(entry, is_target));
         }
         robot.filter(|_| was_there("robot"))
     }

@@ -19,7 +19,8 @@
 //! Under `paper`, the start of 044 and 045 touches the gate: the boxes around the built-in robot's links are larger
 //! than the released ones (`--robot` takes those). Scenarios are made by recipes for the built-in robot alone. Meshes of obstacles must be
 //! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
-//! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not.
+//! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not. What
+//! overlapping shapes of a target share counts for each of them where it is weighed.
 
 mod alteration;
 mod archive;
@@ -49,6 +50,7 @@ mod object;
 mod object_filter;
 mod object_folder;
 mod object_library;
+mod object_source;
 mod obstacle;
 mod own_export;
 mod own_layout;
@@ -68,6 +70,7 @@ mod scenario_set;
 mod scenario_set_file;
 mod schema;
 mod sizes;
+mod target_object;
 mod template;
 mod trajectory_file;
 mod waypoints;
@@ -91,6 +94,7 @@ pub use moveit_export::{moveit_scene_text, read_moveit_scene, write_moveit_scene
 pub use object::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object_filter::filter_around_object;
 pub use object_folder::{OBJECT_FILE, RestingPose};
+pub use object_source::ObjectSource;
 pub use obstacle::Obstacle;
 pub use plan_betterment::{PlanOptimisation, PlanShortening};
 pub use plan_file::{PlanBudget, PlanFile, PlanSource, PlanTiming};
@@ -100,6 +104,7 @@ pub use scenario::{Geometry, OpenOptions, Scenario, is_scenario};
 pub use scenario_set::{Rejections, SetMaker, SetMember, SetSettings};
 pub use scenario_set_file::{SetProgress, SetReport, write_set, write_sweep};
 pub use schema::scenario_schema;
+pub use target_object::{TargetObject, TargetPhysics};
 pub use template::{TemplateRobot, write_template};
 pub use trajectory_file::write_trajectory_csv;
 pub use waypoints::{read_waypoints, write_waypoints_csv};

@@ -97,11 +97,7 @@ impl ObjectType {
         parts: ConvexParts,
         settings: &ObjectSettings,
     ) -> Result<Self, ScenarioError> {
-        for (what, value) in [("mass", settings.mass_kg), ("friction", settings.friction)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(ScenarioError::ObjectNumber { what, value });
-            }
-        }
+        check_numbers(settings.mass_kg, settings.friction)?;
         let moments = VolumeMoments::of_mesh(&mesh)?;
         let mut poses = distinct_poses(&stable_poses(&mesh.vertices, &moments.center)?, &mesh)?;
         let likely = poses.iter().take_while(|pose| pose.probability >= settings.least_probability).count();
@@ -119,6 +115,16 @@ impl ObjectType {
         })
     }
 
+    /// The same object of another mass (kg), with the same distribution of it, and another friction.
+    ///
+    /// # Errors
+    /// [`ScenarioError::ObjectNumber`] for a number that is not positive.
+    pub fn with_mass_and_friction(self, mass_kg: f64, friction: f64) -> Result<Self, ScenarioError> {
+        check_numbers(mass_kg, friction)?;
+        let inertia_kg_m2 = self.inertia_kg_m2 * (mass_kg / self.mass_kg);
+        Ok(Self { mass_kg, friction, inertia_kg_m2, ..self })
+    }
+
     /// The volume of its mesh, as a body of a world.
     ///
     /// # Errors
@@ -126,6 +132,17 @@ impl ObjectType {
     pub fn solid(&self) -> Result<Solid, ShapeError> {
         Solid::mesh(&self.mesh)
     }
+}
+
+/// That a mass (kg) and a coefficient of friction are positive.
+pub(crate) fn check_numbers(mass_kg: f64, friction: f64) -> Result<(), ScenarioError> {
+    check_number("mass", mass_kg)?;
+    check_number("friction", friction)
+}
+
+/// That a number of an object is positive.
+pub(crate) fn check_number(what: &'static str, value: f64) -> Result<(), ScenarioError> {
+    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(ScenarioError::ObjectNumber { what, value }) }
 }
 
 fn check_size(soup: &TriangleSoup) -> Result<(), ScenarioError> {

@@ -8,6 +8,7 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
 use crate::atomic_file::write_into;
+use crate::object::check_numbers;
 use crate::{ObjectType, ScenarioError, write_whole_file, yaml};
 
 /// The file that makes a folder an object.
@@ -90,11 +91,7 @@ impl ObjectType {
         let file: ObjectFile = yaml::read(&path)?;
         let load = |name: &PathBuf| TriangleSoup::load(&folder.join(name), Vector::repeat(1.0));
         let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
-        for (what, value) in [("mass", file.mass_kg), ("friction", file.friction)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(ScenarioError::ObjectNumber { what, value });
-            }
-        }
+        check_numbers(file.mass_kg, file.friction)?;
         let object = Self {
             name: file.name,
             mesh: load(&file.mesh)?,

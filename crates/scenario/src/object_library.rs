@@ -3,16 +3,18 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{ShapeError, Solid, TriangleSoup, cuboid_of_faces};
 use cranny_spatial::{Pose, Vector};
 use serde::Deserialize;
+use serde_saphyr::Spanned;
 
-use crate::{ScenarioError, yaml};
+use crate::{ScenarioError, TargetPhysics, yaml};
 
 /// The released object library: where the meshes of each type of object are.
 pub(crate) struct ObjectLibrary {
+    path: PathBuf,
     folder: PathBuf,
     objects: Vec<ObjectEntry>,
 }
 
-/// What the library says of one type of object; masses, friction and stable poses are not read.
+/// What the library says of one type of object; stable poses are not read.
 #[derive(Deserialize)]
 pub(crate) struct ObjectEntry {
     identifier: String,
@@ -20,6 +22,8 @@ pub(crate) struct ObjectEntry {
     vhacd_fn: Option<PathBuf>,
     #[serde(default = "unscaled")]
     scale: f64,
+    mass: Option<Spanned<f64>>,
+    friction_coeff: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -35,7 +39,7 @@ impl ObjectLibrary {
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file: LibraryFile = yaml::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { folder, objects: file.objects })
+        Ok(Self { path: path.to_owned(), folder, objects: file.objects })
     }
 
     pub fn object(&self, identifier: &str) -> Option<&ObjectEntry> {
@@ -65,6 +69,23 @@ impl ObjectLibrary {
             }
             None => Ok(vec![(Pose::identity(), Solid::mesh(&soup).map_err(|fault| fault.in_file(&path))?)]),
         }
+    }
+
+    /// How an object to be grasped weighs and slides, as far as the library says it. A mass of 0, which tells a
+    /// simulator to hold the object where it is, says nothing.
+    pub fn physics(&self, object: &ObjectEntry) -> Result<TargetPhysics, ScenarioError> {
+        let positive = |what: &'static str, number: &Spanned<f64>| {
+            yaml::positive(&self.path, what, number.value, number.referenced)
+        };
+        let mass = object.mass.as_ref().filter(|mass| mass.value != 0.0);
+        Ok(TargetPhysics {
+            mass_kg: mass.map(|mass| positive("mass", mass)).transpose()?,
+            friction: object
+                .friction_coeff
+                .as_ref()
+                .map(|number| positive("friction", number))
+                .transpose()?,
+        })
     }
 
     /// The solid of an object to be grasped, in its own frame: what its simplified mesh encloses. The scans

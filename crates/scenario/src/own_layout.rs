@@ -12,8 +12,8 @@ use serde_saphyr::Spanned;
 
 use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
 use crate::{
-    OBJECT_FILE, ObjectType, OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot,
-    number_table, robot_file, scenario, sizes, yaml,
+    OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, Scenario, ScenarioError, TargetPhysics,
+    builtin_robot, number_table, robot_file, scenario, sizes, yaml,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -66,9 +66,18 @@ pub(crate) fn open_texts(
 
     let mut bodies: Vec<Body> = Vec::new();
     let mut names = HashSet::new();
-    for entry in file.obstacles.iter().chain(&file.target) {
+    for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
-        bodies.push(layout.body(entry, &planning_from_scene)?);
+        layout.check_fixed(entry)?;
+        bodies.push(layout.body(entry, &planning_from_scene)?.0);
+    }
+    let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
+    if let Some(entry) = &file.target {
+        layout.check_name(entry, &mut names)?;
+        given_physics = layout.physics(entry)?;
+        let (body, source) = layout.body(entry, &planning_from_scene)?;
+        target_source = source;
+        bodies.push(body);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
     if let Some(height) = &file.floor {
@@ -86,6 +95,8 @@ pub(crate) fn open_texts(
         robot,
         world: World::new(bodies)?,
         target,
+        target_source,
+        given_physics,
         grasps: parse_csv(&folder.join(GRASPS_FILE), &texts.grasps)?,
         ik,
         export: None,
@@ -172,20 +183,54 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
-    pub fn body(&self, entry: &BodyEntry, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+    /// The body, and the object that it is, where it is one alone.
+    pub fn body(
+        &self,
+        entry: &BodyEntry,
+        planning_from_scene: &Pose,
+    ) -> Result<(Body, Option<ObjectSource>), ScenarioError> {
         let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
         let name = &entry.name.value;
-        let mut parts = Vec::new();
+        let (mut parts, mut sources) = (Vec::new(), Vec::new());
         for shape in &entry.shapes {
-            parts.push(Part {
-                world_from_solid: planning_from_body * self.pose(shape.value.pose.as_ref())?,
-                solid: self.solid(shape, name)?,
-            });
+            let world_from_solid = planning_from_body * self.pose(shape.value.pose.as_ref())?;
+            let (solid, source) = self.solid(shape, name)?;
+            parts.push(Part { world_from_solid, solid });
+            sources.push(source);
         }
         if parts.is_empty() {
             return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
         }
-        Ok(Body { name: name.clone(), parts })
+        let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
+        Ok((Body { name: name.clone(), parts }, source))
+    }
+
+    /// What the entry of the target says of its mass and friction.
+    pub fn physics(&self, entry: &BodyEntry) -> Result<TargetPhysics, ScenarioError> {
+        let number = |what: &'static str, number: &Option<Spanned<f64>>| {
+            let positive = |n: &Spanned<f64>| yaml::positive(self.path, what, n.value, n.referenced);
+            number.as_ref().map(positive).transpose()
+        };
+        Ok(TargetPhysics {
+            mass_kg: number("mass", &entry.mass_kg)?,
+            friction: number("friction", &entry.friction)?,
+        })
+    }
+
+    /// That an obstacle is not said to weigh or to slide.
+    fn check_fixed(&self, entry: &BodyEntry) -> Result<(), ScenarioError> {
+        let hint = "obstacles do not move: only the target has a mass and a friction";
+        let refused = |what: &'static str, number: &Option<Spanned<f64>>| match number {
+            Some(number) => Err(ScenarioError::Unsupported { at: self.at(number.referenced), what, hint }),
+            None => Ok(()),
+        };
+        refused("mass_kg of an obstacle", &entry.mass_kg)?;
+        refused("friction of an obstacle", &entry.friction)
+    }
+
+    /// What is first wrong with what an entry says, or should not say, of mass and friction.
+    pub fn physics_fault(&self, entry: &BodyEntry, is_target: bool) -> Option<ScenarioError> {
+        if is_target { self.physics(entry).err() } else { self.check_fixed(entry).err() }
     }
 
     /// Everything that is wrong with a body but its name.
@@ -219,7 +264,12 @@ impl Layout<'_> {
         Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
     }
 
-    fn solid(&self, shape: &Spanned<ShapeEntry>, body: &str) -> Result<Solid, ScenarioError> {
+    /// The solid of a shape, and the object that it is, if it is one.
+    fn solid(
+        &self,
+        shape: &Spanned<ShapeEntry>,
+        body: &str,
+    ) -> Result<(Solid, Option<ObjectSource>), ScenarioError> {
         let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
         let at = self.at(shape.referenced);
         let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
@@ -229,27 +279,29 @@ impl Layout<'_> {
         solids.extend(capsule.iter().map(|entry| sizes::capsule(entry.length, entry.radius)));
         solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
         solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
-        if let Some(name) = object {
-            let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
-            solids.push(self.solid_of_object(name).map_err(in_file)?);
+        let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
+        let source = object.as_ref().map(|name| self.object(name)).transpose().map_err(in_file)?;
+        if let Some(source) = &source {
+            solids.push(Ok(source.solid().map_err(in_file)?));
         }
         match (solids.pop(), solids.len()) {
-            (Some(solid), 0) => {
-                solid.map_err(|reason| ScenarioError::Shape { at, body: body.to_owned(), reason })
-            }
+            (Some(solid), 0) => match solid {
+                Ok(solid) => Ok((solid, source)),
+                Err(reason) => Err(ScenarioError::Shape { at, body: body.to_owned(), reason }),
+            },
             (last, others) => {
                 Err(ScenarioError::ShapeCount { at, actual: others + usize::from(last.is_some()) })
             }
         }
     }
 
-    /// Of an object with a folder of its own, or else a built-in one.
-    fn solid_of_object(&self, name: &str) -> Result<Result<Solid, ShapeError>, ScenarioError> {
+    /// An object with a folder of its own, or else a built-in one.
+    fn object(&self, name: &str) -> Result<ObjectSource, ScenarioError> {
         let folder = self.folder.join(name);
         if folder.join(OBJECT_FILE).is_file() {
-            return Ok(ObjectType::read_folder(&folder)?.solid());
+            return Ok(ObjectType::read_folder(&folder)?.into());
         }
-        Ok(Solid::mesh(&builtin_object::mesh(name)?))
+        ObjectSource::builtin(name)
     }
 
     fn solid_of_file(

@@ -5,7 +5,7 @@ use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{OpenOptions, Scenario, ScenarioError, builtin_object, builtin_robot, robot_file};
+use crate::{ObjectSource, OpenOptions, Scenario, ScenarioError, TargetPhysics, builtin_robot, robot_file};
 
 /// A scenario of the built-in robot in the making: what its files will say. Poses are in the scene, whose
 /// floor is z = 0 and in which the robot stands where the paper has it; grasps are in the planning frame.
@@ -17,6 +17,8 @@ pub struct Recipe {
     pub obstacles: Vec<RecipeBody>,
     /// What is to be grasped.
     pub target: Option<RecipeBody>,
+    /// What is said of the target itself, which goes before what its object says.
+    pub given_physics: TargetPhysics,
     /// Where the robot starts (m, rad).
     pub start: Vec<f64>,
     /// Poses of the gripper in the planning frame.
@@ -47,8 +49,8 @@ pub enum RecipeShape {
     Cylinder(f64, f64),
     /// Radius, and length of the cylindrical part along z.
     Capsule(f64, f64),
-    /// A built-in object by its name.
-    Object(&'static str),
+    /// An object, with its mesh.
+    Object(ObjectSource),
     /// The volume of a closed mesh.
     Mesh(TriangleSoup),
     /// The convex hull of a mesh.
@@ -77,8 +79,11 @@ impl Recipe {
             if body.parts.iter().all(|part| part.solid.is_half_space()) {
                 continue;
             }
-            let body = RecipeBody::of(body, &scene_from_planning)?;
+            let mut body = RecipeBody::of(body, &scene_from_planning)?;
             if scenario.target == Some(index) {
+                if let Some((source, _)) = scenario.placed_object() {
+                    body.shapes[0].1 = RecipeShape::Object(source.clone());
+                }
                 target = Some(body);
             } else {
                 obstacles.push(body);
@@ -88,6 +93,7 @@ impl Recipe {
             title: format!("scenario {}", scenario.id),
             obstacles,
             target,
+            given_physics: scenario.given_physics,
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
@@ -109,12 +115,20 @@ impl Recipe {
             robot,
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),
+            target_source: self.target.as_ref().and_then(RecipeBody::source).cloned(),
+            given_physics: self.given_physics,
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             ik: if options.robot.is_some() { Vec::new() } else { self.ik.clone() },
             export: None,
         }
         .with_checked_start(id)
+    }
+
+    /// How the target weighs and slides: as the recipe says, else as its object does.
+    pub fn target_physics(&self) -> TargetPhysics {
+        let source = self.target.as_ref().and_then(RecipeBody::source);
+        self.given_physics.or(source.map(ObjectSource::physics).unwrap_or_default())
     }
 
     /// The world in the planning frame: obstacles, target, floor.
@@ -133,6 +147,14 @@ impl RecipeBody {
     /// A body of one shape.
     pub(crate) fn new(name: &str, scene_from_body: Pose, shape: RecipeShape) -> Self {
         Self { name: name.to_owned(), scene_from_body, shapes: vec![(Pose::identity(), shape)] }
+    }
+
+    /// The object that the body is, where it is one alone.
+    fn source(&self) -> Option<&ObjectSource> {
+        match &self.shapes[..] {
+            [(_, RecipeShape::Object(source))] => Some(source),
+            _ => None,
+        }
     }
 
     /// The body, in the planning frame.
@@ -172,7 +194,7 @@ impl RecipeShape {
             Self::Sphere(radius_m) => Solid::sphere(*radius_m)?,
             Self::Cylinder(radius_m, length_m) => Solid::cylinder(0.5 * length_m, *radius_m)?,
             Self::Capsule(radius_m, length_m) => Solid::capsule(0.5 * length_m, *radius_m)?,
-            Self::Object(name) => Solid::mesh(&builtin_object::mesh(name)?)?,
+            Self::Object(source) => source.solid()?,
             Self::Mesh(soup) => Solid::mesh(soup)?,
             Self::Hull(soup) => Solid::hull(&soup.vertices)?,
         })

@@ -14,6 +14,9 @@ use crate::{ScenarioError, own_layout};
 /// The folder of a scenario's meshes.
 const MESHES: &str = "meshes";
 
+/// The folder of a scenario's objects.
+const OBJECTS: &str = "objects";
+
 impl Recipe {
     /// Writes the scenario as a folder, which is made if it is not there. `scenario.yaml` comes last, so that
     /// a folder that has one is whole.
@@ -23,8 +26,16 @@ impl Recipe {
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
         for body in self.obstacles.iter().chain(&self.target) {
             for (index, (_, shape)) in body.shapes.iter().enumerate() {
-                if let RecipeShape::Mesh(soup) | RecipeShape::Hull(soup) = shape {
-                    write_into(folder, &mesh_file(body, index), &soup.obj_text(1))?;
+                match shape {
+                    RecipeShape::Mesh(soup) | RecipeShape::Hull(soup) => {
+                        write_into(folder, &mesh_file(body, index), &soup.obj_text(1))?;
+                    }
+                    RecipeShape::Object(source) => {
+                        if let Some(object) = source.own() {
+                            object.write_folder(&folder.join(object_folder(body, index)))?;
+                        }
+                    }
+                    _ => {}
                 }
             }
         }
@@ -52,6 +63,13 @@ impl Recipe {
         if let Some(target) = &self.target {
             text.push_str("target:\n");
             target.write(&mut text, "  ", "  ");
+            for (key, number) in
+                [("mass_kg", self.given_physics.mass_kg), ("friction", self.given_physics.friction)]
+            {
+                if let Some(number) = number {
+                    let _ = writeln!(text, "  {key}: {number}");
+                }
+            }
         }
         text
     }
@@ -61,6 +79,10 @@ impl Recipe {
 pub(crate) fn configurations_text(configurations: &[Vec<f64>]) -> String {
     let line = |q: &Vec<f64>| q.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
     configurations.iter().map(line).collect()
+}
+
+fn object_folder(body: &RecipeBody, shape: usize) -> String {
+    format!("{OBJECTS}/{}-{shape}", file_name(&body.name))
 }
 
 fn mesh_file(body: &RecipeBody, shape: usize) -> String {
@@ -93,7 +115,10 @@ impl RecipeBody {
             RecipeShape::Sphere(radius_m) => format!("sphere: {{radius: {}}}", plain(*radius_m)),
             RecipeShape::Cylinder(radius_m, length_m) => round("cylinder", radius_m, length_m),
             RecipeShape::Capsule(radius_m, length_m) => round("capsule", radius_m, length_m),
-            RecipeShape::Object(name) => format!("object: {name}"),
+            RecipeShape::Object(source) => match source.builtin_name() {
+                Some(name) => format!("object: {name}"),
+                None => format!("object: {}", object_folder(self, index)),
+            },
             RecipeShape::Mesh(_) => format!("mesh: {{file: {}}}", mesh_file(self, index)),
             RecipeShape::Hull(_) => format!("hull: {{file: {}}}", mesh_file(self, index)),
         }

@@ -13,8 +13,8 @@ use serde_saphyr::Spanned;
 
 use crate::object_library::{ObjectEntry, ObjectLibrary};
 use crate::{
-    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, builtin_robot, grasp_array, number_table,
-    robot_file, scenario, yaml,
+    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, TargetPhysics, builtin_robot, grasp_array,
+    number_table, robot_file, scenario, yaml,
 };
 
 /// The file that makes a folder a scenario of the paper's release.
@@ -60,9 +60,15 @@ pub(crate) fn open_with(
         Geometry::Scene => None,
         Geometry::Export => Some(Exported::load(&export.join("obstacles.obj"))?),
     };
-    let (mut bodies, target) = match &exported {
-        Some(exported) if criterion == Criterion::Exact => (vec![exported.body()?], None),
-        _ => scene_bodies(&folder.join(FILE))?,
+    let (mut bodies, target, given_physics) = match &exported {
+        Some(exported) if criterion == Criterion::Exact => {
+            (vec![exported.body()?], None, TargetPhysics::default())
+        }
+        _ => {
+            let (bodies, physics) = scene_bodies(&folder.join(FILE))?;
+            let target = bodies.len() - 1;
+            (bodies, Some(target), physics)
+        }
     };
     bodies.push(Body::floor(FLOOR_M));
     // 3.
@@ -79,6 +85,8 @@ pub(crate) fn open_with(
         robot,
         world: World::new(bodies)?,
         target,
+        target_source: None,
+        given_physics,
         start,
         grasps: grasps(folder)?,
         ik,
@@ -179,8 +187,8 @@ impl PlacedObject {
     }
 }
 
-/// The obstacles of a scene, then its target, and the index of the target.
-fn scene_bodies(path: &Path) -> Result<(Vec<Body>, Option<usize>), ScenarioError> {
+/// The obstacles of a scene, then its target, and how that weighs and slides.
+fn scene_bodies(path: &Path) -> Result<(Vec<Body>, TargetPhysics), ScenarioError> {
     let scene: SceneFile = yaml::read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let library = ObjectLibrary::load(&folder.join(&scene.object_library_fn))?;
@@ -197,11 +205,11 @@ fn scene_bodies(path: &Path) -> Result<(Vec<Body>, Option<usize>), ScenarioError
         let parts = library.obstacle(object.entry(&library, path)?)?.into_iter().map(place).collect();
         bodies.push(Body { name: object.name_after(&scene.bg_objects[..index]), parts });
     }
-    let solid = library.target(target.entry(&library, path)?)?;
+    let entry = target.entry(&library, path)?;
+    let (solid, physics) = (library.target(entry)?, library.physics(entry)?);
     let name = target.name_after(&scene.bg_objects);
     bodies.push(Body::new(name, target.planning_from_object(path)?, solid));
-    let target = bodies.len() - 1;
-    Ok((bodies, Some(target)))
+    Ok((bodies, physics))
 }
 
 impl Recipe {

@@ -11,12 +11,12 @@ use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::recipe_file::configurations_text;
 use crate::released::planning_from_scene;
-use crate::{DEFAULT_FRICTION, ScenarioError, builtin_object, grasp_array, released};
+use crate::{DEFAULT_FRICTION, ScenarioError, grasp_array, released};
 
 /// The object library of the folder, relative to it.
 const LIBRARY: &str = "object_library";
 
-/// What the released library gives every object to be grasped, in kilograms; no recipe says a mass.
+/// What an object to be grasped weighs where nothing says it, in kilograms: as most in the released library.
 const OBJECT_MASS_KG: f64 = 0.2;
 
 impl Recipe {
@@ -35,16 +35,21 @@ impl Recipe {
         let write = |name: &str, text: &str| write_into(folder, name, text);
         let mut merged = TriangleSoup::default();
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
-        for (body, mass_kg) in
-            std::iter::once((target, OBJECT_MASS_KG)).chain(self.obstacles.iter().map(|body| (body, 0.0)))
+        let physics = self.target_physics();
+        let of_target =
+            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(DEFAULT_FRICTION));
+        // Without a mass, a simulator holds it where it is.
+        let of_obstacle = (0.0, DEFAULT_FRICTION);
+        for (body, (mass_kg, friction)) in
+            std::iter::once((target, of_target)).chain(self.obstacles.iter().map(|body| (body, of_obstacle)))
         {
             let soup = body.soup()?;
             let name = file_name(&body.name);
             write(&format!("{LIBRARY}/meshes/{name}.obj"), &soup.obj_text(1))?;
             // A simulator takes each group as the hull of its own.
             write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
-            write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg)?)?;
-            library.push_str(&library_entry(&name, mass_kg));
+            write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg, friction)?)?;
+            library.push_str(&library_entry(&name, mass_kg, friction));
             merged.append(&soup, &(planning_from_scene() * body.scene_from_body));
         }
         library.push_str("yaml_file_type: ObjectLibrary\nyaml_file_version: '1.0'\n");
@@ -86,23 +91,23 @@ fn placed(body: &RecipeBody) -> String {
     text
 }
 
-fn library_entry(name: &str, mass_kg: f64) -> String {
+fn library_entry(name: &str, mass_kg: f64, friction: f64) -> String {
     format!(
-        "- friction_coeff: {DEFAULT_FRICTION}\n  identifier: {name}\n  mass: {mass_kg:?}\n  \
+        "- friction_coeff: {friction:?}\n  identifier: {name}\n  mass: {mass_kg:?}\n  \
          mesh_fn: meshes/{name}.obj\n  name: {name}\n  scale: 1.0\n  stable_poses:\n    poses: []\n    \
          probabilities: []\n  thumbnail_fn: null\n  urdf_fn: urdf/{name}.urdf\n  \
          vhacd_fn: vhacd/{name}_vhacd.obj\n"
     )
 }
 
-fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64) -> Result<String, ShapeError> {
+fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64, friction: f64) -> Result<String, ShapeError> {
     let moments = VolumeMoments::of_mesh(soup)?;
     let i = moments.inertia_per_mass_m2 * mass_kg;
     let c = moments.center;
     let mesh = format!("<geometry><mesh filename=\"../vhacd/{name}_vhacd.obj\" scale=\"1 1 1\"/></geometry>");
     Ok(format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"{name}\">\n  <link name=\"base\">\n    \
-         <collision>{mesh}<contact_coefficients mu=\"{DEFAULT_FRICTION}\"/></collision>\n    \
+         <collision>{mesh}<contact_coefficients mu=\"{friction}\"/></collision>\n    \
          <visual>{mesh}</visual>\n    <inertial>\n      <origin xyz=\"{} {} {}\"/>\n      \
          <mass value=\"{mass_kg}\"/>\n      <inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" \
          izz=\"{}\"/>\n    </inertial>\n  </link>\n</robot>\n",
@@ -148,12 +153,13 @@ impl RecipeBody {
 }
 
 impl RecipeShape {
-    fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
+    /// Its surface, closed, normals outwards; round shapes with their vertices on the surface.
+    pub(crate) fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
         /// 1280 triangles.
         const DIVISIONS: u32 = 3;
         Ok(match self {
             Self::Cuboid(size) => Surface::cuboid_soup(&(size * 0.5)),
-            Self::Object(name) => builtin_object::mesh(name)?,
+            Self::Object(source) => source.mesh()?,
             Self::Mesh(soup) => soup.clone(),
             Self::Hull(soup) => TriangleSoup::convex_hull(&soup.vertices)?,
             Self::Sphere(radius_m) => TriangleSoup::geodesic_sphere(*radius_m, DIVISIONS),

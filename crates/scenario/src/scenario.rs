@@ -10,7 +10,7 @@ use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
 use crate::archive::Unpacked;
-use crate::{RecipeBody, ScenarioError, catalogue, hand, own_layout, released};
+use crate::{ObjectSource, RecipeBody, ScenarioError, TargetPhysics, catalogue, hand, own_layout, released};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -25,6 +25,11 @@ pub struct Scenario {
     pub world: World,
     /// Which body is to be grasped, by index.
     pub target: Option<usize>,
+    /// The object that the target is, where it is one alone; its frame is that of the body's only part.
+    pub target_source: Option<ObjectSource>,
+    /// What is said of the target itself, which goes before what its object says; see
+    /// [`Self::target_physics`].
+    pub given_physics: TargetPhysics,
     /// The configuration to start from (m, rad).
     pub start: Vec<f64>,
     /// How the target can be grasped: poses of the gripper frame in the planning frame.

@@ -46,6 +46,7 @@ pub(crate) struct ScenarioFile {
     pub floor: Option<Spanned<f64>>,
     #[serde(default)]
     pub obstacles: Vec<BodyEntry>,
+    #[schemars(with = "Option<TargetEntry>")]
     pub target: Option<BodyEntry>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
@@ -90,6 +91,26 @@ pub(crate) struct BodyEntry {
     pub pose: Option<Spanned<PoseEntry>>,
     #[schemars(with = "Vec<ShapeEntry>")]
     pub shapes: Vec<Spanned<ShapeEntry>>,
+    /// Of the target alone.
+    #[schemars(skip)]
+    pub mass_kg: Option<Spanned<f64>>,
+    /// Of the target alone.
+    #[schemars(skip)]
+    pub friction: Option<Spanned<f64>>,
+}
+
+/// What is to be grasped.
+#[derive(JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[allow(dead_code)] // Nobody makes one: it is read as the entry of an obstacle is, which has no mass.
+pub(crate) struct TargetEntry {
+    pub name: String,
+    pub pose: Option<PoseEntry>,
+    pub shapes: Vec<ShapeEntry>,
+    /// What it weighs (kg), before what its object says; positive.
+    pub mass_kg: Option<f64>,
+    /// The coefficient of friction between it and the pads of a gripper, before what its object says; positive.
+    pub friction: Option<f64>,
 }
 
 /// A pose; what is left out is zero.

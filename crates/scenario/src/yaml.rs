@@ -7,6 +7,7 @@ use cranny_spatial::nalgebra::Quaternion;
 use serde::de::DeserializeOwned;
 
 use crate::ScenarioError;
+use crate::object::check_number;
 
 /// What a YAML file says that a scenario names, or that lies in its folder.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
@@ -44,6 +45,19 @@ pub(crate) fn finite(
 ) -> Result<f64, ScenarioError> {
     let fault = || ScenarioError::NotANumber { at: at(path, location), text: number.to_string() };
     number.is_finite().then_some(number).ok_or_else(fault)
+}
+
+/// A number of a file that describes an object, if it is positive and finite.
+pub(crate) fn positive(
+    path: &Path,
+    what: &'static str,
+    number: f64,
+    location: serde_saphyr::Location,
+) -> Result<f64, ScenarioError> {
+    finite(path, number, location)?;
+    let in_file = |fault| ScenarioError::At { at: at(path, location), fault: Box::new(fault) };
+    check_number(what, number).map_err(in_file)?;
+    Ok(number)
 }
 
 /// The rotation of a quaternion (x, y, z, w) of unit length.

@@ -22,4 +22,5 @@ mod own_layout;
 mod released_layout;
 mod round_trip;
 mod sharing;
+mod target_object;
 mod twenty;
