@@ -1,0 +1,104 @@
+use std::f64::consts::{PI, TAU};
+
+use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+
+use crate::SimError;
+
+/// What the hand does to an object that it has closed on, and when that counts as held.
+///
+/// It lifts it, straight up and smoothly (fifth-degree polynomial, at rest at both ends), then shakes it, along and about
+/// each axis of the gripper frame in turn: `A sin²(π t / T) sin(2π f t)`. Then it is still.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// How fast the fingers close, in m/s.
+    pub closing_speed: f64,
+    /// How far up, in metres.
+    pub lift_m: f64,
+    /// In which time.
+    pub lift_s: f64,
+    /// The amplitude A along each axis, in metres. Default 10 mm: at 5 Hz the acceleration of gravity.
+    pub shake_m: f64,
+    /// The amplitude A about each axis, in radians.
+    pub shake_rad: f64,
+    /// The frequency f of the shaking, in Hz.
+    pub shake_hz: f64,
+    /// How many periods T lasts on each axis; 0: no shaking.
+    pub shake_periods: f64,
+    /// How long the hand is still at the end.
+    pub rest_s: f64,
+    /// An object that is farther than this from where it was in the hand when it had closed has slipped, in metres.
+    pub slip_m: f64,
+    /// Or turned by more, in radians.
+    pub slip_rad: f64,
+}
+
+impl Default for Course {
+    fn default() -> Self {
+        Self {
+            closing_speed: 0.1,
+            lift_m: 0.1,
+            lift_s: 0.5,
+            shake_m: 0.01,
+            shake_rad: 10_f64.to_radians(),
+            shake_hz: 5.0,
+            shake_periods: 2.0,
+            rest_s: 0.1,
+            slip_m: 0.01,
+            slip_rad: 15_f64.to_radians(),
+        }
+    }
+}
+
+impl Course {
+    /// # Errors
+    /// [`SimError::Figure`] for one that is out of its range.
+    pub(crate) fn check(&self) -> Result<(), SimError> {
+        for (figure, value, range, (least, greatest)) in [
+            ("closing speed", self.closing_speed, "from 0.001 to 1 m/s", (0.001, 1.0)),
+            ("lift", self.lift_m, "from 0 to 1 m", (0.0, 1.0)),
+            ("time of the lift", self.lift_s, "from 0.01 to 60 s", (0.01, 60.0)),
+            ("amplitude of the shaking", self.shake_m, "from 0 to 0.1 m", (0.0, 0.1)),
+            ("turn of the shaking", self.shake_rad, "from 0 to 90°", (0.0, 0.5 * PI)),
+            ("frequency of the shaking", self.shake_hz, "from 0.1 to 50 Hz", (0.1, 50.0)),
+            ("number of periods of the shaking", self.shake_periods, "from 0 to 100", (0.0, 100.0)),
+            ("rest at the end", self.rest_s, "from 0 to 60 s", (0.0, 60.0)),
+            ("limit of slip", self.slip_m, "positive, up to 0.05 m", (1e-6, 0.05)),
+            ("limit of turning", self.slip_rad, "positive, up to 180°", (1e-6, PI)),
+        ] {
+            if !(least..=greatest).contains(&value) {
+                return Err(SimError::Figure { figure, value, range });
+            }
+        }
+        Ok(())
+    }
+
+    /// How long it takes after the hand has closed, in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.lift_s + 3.0 * self.shake_axis_s() + self.rest_s
+    }
+
+    /// Where the hand is, `time_s` after it has closed at `world_from_closed`.
+    pub fn world_from_hand(&self, world_from_closed: &Pose, time_s: f64) -> Pose {
+        let share = (time_s / self.lift_s).clamp(0.0, 1.0);
+        let risen_m = self.lift_m * share.powi(3) * (10.0 - share * (15.0 - 6.0 * share));
+        let lifted = Pose::translation(0.0, 0.0, risen_m) * world_from_closed;
+        let (since_s, axis_s) = (time_s - self.lift_s, self.shake_axis_s());
+        if since_s <= 0.0 || since_s >= 3.0 * axis_s {
+            return lifted;
+        }
+        let (mut axis, mut in_axis_s) = (0, since_s);
+        while in_axis_s >= axis_s && axis < 2 {
+            (axis, in_axis_s) = (axis + 1, in_axis_s - axis_s);
+        }
+        let window = sin_cos(PI * in_axis_s / axis_s).0.powi(2);
+        let wave = window * sin_cos(TAU * self.shake_hz * in_axis_s).0;
+        let mut direction = Vector::zeros();
+        direction[axis] = wave;
+        let turn = Rotation::from_scaled_axis(direction * self.shake_rad);
+        lifted * Pose::from_parts((direction * self.shake_m).into(), turn)
+    }
+
+    fn shake_axis_s(&self) -> f64 {
+        self.shake_periods / self.shake_hz
+    }
+}

@@ -1,0 +1,80 @@
+use cranny_spatial::{Pose, Rotation, Stream, Vector};
+
+/// By how much a grasp and what is grasped differ from what was thought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// Where the hand is, in the gripper frame of the grasp: an error in where the object is.
+    pub grasp_from_hand: Pose,
+    /// Factors on the friction, the mass and the closing force.
+    pub friction: f64,
+    /// See above.
+    pub mass: f64,
+    /// See above.
+    pub closing_force: f64,
+}
+
+impl Default for Disturbance {
+    /// None.
+    fn default() -> Self {
+        Self { grasp_from_hand: Pose::identity(), friction: 1.0, mass: 1.0, closing_force: 1.0 }
+    }
+}
+
+/// How much may be wrong: the half-widths of uniform distributions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Of the hand along each axis, in metres.
+    pub position_m: f64,
+    /// About each axis, in radians.
+    pub rotation_rad: f64,
+    /// Of the friction, as a share of it, in [0, 1).
+    pub friction: f64,
+    /// Of the mass, as a share of it, in [0, 1).
+    pub mass: f64,
+    /// Of the closing force, as a share of it, in [0, 1).
+    pub closing_force: f64,
+}
+
+impl Default for Uncertainty {
+    fn default() -> Self {
+        Self {
+            position_m: 0.003,
+            rotation_rad: 3_f64.to_radians(),
+            friction: 0.25,
+            mass: 0.1,
+            closing_force: 0.1,
+        }
+    }
+}
+
+impl Uncertainty {
+    /// `count` disturbances: a Latin hypercube (`McKay`, Beckman & Conover 1979), which has one value in each of `count`
+    /// equal parts of every range. The same seed gives the same ones, for all grasps alike.
+    pub fn design(&self, count: usize, seed: u64) -> Vec<Disturbance> {
+        let mut random = Stream::new(seed, 0);
+        let columns: Vec<Vec<f64>> = (0..9).map(|_| column(count, &mut random)).collect();
+        let vector = |row: usize, first: usize| {
+            Vector::new(columns[first][row], columns[first + 1][row], columns[first + 2][row])
+        };
+        let disturbance = |row: usize| Disturbance {
+            grasp_from_hand: Pose::from_parts(
+                (vector(row, 0) * self.position_m).into(),
+                Rotation::from_scaled_axis(vector(row, 3) * self.rotation_rad),
+            ),
+            friction: 1.0 + self.friction * columns[6][row],
+            mass: 1.0 + self.mass * columns[7][row],
+            closing_force: 1.0 + self.closing_force * columns[8][row],
+        };
+        (0..count).map(disturbance).collect()
+    }
+}
+
+/// One value in (−1, 1) from each of `count` equal parts, in random order.
+fn column(count: usize, random: &mut Stream) -> Vec<f64> {
+    let mut values: Vec<f64> =
+        (0..count).map(|part| 2.0 * (part as f64 + random.uniform()) / count as f64 - 1.0).collect();
+    for last in (1..count).rev() {
+        values.swap(last, random.index(last + 1));
+    }
+    values
+}

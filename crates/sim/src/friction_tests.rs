@@ -1,0 +1,136 @@
+//! Coulomb's law: slip begins where the pull exceeds μ times the pressing force, on a plane and in a hand.
+
+use cranny_grasp::BoxHand;
+use cranny_spatial::{Pose, Rotation, Vector};
+use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
+
+use crate::gripper::{Gripper, HandModel};
+use crate::{Physics, Piece, PieceShape, engine};
+
+/// A cuboid of 4 cm and 200 g as an object of that friction.
+fn cube(world: &mut PhysicsWorld, friction: f64) -> RigidBodyHandle {
+    let pieces = [Piece { body_from_piece: Pose::identity(), shape: PieceShape::Cuboid([0.02; 3]) }];
+    let body = world.insert_body(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass(0.2));
+    for mut collider in engine::colliders("cube", &pieces, friction, engine::OBJECT).unwrap() {
+        collider.set_mass(0.0);
+        world.insert_collider(collider, Some(body));
+    }
+    body
+}
+
+/// Steps until the cube has moved at 1 mm/s for 0.1 s; the time when that began (s).
+fn slip_begins(
+    world: &mut PhysicsWorld,
+    cube: RigidBodyHandle,
+    physics: &Physics,
+    limit_s: f64,
+    mut before_step: impl FnMut(&mut PhysicsWorld, f64),
+) -> Option<f64> {
+    let (mut time_s, mut slow_s) = (0.0, 0.0);
+    while time_s < limit_s {
+        before_step(world, time_s);
+        world.step();
+        time_s += physics.step_s;
+        let moves = world.bodies[cube].linvel().length() > 1e-3 && time_s > 0.5;
+        slow_s = if moves { slow_s + physics.step_s } else { 0.0 };
+        if slow_s > 0.1 {
+            return Some(time_s - slow_s);
+        }
+    }
+    None
+}
+
+#[test]
+fn on_a_plane_that_tilts_slip_begins_at_the_angle_of_friction() {
+    let physics = Physics::default();
+    for friction in [0.1, 0.24, 0.5, 0.9] {
+        let mut world = engine::world(&physics);
+        let floor =
+            Piece { body_from_piece: Pose::translation(0.0, 0.0, -0.02), shape: PieceShape::HalfSpace };
+        for collider in engine::colliders("floor", &[floor], 0.0, engine::SURROUNDINGS).unwrap() {
+            world.insert_collider(collider, None);
+        }
+        let cube = cube(&mut world, friction);
+        // Slowly: until it is seen to slip it goes on tilting.
+        let expected = f64::atan(friction);
+        let angle = |time_s: f64| expected * (0.9 + 0.05 * time_s);
+        let begun_s = slip_begins(&mut world, cube, &physics, 30.0, |world, time_s| {
+            let tilt = Rotation::from_axis_angle(&Vector::y_axis(), angle(time_s));
+            world.gravity = engine::vector(&(tilt.inverse() * Vector::new(0.0, 0.0, -physics.gravity)));
+        });
+        let ratio = angle(begun_s.expect("it slips")).tan() / friction;
+        assert!((ratio - 1.0).abs() < 0.02, "friction {friction}: slip at {ratio:.4} of it");
+    }
+}
+
+#[test]
+fn in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force() {
+    let physics = Physics::default();
+    for (friction, closing_force_n) in [(0.24, 5.0), (0.24, 70.0), (0.5, 20.0), (0.9, 40.0)] {
+        let hand = BoxHand { closing_force_n, ..BoxHand::default() }.hand().unwrap();
+        let model = HandModel::new(&hand).unwrap();
+        let mut world = engine::world(&physics);
+        world.gravity = engine::vector(&Vector::zeros());
+        let gripper = Gripper::insert(&model, &physics, closing_force_n, &Pose::identity(), &mut world);
+        let cube = cube(&mut world, friction);
+        let limit_n = 2.0 * friction * closing_force_n;
+        // The hand closes for a second; then the pull grows to one and a half of the limit in two.
+        let pull_n = |time_s: f64| 0.75 * limit_n * (time_s - 1.0).max(0.0);
+        let mut pressed_n = 0.0;
+        let begun_s = slip_begins(&mut world, cube, &physics, 3.0, |world, time_s| {
+            gripper.drive(world, 0.1 * time_s);
+            if (time_s - 1.0).abs() < physics.step_s {
+                let pressures = gripper.pressures(world, cube);
+                pressed_n = 0.5 * pressures.iter().map(|pressure| pressure.expect("it touches")).sum::<f64>();
+            }
+            let body = &mut world.bodies[cube];
+            body.reset_forces(true);
+            body.add_force(engine::vector(&Vector::new(0.0, 0.0, pull_n(time_s))), true);
+        });
+        let ratio = pull_n(begun_s.expect("it slips")) / limit_n;
+        assert!(
+            (ratio - 1.0).abs() < 0.02,
+            "{friction}, {closing_force_n} N: slip at {ratio:.4} of the limit"
+        );
+        let ratio = pressed_n / closing_force_n;
+        assert!((ratio - 1.0).abs() < 0.02, "{closing_force_n} N: pressed with {pressed_n} N");
+    }
+}
+
+#[test]
+fn what_falls_comes_to_rest_without_gaining_energy() {
+    let physics = Physics::default();
+    for (shape, rest_m) in [
+        (PieceShape::Ball(0.03), 0.03),
+        (PieceShape::Cuboid([0.02, 0.03, 0.025]), 0.025),
+        (PieceShape::Cylinder(0.04, 0.02), 0.04),
+        (PieceShape::Capsule(0.03, 0.02), 0.05),
+    ] {
+        let mut world = engine::world(&physics);
+        let floor = Piece { body_from_piece: Pose::identity(), shape: PieceShape::HalfSpace };
+        for collider in engine::colliders("floor", &[floor], 0.0, engine::SURROUNDINGS).unwrap() {
+            world.insert_collider(collider, None);
+        }
+        let place = engine::pose(&Pose::translation(0.0, 0.0, rest_m + 0.02));
+        let body = RigidBodyBuilder::dynamic().pose(place).can_sleep(false).additional_mass(0.2);
+        let body = world.insert_body(body);
+        let piece = Piece { body_from_piece: Pose::identity(), shape: shape.clone() };
+        for collider in engine::colliders("object", &[piece], 0.5, engine::OBJECT).unwrap() {
+            world.insert_collider(collider, Some(body));
+        }
+        let energy = |world: &PhysicsWorld| {
+            let body = &world.bodies[body];
+            0.2 * (physics.gravity * body.translation().z + 0.5 * body.linvel().length_squared())
+        };
+        let mut before = energy(&world);
+        for _ in 0..1000 {
+            world.step();
+            let now = energy(&world);
+            // What a contact that gives way by a hundredth of a millimetre stores of the weight.
+            assert!(now <= before + 2e-5, "{shape:?}: {before} J, then {now} J");
+            before = now;
+        }
+        let height_m = world.bodies[body].translation().z;
+        assert!((height_m - rest_m).abs() < 5e-4, "{shape:?}: rests at {height_m} m");
+    }
+}

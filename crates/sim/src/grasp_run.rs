@@ -1,0 +1,48 @@
+use serde::Serialize;
+use strum::IntoStaticStr;
+
+use crate::Recording;
+
+/// How a grasp ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum GraspOutcome {
+    /// At the end the object is in the hand where it was when the hand had closed.
+    Held,
+    /// It is in the hand, but elsewhere in it.
+    Slipped,
+    /// No finger touches it any more.
+    Dropped,
+    /// The fingers found nothing to press on, and the object is where it was.
+    NeverClosed,
+    /// They found nothing, and have pushed the object away.
+    KnockedAway,
+}
+
+impl GraspOutcome {
+    /// What files call it.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+}
+
+/// What came of a grasp.
+#[derive(Clone, Debug)]
+pub struct GraspRun {
+    /// How it ended.
+    pub outcome: GraspOutcome,
+    /// How far the object's centre of mass is from where it was in the hand when that had closed, in metres; where it
+    /// never closed, from where it was in the world.
+    pub translation_error_m: f64,
+    /// How far it is turned against that, in radians.
+    pub rotation_error_rad: f64,
+    /// From the closing to the first moment when the object was elsewhere in the hand; to the end if there is none.
+    pub held_s: f64,
+    /// With what a finger pressed when the hand had closed, in newtons: the mean of the fingers.
+    pub contact_force_n: f64,
+    /// What was simulated, in seconds.
+    pub simulated_s: f64,
+    /// What moved where, if that was asked for.
+    pub recording: Option<Recording>,
+}

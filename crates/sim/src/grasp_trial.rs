@@ -1,0 +1,189 @@
+use cranny_spatial::{Pose, Vector};
+use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
+
+use crate::grasp_test::{STILL_M_PER_S, STILL_S, whole_steps};
+use crate::gripper::Gripper;
+use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
+
+/// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
+const CLOSING_GRACE_S: f64 = 0.5;
+
+/// The share of its stroke before the end from which on a hand counts as closed on nothing.
+const CLOSED_SHARE: f64 = 1e-3;
+
+/// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
+const LOST_M: f64 = 0.15;
+
+/// Between two moments of a recording, in seconds.
+const RECORDED_EVERY_S: f64 = 0.02;
+
+/// A grasp under test.
+pub(crate) struct GraspTrial<'a> {
+    test: &'a GraspTest,
+    world: PhysicsWorld,
+    gripper: Gripper<'a>,
+    object: RigidBodyHandle,
+    steps: u32,
+    recording: Option<Recording>,
+}
+
+impl<'a> GraspTrial<'a> {
+    /// The open hand at a grasp.
+    pub fn new(
+        test: &'a GraspTest,
+        world_from_hand: &Pose,
+        disturbance: &Disturbance,
+        is_recorded: bool,
+    ) -> Self {
+        let (mut world, object) = test.world(disturbance);
+        let force_n = test.hand.closing_force_n * disturbance.closing_force;
+        let gripper = Gripper::insert(&test.hand, &test.physics, force_n, world_from_hand, &mut world);
+        Self { test, world, gripper, object, steps: 0, recording: is_recorded.then(Recording::default) }
+    }
+
+    /// Closes the hand and, if it holds anything, takes its course.
+    pub fn run(mut self, world_from_hand: &Pose) -> GraspRun {
+        self.record();
+        let gravity = self.world.gravity;
+        if !self.test.is_carried() {
+            self.world.gravity = engine::vector(&Vector::zeros());
+        }
+        let pressed_n = self.close();
+        self.world.gravity = gravity;
+        if let Some(contact_force_n) = pressed_n {
+            return self.carry(world_from_hand, contact_force_n);
+        }
+        let error = self.error(self.test.world_from_object(), &self.world_from_object());
+        let is_there = self.is_held(error);
+        let outcome = if is_there { GraspOutcome::NeverClosed } else { GraspOutcome::KnockedAway };
+        self.ended(outcome, error, 0.0, 0.0)
+    }
+
+    fn time_s(&self) -> f64 {
+        f64::from(self.steps) * self.test.physics.step_s
+    }
+
+    fn world_from_object(&self) -> Pose {
+        engine::to_pose(self.world.bodies[self.object].position())
+    }
+
+    fn hand_from_object(&self) -> Pose {
+        engine::to_pose(self.world.bodies[self.gripper.palm].position()).inverse() * self.world_from_object()
+    }
+
+    fn step(&mut self) {
+        let driven_m = self.test.course.closing_speed * self.time_s();
+        self.gripper.drive(&mut self.world, driven_m);
+        self.world.step();
+        self.steps += 1;
+        self.record();
+    }
+
+    /// Closes the hand. With what the fingers press when they are still, in newtons, the mean; `None` if not all of them
+    /// touch the object.
+    fn close(&mut self) -> Option<f64> {
+        let test = self.test;
+        let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
+        let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
+        let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
+        let mut still_s = 0.0;
+        for _ in 0..whole_steps(limit_s, test.physics.step_s) {
+            self.step();
+            let (share, rate) = self.gripper.closed(&self.world);
+            if share > 1.0 - CLOSED_SHARE {
+                return None;
+            }
+            let pressures = self.gripper.pressures(&self.world, self.object);
+            let pressed_n: Option<f64> = pressures.iter().copied().sum();
+            // Full force, and no motion any more.
+            let is_still =
+                pressed_n.is_some() && (rate * stroke_m).abs() < STILL_M_PER_S && self.time_s() > lead_s;
+            still_s = if is_still { still_s + test.physics.step_s } else { 0.0 };
+            if still_s > STILL_S + lead_s {
+                return pressed_n.map(|sum| sum / pressures.len() as f64);
+            }
+        }
+        None
+    }
+
+    /// Takes the course with what the hand has closed on.
+    fn carry(mut self, world_from_closed: &Pose, contact_force_n: f64) -> GraspRun {
+        let closed_from_object = self.hand_from_object();
+        let steps = whole_steps(self.test.course.duration_s(), self.test.physics.step_s);
+        let mut held_s = None;
+        for step in 1..=steps {
+            let time_s = f64::from(step) * self.test.physics.step_s;
+            let next = self.test.course.world_from_hand(world_from_closed, time_s);
+            self.world.bodies[self.gripper.palm].set_next_kinematic_position(engine::pose(&next));
+            self.step();
+            let error = self.error(&closed_from_object, &self.hand_from_object());
+            if held_s.is_none() && !self.is_held(error) {
+                held_s = Some(time_s);
+            }
+            if error.0 > LOST_M {
+                return self.ended(GraspOutcome::Dropped, error, held_s.unwrap_or(time_s), contact_force_n);
+            }
+        }
+        let error = self.error(&closed_from_object, &self.hand_from_object());
+        let touching = self.gripper.pressures(&self.world, self.object);
+        let outcome = if touching.iter().all(Option::is_none) {
+            GraspOutcome::Dropped
+        } else if self.is_held(error) {
+            GraspOutcome::Held
+        } else {
+            GraspOutcome::Slipped
+        };
+        let held_s = held_s.unwrap_or(self.test.course.duration_s());
+        self.ended(outcome, error, held_s, contact_force_n)
+    }
+
+    /// How far the centre of mass is from where it should be, in metres, and how far the object is turned, in radians.
+    fn error(&self, expected: &Pose, actual: &Pose) -> (f64, f64) {
+        let center = self.test.object.center;
+        ((actual * center - expected * center).norm(), expected.rotation.angle_to(&actual.rotation))
+    }
+
+    fn is_held(&self, (translation_m, rotation_rad): (f64, f64)) -> bool {
+        let Course { slip_m, slip_rad, .. } = self.test.course;
+        translation_m <= slip_m && rotation_rad <= slip_rad
+    }
+
+    fn record(&mut self) {
+        let every = whole_steps(RECORDED_EVERY_S, self.test.physics.step_s).max(1);
+        let time_s = self.time_s();
+        let Some(recording) = self.recording.as_mut().filter(|_| self.steps.is_multiple_of(every)) else {
+            return;
+        };
+        if recording.bodies.is_empty() {
+            let body = |name: String, pieces: &[Piece]| RecordedBody {
+                name,
+                pieces: pieces.to_vec(),
+                world_from_body: Vec::new(),
+            };
+            let test = self.test;
+            recording.bodies.push(body(test.object.name.clone(), &test.object.pieces));
+            recording.bodies.push(body("palm".to_owned(), &test.hand.palm));
+            for (index, finger) in test.hand.fingers.iter().enumerate() {
+                recording.bodies.push(body(format!("finger {}", index + 1), &finger.pieces));
+            }
+        }
+        recording.times_s.push(time_s);
+        let handles =
+            [self.object, self.gripper.palm].into_iter().chain(self.gripper.fingers.iter().copied());
+        for (body, handle) in recording.bodies.iter_mut().zip(handles) {
+            body.world_from_body.push(engine::to_pose(self.world.bodies[handle].position()));
+        }
+    }
+
+    fn ended(self, outcome: GraspOutcome, error: (f64, f64), held_s: f64, contact_force_n: f64) -> GraspRun {
+        GraspRun {
+            outcome,
+            translation_error_m: error.0,
+            rotation_error_rad: error.1,
+            held_s,
+            contact_force_n,
+            simulated_s: self.time_s(),
+            recording: self.recording,
+        }
+    }
+}

@@ -1,0 +1,197 @@
+use cranny_grasp::Hand;
+use cranny_spatial::{Point, Pose, Vector};
+use rapier3d_f64::math::Matrix;
+use rapier3d_f64::prelude::{
+    Collider, ColliderHandle, MassProperties, PhysicsWorld, PrismaticJointBuilder, RigidBodyBuilder,
+    RigidBodyHandle,
+};
+
+use crate::{Physics, Piece, SimError, engine};
+
+/// A hand as the engine wants it: a palm that goes where it is told, and fingers that slide on it.
+#[derive(Clone, Debug)]
+pub(crate) struct HandModel {
+    /// In the gripper frame.
+    pub palm: Vec<Piece>,
+    pub fingers: Vec<FingerModel>,
+    pub closing_force_n: f64,
+    palm_colliders: Vec<Collider>,
+}
+
+/// A finger, in the gripper frame while the hand is open.
+#[derive(Clone, Debug)]
+pub(crate) struct FingerModel {
+    pub pieces: Vec<Piece>,
+    /// Which way it closes, a unit vector.
+    pub axis: Vector,
+    /// How far, in metres.
+    pub stroke_m: f64,
+    /// The middle of its pieces.
+    pub center: Point,
+    colliders: Vec<Collider>,
+}
+
+impl HandModel {
+    pub fn new(hand: &Hand) -> Result<Self, SimError> {
+        let name = || hand.name.clone();
+        if hand.fingers.is_empty() {
+            return Err(SimError::NoFingers { hand: name() });
+        }
+        let force_n = hand.closing_force_n;
+        if !(force_n.is_finite() && force_n > 0.0) {
+            return Err(SimError::ClosingForce { hand: name(), force_n });
+        }
+        let pieces_of = |parts: &mut dyn Iterator<Item = usize>| -> Result<Vec<Piece>, SimError> {
+            let mut pieces = Vec::new();
+            for part in parts {
+                let (pose, solid) = &hand.parts[part];
+                pieces.extend(Piece::of_solid(&hand.name, pose, solid)?);
+            }
+            Ok(pieces)
+        };
+        // Of two friction coefficients that meet the greater counts: the object's.
+        let colliders = |pieces: &[Piece]| engine::colliders(&hand.name, pieces, 0.0, engine::HAND);
+        let is_of_finger = |part: &usize| hand.fingers.iter().any(|finger| finger.parts.contains(part));
+        let palm = pieces_of(&mut (0..hand.parts.len()).filter(|part| !is_of_finger(part)))?;
+        let mut fingers = Vec::new();
+        for (index, finger) in hand.fingers.iter().enumerate() {
+            let stroke_m = finger.stroke_m.norm();
+            let pieces = pieces_of(&mut finger.parts.clone())?;
+            if pieces.is_empty() || stroke_m < LEAST_STROKE_M {
+                return Err(SimError::NoStroke { hand: name(), finger: index + 1 });
+            }
+            let sum: Vector = hand.parts[finger.parts.clone()]
+                .iter()
+                .map(|(pose, solid)| (pose * solid.ball().center).coords)
+                .sum();
+            fingers.push(FingerModel {
+                axis: finger.stroke_m / stroke_m,
+                stroke_m,
+                center: Point::from(sum / finger.parts.len() as f64),
+                colliders: colliders(&pieces)?,
+                pieces,
+            });
+        }
+        Ok(Self { palm_colliders: colliders(&palm)?, palm, fingers, closing_force_n: force_n })
+    }
+}
+
+/// A finger that moves less is none.
+const LEAST_STROKE_M: f64 = 1e-4;
+
+/// The hand in a world of the engine.
+pub(crate) struct Gripper<'a> {
+    model: &'a HandModel,
+    physics: &'a Physics,
+    closing_force_n: f64,
+    pub palm: RigidBodyHandle,
+    pub fingers: Vec<RigidBodyHandle>,
+}
+
+impl<'a> Gripper<'a> {
+    pub fn insert(
+        model: &'a HandModel,
+        physics: &'a Physics,
+        closing_force_n: f64,
+        world_from_hand: &Pose,
+        world: &mut PhysicsWorld,
+    ) -> Self {
+        let place = engine::pose(world_from_hand);
+        let palm =
+            world.insert_body(RigidBodyBuilder::kinematic_position_based().pose(place).can_sleep(false));
+        for collider in &model.palm_colliders {
+            world.insert_collider(collider.clone(), Some(palm));
+        }
+        let finger = |finger: &FingerModel| {
+            let center = engine::vector(&finger.center.coords);
+            // The drive's inertia alone; turns are held by the joint, so that any will do.
+            let mass = physics.finger_inertia_kg;
+            let inertia =
+                Matrix::from_diagonal(rapier3d_f64::math::Vector::splat(mass * FINGER_RADIUS_M.powi(2)));
+            let body = RigidBodyBuilder::dynamic()
+                .pose(place)
+                .can_sleep(false)
+                .gravity_scale(0.0)
+                .additional_mass_properties(MassProperties::with_inertia_matrix(center, mass, inertia));
+            let body = world.insert_body(body);
+            for collider in &finger.colliders {
+                world.insert_collider(collider.clone(), Some(body));
+            }
+            let joint = PrismaticJointBuilder::new(engine::vector(&finger.axis))
+                .local_anchor1(center)
+                .local_anchor2(center)
+                .limits([0.0, finger.stroke_m])
+                .contacts_enabled(false);
+            world.insert_impulse_joint(palm, body, joint.build());
+            body
+        };
+        let fingers = model.fingers.iter().map(finger).collect();
+        Self { model, physics, closing_force_n, palm, fingers }
+    }
+
+    /// How far each finger has closed (m) and how fast it closes (m/s), as shares of its stroke.
+    fn shares(&self, world: &PhysicsWorld) -> Vec<(f64, f64)> {
+        let palm = &world.bodies[self.palm];
+        let share = |(model, finger): (&FingerModel, &RigidBodyHandle)| {
+            let body = &world.bodies[*finger];
+            let at_center = body.position().transform_point(engine::vector(&model.center.coords));
+            let axis = palm.position().rotation * engine::vector(&model.axis);
+            let moved = at_center - palm.position().transform_point(engine::vector(&model.center.coords));
+            let velocity = body.velocity_at_point(at_center) - palm.velocity_at_point(at_center);
+            (moved.dot(axis) / model.stroke_m, velocity.dot(axis) / model.stroke_m)
+        };
+        self.model.fingers.iter().zip(&self.fingers).map(share).collect()
+    }
+
+    /// How far the hand has closed, 0 to 1, and how fast it closes (1/s).
+    pub fn closed(&self, world: &PhysicsWorld) -> (f64, f64) {
+        let shares = self.shares(world);
+        let count = shares.len() as f64;
+        let sum = shares.iter().fold((0.0, 0.0), |sum, share| (sum.0 + share.0, sum.1 + share.1));
+        (sum.0 / count, sum.1 / count)
+    }
+
+    /// Sets what the drive does in the next step: all fingers follow a place that wanders from open to closed, `driven_m`
+    /// away from open, with no more than the closing force, and each other.
+    pub fn drive(&self, world: &mut PhysicsWorld, driven_m: f64) {
+        let shares = self.shares(world);
+        let (share, rate) = self.closed(world);
+        let Physics { drive_stiffness, drive_damping, .. } = *self.physics;
+        for ((model, finger), (own_share, own_rate)) in
+            self.model.fingers.iter().zip(&self.fingers).zip(shares)
+        {
+            // Behind the end of the stroke the place goes on until the force is whole.
+            let lead_m = driven_m.min(model.stroke_m + self.closing_force_n / drive_stiffness)
+                - share * model.stroke_m;
+            let drive_n = (drive_stiffness * lead_m - drive_damping * rate * model.stroke_m)
+                .clamp(-self.closing_force_n, self.closing_force_n);
+            let coupling_n =
+                model.stroke_m * (drive_stiffness * (share - own_share) + drive_damping * (rate - own_rate));
+            let axis = world.bodies[self.palm].position().rotation * engine::vector(&model.axis);
+            let body = &mut world.bodies[*finger];
+            body.reset_forces(true);
+            body.add_force(axis * (drive_n + coupling_n), true);
+        }
+    }
+
+    /// With what each finger presses on another body, in newtons; `None` where it does not touch it.
+    pub fn pressures(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> Vec<Option<f64>> {
+        let is_of = |collider: ColliderHandle, body| world.colliders[collider].parent() == Some(body);
+        let pressure = |&finger: &RigidBodyHandle| {
+            let pairs = world.bodies[other].colliders().iter().flat_map(|&own| world.contact_pairs_with(own));
+            pairs
+                .filter(|pair| pair.has_any_active_contact())
+                .filter_map(|pair| match (is_of(pair.collider1, finger), is_of(pair.collider2, finger)) {
+                    (false, false) => None,
+                    (true, _) => Some(pair.total_impulse()),
+                    (false, true) => Some(-pair.total_impulse()),
+                })
+                .reduce(|a, b| a + b)
+                .map(|impulse| impulse.length() / self.physics.step_s)
+        };
+        self.fingers.iter().map(pressure).collect()
+    }
+}
+
+/// Of the inertia of a finger's body, in metres: about its size.
+const FINGER_RADIUS_M: f64 = 0.02;

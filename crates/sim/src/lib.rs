@@ -1,0 +1,28 @@
+//! Does a grasp hold? The hand alone closes on the object, lifts it and shakes it, in rigid-body physics: `rapier`, or
+//! as a model for `MuJoCo`. A simulation is no proof, and no better than its friction: what simulators say of real
+//! grasps is right for about 85 in 100.
+//!
+//! Everything is a function of its input: the same test gives the same bytes on any number of threads.
+
+mod course;
+mod disturbance;
+mod engine;
+mod error;
+#[cfg(test)]
+mod friction_tests;
+mod grasp_run;
+mod grasp_test;
+mod grasp_trial;
+mod gripper;
+mod physics;
+mod piece;
+mod recording;
+
+pub use crate::course::Course;
+pub use crate::disturbance::{Disturbance, Uncertainty};
+pub use crate::error::SimError;
+pub use crate::grasp_run::{GraspOutcome, GraspRun};
+pub use crate::grasp_test::GraspTest;
+pub use crate::physics::Physics;
+pub use crate::piece::{Piece, PieceShape};
+pub use crate::recording::{RecordedBody, Recording};

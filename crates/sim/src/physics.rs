@@ -1,0 +1,84 @@
+use crate::SimError;
+
+/// The constants of the simulated physics. Where `MuJoCo` has the same notion, the exported model has the same value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physics {
+    /// Downwards, in m/s².
+    pub gravity: f64,
+    /// A step, in seconds, in (0, 1/480].
+    pub step_s: f64,
+    /// How often the constraints of a step are solved.
+    pub solver_iterations: usize,
+    /// How stiffly a penetration is undone: the natural frequency of the contact, in Hz.
+    pub contact_frequency_hz: f64,
+    /// How strongly it is damped; above 1, nothing bounces.
+    pub contact_damping_ratio: f64,
+    /// What a finger's drive adds to its inertia, in kilograms. The gears of a gripper turn a light motor into a heavy
+    /// finger; the fingers of the model have no other mass.
+    pub finger_inertia_kg: f64,
+    /// With what the drive and the coupling between the fingers follow where they should be, in N/m.
+    pub drive_stiffness: f64,
+    /// And how fast, in N s/m.
+    pub drive_damping: f64,
+}
+
+impl Default for Physics {
+    fn default() -> Self {
+        Self {
+            gravity: 9.81,
+            step_s: 0.002,
+            solver_iterations: 4,
+            contact_frequency_hz: 200.0,
+            contact_damping_ratio: 5.0,
+            finger_inertia_kg: 0.5,
+            drive_stiffness: 2e4,
+            drive_damping: 150.0,
+        }
+    }
+}
+
+impl Physics {
+    /// # Errors
+    /// [`SimError::Figure`] for one that is out of its range.
+    pub(crate) fn check(&self) -> Result<(), SimError> {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        for (figure, value, range, is_sound) in [
+            ("gravity", self.gravity, "from 0 to 100 m/s²", (0.0..=100.0).contains(&self.gravity)),
+            ("step", self.step_s, "at most 1/480 s", positive(self.step_s) && self.step_s <= 1.0 / 480.0),
+            (
+                "contact frequency",
+                self.contact_frequency_hz,
+                "a positive number of hertz",
+                positive(self.contact_frequency_hz),
+            ),
+            (
+                "contact damping ratio",
+                self.contact_damping_ratio,
+                "a positive number",
+                positive(self.contact_damping_ratio),
+            ),
+            (
+                "inertia of a finger",
+                self.finger_inertia_kg,
+                "a positive number of kilograms",
+                positive(self.finger_inertia_kg),
+            ),
+            // An explicit spring with damper is stable where k dt² + 2 c dt < 4 m; half of that leaves room for contacts.
+            (
+                "stiffness of the drive",
+                self.drive_stiffness,
+                "positive and below what the step can follow",
+                positive(self.drive_stiffness)
+                    && self.drive_damping >= 0.0
+                    && self.drive_stiffness * self.step_s * self.step_s
+                        + 2.0 * self.drive_damping * self.step_s
+                        < 2.0 * self.finger_inertia_kg,
+            ),
+        ] {
+            if !is_sound {
+                return Err(SimError::Figure { figure, value, range });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+use cranny_collision::Body;
+use cranny_shape::{CoarseHull, ConvexParts, DecompositionSettings, Outline, Solid, TriangleSoup};
+use cranny_spatial::Pose;
+
+use crate::SimError;
+
+/// A convex piece of a rigid body, as every engine has it.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Where it is in the body.
+    pub body_from_piece: Pose,
+    /// What it is.
+    pub shape: PieceShape,
+}
+
+/// The shape of a [`Piece`]; lengths in metres, centred at the origin, along z.
+#[derive(Clone, Debug)]
+pub enum PieceShape {
+    /// Of these half extents.
+    Cuboid([f64; 3]),
+    /// Of this radius.
+    Ball(f64),
+    /// Half the length of the cylindrical part, and radius.
+    Capsule(f64, f64),
+    /// Half the length, and radius.
+    Cylinder(f64, f64),
+    /// The convex hull of these corners, a closed mesh.
+    Hull(TriangleSoup),
+    /// All points with z ≤ 0.
+    HalfSpace,
+}
+
+impl Piece {
+    /// The convex pieces of a solid; a mesh that is not convex is cut (V-HACD). `of` names it in an error.
+    ///
+    /// # Errors
+    /// [`SimError::Shape`] for a mesh that encloses no volume.
+    pub fn of_solid(of: &str, body_from_solid: &Pose, solid: &Solid) -> Result<Vec<Self>, SimError> {
+        let shape = match solid.outline() {
+            Outline::Cuboid { half_extents } => PieceShape::Cuboid(half_extents.into()),
+            Outline::Segment { half_length_m: 0.0, radius_m } => PieceShape::Ball(radius_m),
+            Outline::Segment { half_length_m, radius_m } => PieceShape::Capsule(half_length_m, radius_m),
+            Outline::Cylinder { half_length_m, radius_m } => PieceShape::Cylinder(half_length_m, radius_m),
+            Outline::HalfSpace => PieceShape::HalfSpace,
+            Outline::Other => {
+                if let Some(hull) = coarse_hull(solid) {
+                    return Ok(Self::of_hulls(body_from_solid, [hull]));
+                }
+                let soup = solid.tessellation().unwrap_or_default();
+                let parts = ConvexParts::of_mesh(&soup, &DecompositionSettings::default())
+                    .map_err(|reason| SimError::Shape { of: of.to_owned(), reason })?;
+                return Ok(Self::of_hulls(body_from_solid, parts.parts));
+            }
+        };
+        Ok(vec![Self { body_from_piece: *body_from_solid, shape }])
+    }
+
+    /// One piece for each of these convex meshes.
+    pub fn of_hulls(body_from_hulls: &Pose, hulls: impl IntoIterator<Item = TriangleSoup>) -> Vec<Self> {
+        let piece = |hull: TriangleSoup| {
+            let coarse = Solid::hull(&hull.vertices).ok().and_then(|solid| coarse_hull(&solid));
+            Self { body_from_piece: *body_from_hulls, shape: PieceShape::Hull(coarse.unwrap_or(hull)) }
+        };
+        hulls.into_iter().map(piece).collect()
+    }
+
+    /// Those of a body of a world, in the planning frame.
+    ///
+    /// # Errors
+    /// As [`Self::of_solid`].
+    pub fn of_body(body: &Body) -> Result<Vec<Self>, SimError> {
+        let mut pieces = Vec::new();
+        for part in &body.parts {
+            pieces.extend(Self::of_solid(&body.name, &part.world_from_solid, &part.solid)?);
+        }
+        Ok(pieces)
+    }
+}
+
+/// A hull with as few corners as it needs, which the convex solid stands out of by at most [`BULGE_M`]: the time of a
+/// step grows with the corners. `None` for what is no convex hull.
+fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {
+    let coarse = [32, 64, 128, 256].into_iter().find_map(|most| {
+        CoarseHull::of(solid, most).filter(|hull| hull.radius_m == 0.0 && hull.bulge_m <= BULGE_M)
+    })?;
+    TriangleSoup::convex_hull(&coarse.corners).ok()
+}
+
+/// A tenth of what an answer may be off by, in metres.
+const BULGE_M: f64 = 1e-4;

@@ -1,0 +1,23 @@
+use cranny_spatial::Pose;
+
+use crate::Piece;
+
+/// What moved where in a simulation: trajectories of bodies, to be looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// When, in seconds from the beginning; ascending.
+    pub times_s: Vec<f64>,
+    /// All that moves.
+    pub bodies: Vec<RecordedBody>,
+}
+
+/// A body of a [`Recording`].
+#[derive(Clone, Debug)]
+pub struct RecordedBody {
+    /// What it is called.
+    pub name: String,
+    /// What it is made of.
+    pub pieces: Vec<Piece>,
+    /// Its pose in the planning frame at each of the times.
+    pub world_from_body: Vec<Pose>,
+}

@@ -1,0 +1,1 @@
+//! All tests of this crate from outside: one program, which is linked once.
