@@ -12,6 +12,7 @@ use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
 use crate::scenario::ScenarioArguments;
+use crate::simulate::SimulateArguments;
 use crate::view::ViewArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
@@ -79,6 +80,8 @@ pub enum Command {
     Grasps(GraspsArguments),
     /// Make objects to grasp from meshes, and show those that there are
     Object(ObjectArguments),
+    /// Try grasps in physics
+    Simulate(SimulateArguments),
     /// Run campaigns of trials, join, report and replay their results
     Bench(BenchArguments),
     /// Draw a scenario or a plan: a picture, a moving picture, animated glTF, a page in one file

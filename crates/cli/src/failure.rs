@@ -14,6 +14,9 @@ pub enum Failure {
     /// A campaign or its results.
     #[error(transparent)]
     Bench(#[from] cranny_bench::BenchError),
+    /// What cannot be simulated.
+    #[error(transparent)]
+    Sim(#[from] cranny_sim::SimError),
     /// What is drawn, or the file of a picture.
     #[error(transparent)]
     View(#[from] cranny_view::ViewError),
@@ -48,7 +51,7 @@ pub enum Failure {
         path: PathBuf,
     },
     /// Grasps of nothing.
-    #[error("{id}: the scenario has no target, so there is nothing to sample grasps on")]
+    #[error("{id}: the scenario has no target, so there is nothing to grasp")]
     NoTarget {
         /// The scenario.
         id: String,

@@ -27,6 +27,8 @@ mod progress;
 mod render;
 mod scenario;
 mod search_replay;
+mod simulate;
+mod simulate_grasps;
 mod start;
 mod task;
 mod text;
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         Chosen::Scenario(arguments) => scenario::run(arguments, cli.output),
         Chosen::Grasps(arguments) => grasps::run(arguments, cli.output),
         Chosen::Object(arguments) => object::run(arguments, cli.output),
+        Chosen::Simulate(arguments) => simulate::run(arguments, cli.output),
         Chosen::Bench(arguments) => bench::run(arguments, cli.output),
         Chosen::Render(arguments) => render::run(arguments, cli.output),
         Chosen::View(arguments) => view::run(arguments, cli.output),

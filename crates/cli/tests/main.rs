@@ -21,6 +21,7 @@ mod optimisation;
 mod output_files;
 mod pictures;
 mod scenarios;
+mod simulation;
 mod trajectory;
 mod view;
 mod workshop;

@@ -16,7 +16,7 @@ pub struct Course {
     pub lift_m: f64,
     /// In which time.
     pub lift_s: f64,
-    /// The amplitude A along each axis, in metres. Default 10 mm: at 5 Hz the acceleration of gravity.
+    /// The amplitude A along each axis, in metres. Default 10 mm: at 5 Hz about the acceleration of gravity.
     pub shake_m: f64,
     /// The amplitude A about each axis, in radians.
     pub shake_rad: f64,

@@ -8,8 +8,8 @@ use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{Pose, Vector};
 use rapier3d_f64::math::{Matrix, Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
 use rapier3d_f64::prelude::{
-    CoefficientCombineRule, Collider, ColliderBuilder, FrictionModel, Group, InteractionGroups,
-    InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SpringCoefficients,
+    CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group, InteractionGroups,
+    InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SolverContactGeneric, SpringCoefficients,
 };
 
 use crate::{Physics, Piece, PieceShape, SimError};
@@ -122,4 +122,17 @@ pub(crate) fn mass_properties(object: &ObjectType) -> MassProperties {
         object.mass_kg,
         Matrix::from_cols(columns[0], columns[1], columns[2]),
     )
+}
+
+/// What the first of two bodies gave the second along the normals of their contacts in the last step, in N s. The engine's
+/// own sum counts points too that it has left out of the step since they last bore something.
+pub(crate) fn normal_impulse(pair: &ContactPair) -> Vector {
+    let mut sum = Vector::zeros();
+    for manifold in pair.manifolds() {
+        let solved = manifold.data.solver_contacts.iter().flat_map(SolverContactGeneric::contact_indices);
+        let points = solved.filter_map(|index| manifold.points.get(usize::try_from(index).ok()?));
+        let impulse: f64 = points.map(|point| point.data.impulse).sum();
+        sum += to_vector(manifold.data.normal) * impulse;
+    }
+    sum
 }

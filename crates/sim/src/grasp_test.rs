@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_scenario::ObjectType;
@@ -75,9 +77,23 @@ impl GraspTest {
         &self.world_from_object
     }
 
-    /// All of these grasps, each in a world of its own, on all cores; poses of the gripper in the planning frame.
-    pub fn run_all(&self, grasps: &[Pose], disturbance: &Disturbance) -> Vec<GraspRun> {
-        grasps.par_iter().map(|grasp| self.run(grasp, disturbance, false)).collect()
+    /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
+    /// the planning frame. `on_done` hears of each; what was not begun when `stop` was set is `None`.
+    pub fn run_all(
+        &self,
+        trials: &[(Pose, Disturbance)],
+        on_done: &(dyn Fn() + Sync),
+        stop: &AtomicBool,
+    ) -> Vec<Option<GraspRun>> {
+        let run = |(grasp, disturbance): &(Pose, Disturbance)| {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let run = self.run(grasp, disturbance, false);
+            on_done();
+            Some(run)
+        };
+        trials.par_iter().map(run).collect()
     }
 
     /// One grasp; the pose of the gripper in the planning frame.

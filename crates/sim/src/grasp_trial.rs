@@ -79,14 +79,14 @@ impl<'a> GraspTrial<'a> {
         self.record();
     }
 
-    /// Closes the hand. With what the fingers press when they are still, in newtons, the mean; `None` if not all of them
+    /// Closes the hand. With what the fingers press while they are still, in newtons, the mean; `None` if not all of them
     /// touch the object.
     fn close(&mut self) -> Option<f64> {
         let test = self.test;
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
         let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
         let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
-        let mut still_s = 0.0;
+        let (mut still_steps, mut pressed_n) = (0_u32, 0.0);
         for _ in 0..whole_steps(limit_s, test.physics.step_s) {
             self.step();
             let (share, rate) = self.gripper.closed(&self.world);
@@ -94,13 +94,15 @@ impl<'a> GraspTrial<'a> {
                 return None;
             }
             let pressures = self.gripper.pressures(&self.world, self.object);
-            let pressed_n: Option<f64> = pressures.iter().copied().sum();
+            let pressure_n: Option<f64> = pressures.iter().copied().sum();
             // Full force, and no motion any more.
-            let is_still =
-                pressed_n.is_some() && (rate * stroke_m).abs() < STILL_M_PER_S && self.time_s() > lead_s;
-            still_s = if is_still { still_s + test.physics.step_s } else { 0.0 };
-            if still_s > STILL_S + lead_s {
-                return pressed_n.map(|sum| sum / pressures.len() as f64);
+            let is_still = (rate * stroke_m).abs() < STILL_M_PER_S && self.time_s() > lead_s;
+            (still_steps, pressed_n) = match pressure_n.filter(|_| is_still) {
+                Some(sum_n) => (still_steps + 1, pressed_n + sum_n / pressures.len() as f64),
+                None => (0, 0.0),
+            };
+            if still_steps > whole_steps(STILL_S + lead_s, test.physics.step_s) {
+                return Some(pressed_n / f64::from(still_steps));
             }
         }
         None

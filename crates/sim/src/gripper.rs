@@ -174,7 +174,8 @@ impl<'a> Gripper<'a> {
         }
     }
 
-    /// With what each finger presses on another body, in newtons; `None` where it does not touch it.
+    /// With what each finger presses on another body, in newtons; `None` where it does not touch it. Of the step just
+    /// done.
     pub fn pressures(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> Vec<Option<f64>> {
         let is_of = |collider: ColliderHandle, body| world.colliders[collider].parent() == Some(body);
         let pressure = |&finger: &RigidBodyHandle| {
@@ -183,11 +184,11 @@ impl<'a> Gripper<'a> {
                 .filter(|pair| pair.has_any_active_contact())
                 .filter_map(|pair| match (is_of(pair.collider1, finger), is_of(pair.collider2, finger)) {
                     (false, false) => None,
-                    (true, _) => Some(pair.total_impulse()),
-                    (false, true) => Some(-pair.total_impulse()),
+                    (true, _) => Some(engine::normal_impulse(pair)),
+                    (false, true) => Some(-engine::normal_impulse(pair)),
                 })
                 .reduce(|a, b| a + b)
-                .map(|impulse| impulse.length() / self.physics.step_s)
+                .map(|impulse| impulse.norm() / self.physics.step_s)
         };
         self.fingers.iter().map(pressure).collect()
     }

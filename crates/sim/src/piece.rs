@@ -77,6 +77,21 @@ impl Piece {
     }
 }
 
+impl PieceShape {
+    /// Its surface in its own frame, to be looked at; None for a half-space.
+    pub fn surface(&self) -> Option<TriangleSoup> {
+        let solid = match self {
+            Self::Cuboid(half_extents) => Solid::cuboid((*half_extents).into()),
+            Self::Ball(radius_m) => Solid::sphere(*radius_m),
+            Self::Capsule(half_m, radius_m) => Solid::capsule(*half_m, *radius_m),
+            Self::Cylinder(half_m, radius_m) => Solid::cylinder(*half_m, *radius_m),
+            Self::Hull(hull) => return Some(hull.clone()),
+            Self::HalfSpace => return None,
+        };
+        solid.ok()?.tessellation()
+    }
+}
+
 /// A hull with as few corners as it needs, which the convex solid stands out of by at most [`BULGE_M`]: the time of a
 /// step grows with the corners. `None` for what is no convex hull.
 fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {

@@ -1,3 +1,4 @@
+use cranny_shape::TriangleSoup;
 use cranny_spatial::Pose;
 
 use crate::Piece;
@@ -20,4 +21,17 @@ pub struct RecordedBody {
     pub pieces: Vec<Piece>,
     /// Its pose in the planning frame at each of the times.
     pub world_from_body: Vec<Pose>,
+}
+
+impl RecordedBody {
+    /// The surfaces of its pieces, in its frame, to be looked at.
+    pub fn surface(&self) -> TriangleSoup {
+        let mut surface = TriangleSoup::default();
+        for piece in &self.pieces {
+            if let Some(soup) = piece.shape.surface() {
+                surface.append(&soup, &piece.body_from_piece);
+            }
+        }
+        surface
+    }
 }

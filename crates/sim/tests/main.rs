@@ -1,1 +1,4 @@
 //! All tests of this crate from outside: one program, which is linked once.
+
+mod grasps;
+mod inputs;

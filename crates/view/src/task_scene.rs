@@ -1,3 +1,4 @@
+use cranny_collision::Body;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_spatial::{Point, Pose};
 
@@ -50,7 +51,7 @@ impl Scene {
     ) -> Result<Self, ViewError> {
         let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
         scene.add_robot(scenario, path)?;
-        scene.add_bodies(scenario);
+        scene.add_bodies(scenario.world.bodies(), scenario.target);
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
         Ok(scene)
@@ -114,10 +115,11 @@ impl Scene {
         Ok(())
     }
 
-    fn add_bodies(&mut self, scenario: &Scenario) {
+    /// Bodies of a world, `target` among them.
+    pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>) {
         let mut kinds: Vec<&str> = Vec::new();
-        for (index, body) in scenario.world.bodies().iter().enumerate() {
-            let is_target = scenario.target == Some(index);
+        for (index, body) in bodies.iter().enumerate() {
+            let is_target = target == Some(index);
             let kind = kind_of(&body.name);
             let turn = kinds.iter().position(|known| *known == kind).unwrap_or(kinds.len());
             let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);

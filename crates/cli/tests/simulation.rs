@@ -1,0 +1,92 @@
+//! Grasps in physics from the command line.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("cranny").expect("the program");
+    command.current_dir(folder).arg("simulate").args(arguments).output().expect("it runs")
+}
+
+/// Status and document of a command that answers.
+fn answer(folder: &Path, arguments: &[&str]) -> (i32, serde_json::Value) {
+    let output = run(folder, &[arguments, &["--json"]].concat());
+    let document = serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|_| panic!("{arguments:?}: {}", String::from_utf8_lossy(&output.stderr)));
+    (output.status.code().expect("a code"), document)
+}
+
+fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let output = run(folder, arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    for word in words {
+        assert!(error.contains(word), "no '{word}' in: {error}");
+    }
+}
+
+#[test]
+fn a_grasp_of_a_scenario_is_tried_and_recorded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let one = ["grasps", "021", "--grasp", "3", "--support-only", "--trials", "4", "--record", "three.glb"];
+    let (code, document) = answer(folder, &one);
+    assert_eq!(code, 0);
+    assert_eq!(
+        (&document["subject"], &document["grasps"], &document["held"]),
+        (&"021".into(), &1.into(), &1.into())
+    );
+    let row = &document["rows"][0];
+    assert_eq!((&row["grasp"], &row["outcome"]), (&3.into(), &"held".into()));
+    for key in ["translation_error_m", "rotation_error_rad", "held_s", "contact_force_n", "score"] {
+        assert!(row[key].is_f64(), "{key}: {row}");
+    }
+    assert_eq!(row["robust"]["trials"], 4);
+    assert_eq!(&std::fs::read(folder.join("three.glb")).expect("written")[..4], b"glTF");
+    // Nothing holds what is too heavy, and that is an honest no.
+    let (code, document) = answer(folder, &["grasps", "021", "--grasp", "3", "--mass", "50"]);
+    assert_eq!((code, &document["held"]), (1, &0.into()));
+}
+
+#[test]
+fn grasps_of_an_object_stand_in_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let mut sample = Command::cargo_bin("cranny").expect("the program");
+    let sample =
+        sample.current_dir(folder).args(["grasps", "sample", "sugar_box", "--count", "2", "-o", "box.csv"]);
+    assert!(sample.output().expect("it runs").status.success());
+    let (_, floating) = answer(folder, &["grasps", "sugar_box", "--grasps", "box.csv", "--friction", "0.9"]);
+    assert_eq!(floating["grasps"], 2);
+    // Heavy as lead in the same grasp.
+    let heavy = ["grasps", "sugar_box", "--grasps", "box.csv", "--mass", "40", "--pose", "0"];
+    assert_eq!(answer(folder, &heavy).1["held"], 0);
+    refused(folder, &["grasps", "sugar_box"], &["--grasps", "cranny grasps sample sugar_box"]);
+    refused(
+        folder,
+        &["grasps", "sugar_box", "--grasps", "box.csv", "--pose", "9"],
+        &["--pose", "counted from 0"],
+    );
+    refused(folder, &["grasps", "sugar_box", "--grasps", "box.csv", "--support-only"], &["--support-only"]);
+}
+
+#[test]
+fn bad_input_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    refused(folder, &["grasps", "021", "--grasp", "999"], &["--grasp", "200 grasps"]);
+    refused(folder, &["grasps", "021", "--grasp", "0", "--record", "a.mp4"], &["--record", ".glb"]);
+    refused(folder, &["grasps", "021", "--record", "a.glb"], &["--grasp"]);
+    refused(folder, &["grasps", "021", "--friction", "-1"], &["--friction", "positive"]);
+    refused(folder, &["grasps", "nothing_there"], &["nothing_there"]);
+    // A scenario whose target nobody has weighed.
+    let scenario = "robot: panda_mobile\nstart: [0, 0, 0, 0, 0, -1.5, 0, 1.5, 0]\nfloor: null\ntarget:\n  name: cup\n  \
+                    pose: {position: [2, 2, 0.5]}\n  shapes:\n    - sphere: {radius: 0.03}\n";
+    std::fs::create_dir(folder.join("cup")).expect("a folder");
+    std::fs::write(folder.join("cup/scenario.yaml"), scenario).expect("written");
+    std::fs::write(folder.join("cup/grasps.csv"), "1,0,0,2,0,1,0,2,0,0,1,0.5,0,0,0,1\n").expect("written");
+    refused(folder, &["grasps", "cup"], &["cup", "mass_kg"]);
+    assert_ne!(run(folder, &["grasps", "cup", "--mass", "0.1"]).status.code(), Some(2));
+}

@@ -1,0 +1,136 @@
+//! How grasps end whose end is known.
+
+use std::sync::atomic::AtomicBool;
+
+use cranny_collision::Body;
+use cranny_grasp::{BoxHand, Hand};
+use cranny_scenario::{ObjectSettings, ObjectType};
+use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_sim::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Uncertainty};
+use cranny_spatial::{Pose, Rotation, Vector};
+
+fn hand() -> Hand {
+    BoxHand::default().hand().unwrap()
+}
+
+fn object(mesh: &TriangleSoup, mass_kg: f64, friction: f64) -> ObjectType {
+    let settings = ObjectSettings { friction, ..ObjectSettings::new("object", mass_kg) };
+    ObjectType::from_mesh(mesh, &settings).unwrap().0
+}
+
+/// Of 4 cm.
+fn cube(mass_kg: f64, friction: f64) -> ObjectType {
+    object(&Surface::cuboid_soup(&Vector::repeat(0.02)), mass_kg, friction)
+}
+
+fn floating(object: &ObjectType) -> GraspTest {
+    GraspTest::new(&hand(), object, Pose::identity(), &[], Physics::default(), Course::default()).unwrap()
+}
+
+/// From above: z of the gripper down, its origin at this height.
+fn from_above(height_m: f64) -> Pose {
+    let down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
+    Pose::from_parts(Vector::new(0.0, 0.0, height_m).into(), down)
+}
+
+fn run(test: &GraspTest, grasp: &Pose) -> GraspRun {
+    test.run(grasp, &Disturbance::default(), false)
+}
+
+#[test]
+fn what_is_held_in_the_middle_stays_there() {
+    let run = run(&floating(&cube(0.2, 0.5)), &from_above(0.0));
+    assert_eq!(run.outcome, GraspOutcome::Held);
+    assert!(run.translation_error_m < 1e-3 && run.rotation_error_rad < 0.02, "{run:?}");
+    assert!((run.held_s - Course::default().duration_s()).abs() < 1e-9);
+    assert!((run.contact_force_n - 40.0).abs() < 0.8, "{} N", run.contact_force_n);
+}
+
+#[test]
+fn what_is_too_smooth_or_too_heavy_falls() {
+    // Friction bears 2 μ N = 1.6 N, or 4 N, of the weight.
+    for (mass_kg, friction) in [(0.25, 0.02), (0.6, 0.05)] {
+        let run = run(&floating(&cube(mass_kg, friction)), &from_above(0.0));
+        assert_eq!(run.outcome, GraspOutcome::Dropped, "{mass_kg} kg, {friction}");
+        assert!(run.held_s < 1.0 && run.simulated_s < 2.5, "{run:?}");
+    }
+}
+
+#[test]
+fn what_is_not_between_the_fingers_is_not_closed_on() {
+    let ball = object(&TriangleSoup::geodesic_sphere(0.02, 3), 0.05, 0.3);
+    let test = floating(&ball);
+    let beside = run(&test, &from_above(0.1));
+    assert_eq!(beside.outcome, GraspOutcome::NeverClosed);
+    assert!(beside.translation_error_m < 1e-9 && beside.held_s == 0.0);
+    // The tips, 7 mm ahead, close 13 mm from the middle of the ball, which slips out like the stone of a cherry.
+    let squeezed = run(&test, &from_above(0.02));
+    assert_eq!(squeezed.outcome, GraspOutcome::KnockedAway, "{squeezed:?}");
+}
+
+#[test]
+fn what_lies_is_lifted_off_what_carries_it() {
+    let floor =
+        Body::new("table", Pose::translation(0.0, 0.0, 0.25), Solid::cuboid(Vector::repeat(0.25)).unwrap());
+    let object = cube(0.2, 0.5);
+    // It stands 3 mm above the table, as in files of others, and comes down first.
+    let place = Pose::translation(0.0, 0.0, 0.523);
+    let test =
+        GraspTest::new(&hand(), &object, place, &[floor], Physics::default(), Course::default()).unwrap();
+    assert!((test.world_from_object().translation.z - 0.52).abs() < 5e-4);
+    let run = test.run(&from_above(0.525), &Disturbance::default(), true);
+    assert_eq!(run.outcome, GraspOutcome::Held, "{run:?}");
+    let recording = run.recording.unwrap();
+    let names: Vec<&str> = recording.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["object", "palm", "finger 1", "finger 2"]);
+    let heights: Vec<f64> =
+        recording.bodies[0].world_from_body.iter().map(|pose| pose.translation.z).collect();
+    assert_eq!(heights.len(), recording.times_s.len());
+    assert!((heights[heights.len() - 1] - 0.62).abs() < 2e-3, "ends at {:?} m", heights.last());
+}
+
+#[test]
+fn where_in_the_world_it_happens_makes_no_difference() {
+    let floor = Body::floor(0.0);
+    let object = cube(0.3, 0.3);
+    let outcome = |turn_rad: f64| {
+        let turn = Rotation::from_axis_angle(&Vector::z_axis(), turn_rad);
+        let moved = Pose::from_parts(Vector::new(0.7, -1.3, 0.0).into(), turn);
+        let place = moved * Pose::translation(0.0, 0.0, 0.02);
+        let test = GraspTest::new(
+            &hand(),
+            &object,
+            place,
+            std::slice::from_ref(&floor),
+            Physics::default(),
+            Course::default(),
+        )
+        .unwrap();
+        run(&test, &(moved * from_above(0.03)))
+    };
+    let here = outcome(0.0);
+    for turn_rad in [0.5, 2.0, 4.0] {
+        let there = outcome(turn_rad);
+        assert_eq!(there.outcome, here.outcome);
+        assert!((there.translation_error_m - here.translation_error_m).abs() < 2e-4, "{here:?} {there:?}");
+    }
+}
+
+#[test]
+fn the_same_test_gives_the_same_bits_on_any_number_of_threads() {
+    let test = floating(&object(&TriangleSoup::geodesic_sphere(0.025, 2), 0.1, 0.3));
+    let errors = Uncertainty::default().design(12, 5);
+    let trials: Vec<(Pose, Disturbance)> = errors.iter().map(|error| (from_above(0.002), *error)).collect();
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let runs = pool.install(|| test.run_all(&trials, &|| {}, &AtomicBool::new(false)));
+        runs.into_iter()
+            .map(|run| run.unwrap())
+            .map(|run| (run.outcome, run.translation_error_m.to_bits(), run.rotation_error_rad.to_bits()))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(1), bits(3));
+    // What was stopped is no answer.
+    let stopped = test.run_all(&trials, &|| {}, &AtomicBool::new(true));
+    assert!(stopped.iter().all(Option::is_none));
+}

@@ -1,0 +1,78 @@
+//! What a simulation is made of, and what is refused.
+
+use cranny_grasp::BoxHand;
+use cranny_scenario::builtin_object;
+use cranny_sim::{Course, GraspTest, Physics, SimError, Uncertainty};
+use cranny_spatial::{Pose, PoseDifference};
+
+fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut Course)) -> SimError {
+    let mut hand = BoxHand::default().hand().unwrap();
+    let (mut physics, mut course) = (Physics::default(), Course::default());
+    change(&mut hand, &mut physics, &mut course);
+    let ball = builtin_object("tennis_ball").unwrap();
+    GraspTest::new(&hand, &ball, Pose::identity(), &[], physics, course).unwrap_err()
+}
+
+#[test]
+fn a_hand_that_cannot_close_is_refused() {
+    assert!(fault(|hand, _, _| hand.fingers.clear()).to_string().contains("no fingers that slide"));
+    assert!(fault(|hand, _, _| hand.fingers[1].stroke_m *= 0.0).to_string().contains("finger 2"));
+    for force_n in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(fault(|hand, _, _| hand.closing_force_n = force_n).to_string().contains("closing force"));
+    }
+}
+
+#[test]
+fn constants_out_of_their_range_are_refused() {
+    for (figure, said) in [
+        (fault(|_, physics, _| physics.step_s = 0.01), "step"),
+        (fault(|_, physics, _| physics.gravity = f64::NAN), "gravity"),
+        (fault(|_, physics, _| physics.drive_stiffness = 1e6), "stiffness"),
+        (fault(|_, _, course| course.lift_s = 0.0), "time of the lift"),
+        (fault(|_, _, course| course.shake_hz = f64::INFINITY), "frequency"),
+        (fault(|_, _, course| course.slip_m = -1.0), "limit of slip"),
+    ] {
+        assert!(figure.to_string().contains(said), "{figure}");
+    }
+}
+
+#[test]
+fn the_hand_goes_up_and_to_and_fro_without_a_jump() {
+    let course = Course::default();
+    let closed = Pose::translation(0.3, 0.0, 0.5);
+    let at = |time_s| course.world_from_hand(&closed, time_s);
+    assert!(PoseDifference::between(&closed, &at(0.0)).translation_m < 1e-12);
+    let end = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(course.duration_s()));
+    assert!(end.translation_m < 1e-12 && end.rotation_rad < 1e-9);
+    let (mut farthest_m, mut farthest_rad, mut time_s) = (0.0_f64, 0.0_f64, 0.0);
+    while time_s < course.duration_s() {
+        let step = PoseDifference::between(&at(time_s), &at(time_s + 1e-4));
+        // 0.5 m/s and 6 rad/s at most.
+        assert!(step.translation_m < 5e-5 && step.rotation_rad < 6e-4, "at {time_s} s");
+        let off = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(time_s));
+        if time_s > course.lift_s {
+            farthest_m = farthest_m.max(off.translation_m);
+            farthest_rad = farthest_rad.max(off.rotation_rad);
+        }
+        time_s += 1e-4;
+    }
+    assert!(farthest_m > 0.85 * course.shake_m && farthest_m <= course.shake_m, "{farthest_m} m");
+    assert!(farthest_rad > 0.85 * course.shake_rad && farthest_rad <= course.shake_rad, "{farthest_rad} rad");
+}
+
+#[test]
+fn disturbances_fill_their_ranges_evenly() {
+    let uncertainty = Uncertainty::default();
+    let design = uncertainty.design(32, 7);
+    assert_eq!(design, uncertainty.design(32, 7));
+    assert_ne!(design, uncertainty.design(32, 8));
+    let mut parts: Vec<f64> =
+        design.iter().map(|d| ((d.friction - 1.0) / uncertainty.friction * 16.0).floor()).collect();
+    parts.sort_by(f64::total_cmp);
+    assert_eq!(parts, (-16..16).map(f64::from).collect::<Vec<f64>>());
+    for disturbance in design {
+        let [x, y, z] = disturbance.grasp_from_hand.translation.vector.into();
+        assert!([x, y, z].iter().all(|m: &f64| m.abs() <= uncertainty.position_m));
+        assert!((disturbance.mass - 1.0).abs() <= uncertainty.mass);
+    }
+}
