@@ -34,6 +34,7 @@ from cranny._cranny import (
     planner_names,
     sample_grasps,
     scenario_ids,
+    simulate_grasps,
     verify_path,
 )
 from cranny.notebook import View
@@ -64,5 +65,6 @@ __all__ = [
     "ros",
     "sample_grasps",
     "scenario_ids",
+    "simulate_grasps",
     "verify_path",
 ]

@@ -41,6 +41,7 @@ __all__ = [
     "sample_grasps",
     "scenario_ids",
     "serve_trials",
+    "simulate_grasps",
     "verify_path",
 ]
 
@@ -390,6 +391,18 @@ def sample_grasps(
     bare: bool = False,
     seed: int = 0,
 ) -> Grasps: ...
+def simulate_grasps(
+    scenario: Scenario,
+    grasps: Grasps | None = None,
+    *,
+    support_only: bool = False,
+    gripper: _Path | None = None,
+    mass_kg: float | None = None,
+    friction: float | None = None,
+    closing_force_n: float | None = None,
+    trials: int = 0,
+    seed: int = 0,
+) -> list[dict[str, Any]]: ...
 def picture(
     scenario: Scenario,
     plan: Plan | None = None,

@@ -33,6 +33,7 @@ mod results;
 mod robot;
 mod rows;
 mod scenario;
+mod simulation;
 mod task;
 mod trajectory;
 mod verification;
@@ -73,6 +74,8 @@ mod _cranny {
     use crate::robot::PyRobot;
     #[pymodule_export]
     use crate::scenario::{PyScenario, scenario_ids};
+    #[pymodule_export]
+    use crate::simulation::simulate_grasps;
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

@@ -39,13 +39,13 @@ pub fn readiness(here: &Surroundings) -> Readiness {
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let folder = here.root.join("target/gltf");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let program = here.built_program()?.display().to_string();
     let mut files = Vec::new();
     for id in SCENARIOS {
         let plan = folder.join(format!("{id}.plan.json")).display().to_string();
         let file = folder.join(format!("{id}.glb")).display().to_string();
-        let cranny = ["run", "--release", "--quiet", "-p", "cranny-cli", "--"];
         for words in [["plan", id, "-o", &plan, "--quiet"], ["render", id, &plan, "-o", &file]] {
-            step::succeed(here.cargo(&[&cranny[..], &words[..]].concat()))?;
+            step::succeed(here.command(&program, &words))?;
         }
         files.push(file);
     }

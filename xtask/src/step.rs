@@ -32,6 +32,16 @@ impl Surroundings {
         self.root.join(target).join("release").join(format!("cranny{}", std::env::consts::EXE_SUFFIX))
     }
 
+    /// The program, up to date: built as the tests build it, with all crates and what their tests need, so that nothing
+    /// is built twice for other features of the same dependencies.
+    ///
+    /// # Errors
+    /// If it cannot be built.
+    pub fn built_program(&self) -> Result<PathBuf, String> {
+        succeed(self.cargo(&["build", "--release", "--quiet", "--workspace", "--bins", "--tests"]))?;
+        Ok(self.program())
+    }
+
     /// A cargo command at the root, with data folder and Python in its environment.
     pub fn cargo(&self, words: &[&str]) -> Command {
         // The cargo that runs this task, so that nested runs use the same toolchain.

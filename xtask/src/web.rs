@@ -47,10 +47,10 @@ fn install(here: &Surroundings) -> Result<(), String> {
 /// # Errors
 /// If any of these fails.
 pub fn check(here: &Surroundings) -> Result<(), String> {
-    step::succeed(here.cargo(&["build", "--release", "-p", "cranny-cli"]))?;
+    let program = here.built_program()?;
     let mut test = here.command("npm", &["test"]);
     test.current_dir(here.root.join("web"));
-    test.env(step::PROGRAM, here.program());
+    test.env(step::PROGRAM, program);
     if let Some(chromium) = chromium() {
         test.env(CHROMIUM, chromium);
     }

@@ -7,13 +7,8 @@ use cranny_bench::statistics::wilson;
 use cranny_collision::Body;
 use cranny_grasp::{GraspSet, Hand, read_csv};
 use cranny_plan::robot_hand;
-use cranny_scenario::{
-    ObjectType, OpenOptions, ScenarioError, TargetObject, TargetPhysics, is_scenario, panda_hand,
-    read_gripper,
-};
-use cranny_shape::Solid;
-use cranny_sim::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Recording, Uncertainty};
-use cranny_spatial::Pose;
+use cranny_scenario::{OpenOptions, ScenarioError, TargetPhysics, is_scenario, panda_hand, read_gripper};
+use cranny_sim::{Disturbance, GraspOutcome, GraspRow, GraspTest, RecordedBody, Recording};
 use cranny_view::{Animation, MovingBody, PictureSettings, Scene, StandardView};
 use serde::Serialize;
 
@@ -43,35 +38,18 @@ struct Simulated {
 
 #[derive(Serialize)]
 struct Row {
-    grasp: usize,
-    outcome: &'static str,
-    translation_error_m: f64,
-    rotation_error_rad: f64,
-    held_s: f64,
-    contact_force_n: f64,
-    /// The geometric score.
-    score: Option<f64>,
+    #[serde(flatten)]
+    row: GraspRow,
+    /// Of the robust score, 95 %.
     #[serde(skip_serializing_if = "Option::is_none")]
-    robust: Option<Robust>,
-}
-
-/// Of trials in which everything is a little wrong.
-#[derive(Serialize)]
-struct Robust {
-    trials: usize,
-    held: usize,
-    score: f64,
-    /// 95 %.
-    wilson_interval: Option<[f64; 2]>,
+    robust_interval: Option<[f64; 2]>,
 }
 
 /// Everything that a simulation of grasps is about.
 struct Subject {
     name: String,
     hand: Hand,
-    object: ObjectType,
-    world_from_object: Pose,
-    surroundings: Vec<Body>,
+    test: GraspTest,
     /// In the planning frame.
     grasps: GraspSet,
 }
@@ -82,54 +60,37 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let subject = Subject::open(arguments, output)?;
-    let all = subject.grasps.grasps();
+    let Subject { name, hand, test, grasps } = Subject::open(arguments, output)?;
+    let grasps = grasps.grasps();
     let chosen: Vec<usize> = match arguments.grasp {
-        None => (0..all.len()).collect(),
-        Some(grasp) if grasp < all.len() => vec![grasp],
-        Some(_) => return Err(flag("grasp", format!("there are {} grasps, from 0 on", all.len()))),
+        None => (0..grasps.len()).collect(),
+        Some(grasp) if grasp < grasps.len() => vec![grasp],
+        Some(_) => return Err(flag("grasp", format!("there are {} grasps, from 0 on", grasps.len()))),
     };
-    let Subject { hand, object, world_from_object, surroundings, .. } = &subject;
-    let test = GraspTest::new(
-        hand,
-        object,
-        *world_from_object,
-        surroundings,
-        Physics::default(),
-        Course::default(),
-    )?;
-    // Each grasp as it is, then with each of the errors.
-    let errors = Uncertainty::default().design(arguments.trials, arguments.seed);
-    let each = || std::iter::once(Disturbance::default()).chain(errors.iter().copied());
-    let trials: Vec<(Pose, Disturbance)> = chosen
-        .iter()
-        .flat_map(|&grasp| each().map(move |disturbance| (grasp, disturbance)))
-        .map(|(grasp, disturbance)| (all[grasp].world_from_gripper, disturbance))
-        .collect();
     let stop = stop_on_interrupt()?;
-    let progress = bar(trials.len() as u64, output.quiet);
-    let runs = test.run_all(&trials, &|| progress.inc(1), &stop);
+    let progress = bar((chosen.len() * (1 + arguments.trials)) as u64, output.quiet);
+    let trials = (arguments.trials, arguments.seed);
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    let rows = test.rows(grasps, &chosen, trials, &|| progress.inc(1), &is_stopped);
     progress.finish_and_clear();
-
-    let mut rows = Vec::new();
-    for (&grasp, runs) in chosen.iter().zip(runs.chunks(1 + errors.len())) {
-        let Some(runs) = runs.iter().cloned().collect::<Option<Vec<GraspRun>>>() else { continue };
-        rows.push(Row::of(grasp, all[grasp].score, &runs[0], &runs[1..]));
-    }
-    let held = rows.iter().filter(|row| row.outcome == GraspOutcome::Held.name()).count();
+    let held = rows.iter().filter(|row| row.outcome == GraspOutcome::Held).count();
+    let with_interval = |row: GraspRow| {
+        let robust_interval = row.robust.and_then(|robust| interval(robust.held, robust.trials));
+        Row { row, robust_interval }
+    };
     let simulated = Simulated {
-        subject: subject.name.clone(),
-        hand: hand.name.clone(),
+        subject: name,
+        hand: hand.name,
         grasps: rows.len(),
         held,
         success_rate: held as f64 / rows.len().max(1) as f64,
         wilson_interval: interval(held, rows.len()),
-        stopped: stop.load(Ordering::Relaxed),
-        rows,
+        stopped: is_stopped(),
+        rows: rows.into_iter().map(with_interval).collect(),
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
-        let run = test.run(&all[*grasp].world_from_gripper, &Disturbance::default(), true);
-        let scene = scene(&subject, &run.recording.unwrap_or_default());
+        let run = test.run(&grasps[*grasp].world_from_gripper, &Disturbance::default(), true);
+        let scene = scene(&simulated.subject, test.surroundings(), &run.recording.unwrap_or_default());
         write(&scene, file, kind, output)?;
     }
     text::answer(&simulated, || simulated.page(), output)?;
@@ -141,55 +102,19 @@ impl Subject {
         let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
         let grasps = arguments.grasps.as_deref().map(read_csv).transpose().map_err(ScenarioError::from)?;
         let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
-        let mut subject = if is_scenario(&arguments.subject) {
-            Self::of_scenario(arguments, given, grasps, &instead, output)?
-        } else {
-            Self::of_object(arguments, given, grasps, &instead)?
+        let with_force = |mut hand: Hand| {
+            hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
+            hand
         };
-        if let Some(force_n) = arguments.closing_force {
-            subject.hand.closing_force_n = force_n;
+        if is_scenario(&arguments.subject) {
+            if arguments.pose.is_some() {
+                return Err(flag("pose", "the object stands where the scenario has it".to_owned()));
+            }
+            let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
+            let hand = with_force(given.unwrap_or_else(|| robot_hand(&scenario.robot)));
+            let test = GraspTest::of_scenario(&scenario, &hand, &instead, arguments.support_only)?;
+            return Ok(Self { name: scenario.id, hand, test, grasps: grasps.unwrap_or(scenario.grasps) });
         }
-        Ok(subject)
-    }
-
-    fn of_scenario(
-        arguments: &SimulateGraspsArguments,
-        given: Option<Hand>,
-        grasps: Option<GraspSet>,
-        instead: &TargetPhysics,
-        output: Output,
-    ) -> Result<Self, Failure> {
-        if arguments.pose.is_some() {
-            return Err(flag("pose", "the object stands where the scenario has it".to_owned()));
-        }
-        let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
-        let (Some(target), Some(found)) = (scenario.target, scenario.target_object(instead)?) else {
-            return Err(Failure::NoTarget { id: scenario.id });
-        };
-        let TargetObject { object, world_from_object } = found;
-        let bodies = scenario.world.bodies();
-        let around: Vec<usize> = if arguments.support_only {
-            scenario.world.supports_of(target)
-        } else {
-            (0..bodies.len()).filter(|&body| body != target).collect()
-        };
-        Ok(Self {
-            name: scenario.id.clone(),
-            hand: given.unwrap_or_else(|| robot_hand(&scenario.robot)),
-            object,
-            world_from_object,
-            surroundings: around.into_iter().map(|body| bodies[body].clone()).collect(),
-            grasps: grasps.unwrap_or(scenario.grasps),
-        })
-    }
-
-    /// An object floats at the origin, or lies on the ground.
-    fn of_object(
-        arguments: &SimulateGraspsArguments,
-        given: Option<Hand>,
-        grasps: Option<GraspSet>,
-        instead: &TargetPhysics,
-    ) -> Result<Self, Failure> {
         if arguments.support_only {
             return Err(flag(
                 "support-only",
@@ -207,51 +132,11 @@ impl Subject {
             );
             return Err(flag("grasps", problem));
         };
-        let (world_from_object, surroundings) = if let Some(index) = arguments.pose {
-            let Some(stable) = object.stable_poses.get(index) else {
-                let count = object.stable_poses.len();
-                return Err(flag(
-                    "pose",
-                    format!("{} has {count} stable poses, counted from 0", object.name),
-                ));
-            };
-            let floor = Body::new("floor", Pose::identity(), Solid::half_space());
-            (stable.ground_from_body, vec![floor])
-        } else {
-            (Pose::identity(), Vec::new())
-        };
-        let mut placed = Vec::new();
-        for grasp in grasps.grasps() {
-            placed.push(cranny_grasp::Grasp {
-                world_from_gripper: world_from_object * grasp.world_from_gripper,
-                ..*grasp
-            });
-        }
-        let hand = given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?;
-        let grasps = GraspSet::new(placed).map_err(ScenarioError::from)?;
-        Ok(Self { name: object.name.clone(), hand, object, world_from_object, surroundings, grasps })
-    }
-}
-
-impl Row {
-    fn of(grasp: usize, score: Option<f64>, run: &GraspRun, trials: &[GraspRun]) -> Self {
-        let held = trials.iter().filter(|run| run.outcome == GraspOutcome::Held).count();
-        let robust = Robust {
-            trials: trials.len(),
-            held,
-            score: held as f64 / trials.len().max(1) as f64,
-            wilson_interval: interval(held, trials.len()),
-        };
-        Self {
-            grasp,
-            outcome: run.outcome.name(),
-            translation_error_m: run.translation_error_m,
-            rotation_error_rad: run.rotation_error_rad,
-            held_s: run.held_s,
-            contact_force_n: run.contact_force_n,
-            score,
-            robust: Some(robust).filter(|robust| robust.trials > 0),
-        }
+        let hand = with_force(given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?);
+        let test = GraspTest::of_object(&object, &hand, arguments.pose)?;
+        let world_from_object = arguments.pose.map(|pose| object.stable_poses[pose].ground_from_body);
+        let grasps = grasps.moved(&world_from_object.unwrap_or_default());
+        Ok(Self { name: object.name, hand, test, grasps })
     }
 }
 
@@ -271,29 +156,26 @@ impl Simulated {
         );
         let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
         for row in &self.rows {
-            *outcomes.entry(row.outcome).or_default() += 1;
+            *outcomes.entry(row.row.outcome.name()).or_default() += 1;
         }
         for (outcome, count) in outcomes {
             let _ = writeln!(page, "  {count:>5}  {outcome}");
         }
-        let mut robust: Vec<&Row> = self.rows.iter().filter(|row| row.robust.is_some()).collect();
-        let score = |row: &Row| row.robust.as_ref().map_or(0.0, |robust| robust.score);
-        robust.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        for row in robust.iter().take(MOST_SHOWN) {
-            let _ = writeln!(
-                page,
-                "  grasp {:>4}: robust score {:.2}, geometric {}",
-                row.grasp,
-                score(row),
-                text::score(row.score)
-            );
+        let robust = self.rows.iter().filter_map(|Row { row, .. }| Some((row, row.robust?.score)));
+        let mut robust: Vec<(&GraspRow, f64)> = robust.collect();
+        robust.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for (row, score) in robust.into_iter().take(MOST_SHOWN) {
+            let geometric = text::score(row.score);
+            let _ =
+                writeln!(page, "  grasp {:>4}: robust score {score:.2}, geometric {geometric}", row.grasp);
         }
-        if let [Row { translation_error_m, rotation_error_rad, contact_force_n, held_s, .. }] = self.rows[..]
-        {
-            let (moved, turned) = (text::millimetres(translation_error_m), text::degrees(rotation_error_rad));
+        if let [Row { row, .. }] = &self.rows[..] {
+            let moved = text::millimetres(row.translation_error_m);
+            let turned = text::degrees(row.rotation_error_rad);
+            let (held_s, force_n) = (row.held_s, row.contact_force_n);
             let _ = writeln!(
                 page,
-                "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {contact_force_n:.1} N"
+                "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {force_n:.1} N"
             );
         }
         page
@@ -320,15 +202,15 @@ fn kind_of(file: &Path) -> Result<FileKind, Failure> {
 }
 
 /// What is seen of a recorded simulation.
-fn scene(subject: &Subject, recording: &Recording) -> Scene {
-    let body = |(index, body): (usize, &cranny_sim::RecordedBody)| MovingBody {
+fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
+    let body = |(index, body): (usize, &RecordedBody)| MovingBody {
         name: body.name.clone(),
         surface: body.surface(),
         is_grasped: index == 0,
         world_from_body: body.world_from_body.clone(),
     };
     let moving: Vec<MovingBody> = recording.bodies.iter().enumerate().map(body).collect();
-    Scene::of_moving_bodies(&subject.name, &subject.surroundings, &moving, recording.times_s.clone())
+    Scene::of_moving_bodies(name, surroundings, &moving, recording.times_s.clone())
 }
 
 /// Pictures a second of a GIF, at most those of a recording.

@@ -86,6 +86,14 @@ impl GraspSet {
         &self.grasps
     }
 
+    /// The same grasps in another frame.
+    #[must_use]
+    pub fn moved(&self, other_from_own: &Pose) -> Self {
+        let moved =
+            |grasp: &Grasp| Grasp { world_from_gripper: other_from_own * grasp.world_from_gripper, ..*grasp };
+        Self { grasps: self.grasps.iter().map(moved).collect() }
+    }
+
     /// Indices from the highest score down; unscored grasps follow in the order of the file.
     pub fn by_score(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.grasps.len()).collect();

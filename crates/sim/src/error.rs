@@ -47,4 +47,23 @@ pub enum SimError {
         /// What would fit.
         range: &'static str,
     },
+    /// What a scenario says of its target is not enough.
+    #[error(transparent)]
+    Scenario(#[from] cranny_scenario::ScenarioError),
+    /// There is nothing to grasp.
+    #[error("{id}: the scenario has no target, so there is nothing to grasp")]
+    NoTarget {
+        /// The scenario.
+        id: String,
+    },
+    /// An object has fewer stable poses.
+    #[error("{object} has {count} stable poses, counted from 0, and none of number {index}")]
+    NoPose {
+        /// The object.
+        object: String,
+        /// The one that was asked for.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
 }

@@ -1,5 +1,3 @@
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_scenario::ObjectType;
@@ -23,6 +21,7 @@ use crate::{Course, Disturbance, GraspRun, Physics, Piece, SimError, engine};
 pub struct GraspTest {
     pub(crate) hand: HandModel,
     pub(crate) object: ObjectModel,
+    bodies: Vec<Body>,
     surroundings: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
@@ -67,7 +66,15 @@ impl GraspTest {
             around.extend(engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?);
         }
         let hand = HandModel::new(hand)?;
-        let mut test = Self { hand, object, surroundings: around, world_from_object, physics, course };
+        let mut test = Self {
+            hand,
+            object,
+            bodies: surroundings.to_vec(),
+            surroundings: around,
+            world_from_object,
+            physics,
+            course,
+        };
         test.settle();
         Ok(test)
     }
@@ -78,15 +85,15 @@ impl GraspTest {
     }
 
     /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
-    /// the planning frame. `on_done` hears of each; what was not begun when `stop` was set is `None`.
+    /// the planning frame. `on_done` hears of each; once `stop` says so, no more are begun, and those are `None`.
     pub fn run_all(
         &self,
         trials: &[(Pose, Disturbance)],
         on_done: &(dyn Fn() + Sync),
-        stop: &AtomicBool,
+        stop: &(dyn Fn() -> bool + Sync),
     ) -> Vec<Option<GraspRun>> {
         let run = |(grasp, disturbance): &(Pose, Disturbance)| {
-            if stop.load(Ordering::Relaxed) {
+            if stop() {
                 return None;
             }
             let run = self.run(grasp, disturbance, false);
@@ -100,6 +107,11 @@ impl GraspTest {
     pub fn run(&self, world_from_grasp: &Pose, disturbance: &Disturbance, is_recorded: bool) -> GraspRun {
         let world_from_hand = world_from_grasp * disturbance.grasp_from_hand;
         GraspTrial::new(self, &world_from_hand, disturbance, is_recorded).run(&world_from_hand)
+    }
+
+    /// What stands around, in the planning frame.
+    pub fn surroundings(&self) -> &[Body] {
+        &self.bodies
     }
 
     /// Whether anything can carry the object.

@@ -1,4 +1,4 @@
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
 use crate::grasp_test::{STILL_M_PER_S, STILL_S, whole_steps};
@@ -44,6 +44,10 @@ impl<'a> GraspTrial<'a> {
     /// Closes the hand and, if it holds anything, takes its course.
     pub fn run(mut self, world_from_hand: &Pose) -> GraspRun {
         self.record();
+        if world_from_hand.translation.vector.amax() > FARTHEST_M {
+            // Farther away than anything can be, and than the engine can count.
+            return self.ended(GraspOutcome::NeverClosed, (0.0, 0.0), 0.0, 0.0);
+        }
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
             self.world.gravity = engine::vector(&Vector::zeros());

@@ -10,6 +10,7 @@ mod engine;
 mod error;
 #[cfg(test)]
 mod friction_tests;
+mod grasp_rows;
 mod grasp_run;
 mod grasp_test;
 mod grasp_trial;
@@ -21,6 +22,7 @@ mod recording;
 pub use crate::course::Course;
 pub use crate::disturbance::{Disturbance, Uncertainty};
 pub use crate::error::SimError;
+pub use crate::grasp_rows::{GraspRow, RobustScore};
 pub use crate::grasp_run::{GraspOutcome, GraspRun};
 pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;

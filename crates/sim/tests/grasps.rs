@@ -1,7 +1,5 @@
 //! How grasps end whose end is known.
 
-use std::sync::atomic::AtomicBool;
-
 use cranny_collision::Body;
 use cranny_grasp::{BoxHand, Hand};
 use cranny_scenario::{ObjectSettings, ObjectType};
@@ -123,7 +121,7 @@ fn the_same_test_gives_the_same_bits_on_any_number_of_threads() {
     let trials: Vec<(Pose, Disturbance)> = errors.iter().map(|error| (from_above(0.002), *error)).collect();
     let bits = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let runs = pool.install(|| test.run_all(&trials, &|| {}, &AtomicBool::new(false)));
+        let runs = pool.install(|| test.run_all(&trials, &|| {}, &|| false));
         runs.into_iter()
             .map(|run| run.unwrap())
             .map(|run| (run.outcome, run.translation_error_m.to_bits(), run.rotation_error_rad.to_bits()))
@@ -131,6 +129,6 @@ fn the_same_test_gives_the_same_bits_on_any_number_of_threads() {
     };
     assert_eq!(bits(1), bits(3));
     // What was stopped is no answer.
-    let stopped = test.run_all(&trials, &|| {}, &AtomicBool::new(true));
+    let stopped = test.run_all(&trials, &|| {}, &|| true);
     assert!(stopped.iter().all(Option::is_none));
 }

@@ -1,0 +1,124 @@
+use cranny_collision::Body;
+use cranny_grasp::{Grasp, Hand};
+use cranny_scenario::{ObjectType, Scenario, TargetObject, TargetPhysics};
+use cranny_shape::Solid;
+use cranny_spatial::Pose;
+use serde::Serialize;
+
+use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, SimError, Uncertainty};
+
+/// What came of one of many grasps. The names of the fields are those of files and tables.
+#[derive(Clone, Debug, Serialize)]
+pub struct GraspRow {
+    /// Which grasp, from 0.
+    pub grasp: usize,
+    /// See [`GraspRun`].
+    pub outcome: GraspOutcome,
+    /// See [`GraspRun`].
+    pub translation_error_m: f64,
+    /// See [`GraspRun`].
+    pub rotation_error_rad: f64,
+    /// See [`GraspRun`].
+    pub held_s: f64,
+    /// See [`GraspRun`].
+    pub contact_force_n: f64,
+    /// The geometric score, if the grasp has one.
+    pub score: Option<f64>,
+    /// How it does when everything is a little wrong, if that was tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustScore>,
+}
+
+/// How often a grasp holds under [`Disturbance`]s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RobustScore {
+    /// How often it was tried.
+    pub trials: usize,
+    /// How often it held.
+    pub held: usize,
+    /// The share.
+    pub score: f64,
+}
+
+impl GraspTest {
+    /// The target of a scenario, with everything around it or only what it stands on. Mass and friction as
+    /// [`Scenario::target_object`] has them.
+    ///
+    /// # Errors
+    /// [`SimError::NoTarget`], [`SimError::Scenario`] for a target that nobody has weighed, and those of [`Self::new`].
+    pub fn of_scenario(
+        scenario: &Scenario,
+        hand: &Hand,
+        instead: &TargetPhysics,
+        support_only: bool,
+    ) -> Result<Self, SimError> {
+        let (Some(target), Some(found)) = (scenario.target, scenario.target_object(instead)?) else {
+            return Err(SimError::NoTarget { id: scenario.id.clone() });
+        };
+        let TargetObject { object, world_from_object } = found;
+        let bodies = scenario.world.bodies();
+        let around: Vec<Body> = if support_only {
+            scenario.world.supports_of(target).into_iter().map(|body| bodies[body].clone()).collect()
+        } else {
+            let others = bodies.iter().enumerate().filter(|(body, _)| *body != target);
+            others.map(|(_, body)| body.clone()).collect()
+        };
+        Self::new(hand, &object, world_from_object, &around, Physics::default(), Course::default())
+    }
+
+    /// An object in one of its stable poses on level ground at z = 0, or afloat in its own frame.
+    ///
+    /// # Errors
+    /// [`SimError::NoPose`], and those of [`Self::new`].
+    pub fn of_object(object: &ObjectType, hand: &Hand, pose: Option<usize>) -> Result<Self, SimError> {
+        let (world_from_object, around) = match pose {
+            None => (Pose::identity(), Vec::new()),
+            Some(index) => {
+                let stable = object.stable_poses.get(index).ok_or_else(|| SimError::NoPose {
+                    object: object.name.clone(),
+                    index,
+                    count: object.stable_poses.len(),
+                })?;
+                (stable.ground_from_body, vec![Body::new("floor", Pose::identity(), Solid::half_space())])
+            }
+        };
+        Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
+    }
+
+    /// Tries the `chosen` of these grasps, whose poses are in the planning frame: each as it is, and in `trials` more,
+    /// which are the same for all grasps, with everything a little wrong ([`Uncertainty::design`]). `on_done` hears of
+    /// each of the (1 + trials) · chosen runs; once `stop` says so, no more are begun, and grasps without all of their
+    /// runs have no row.
+    pub fn rows(
+        &self,
+        grasps: &[Grasp],
+        chosen: &[usize],
+        (trials, seed): (usize, u64),
+        on_done: &(dyn Fn() + Sync),
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<GraspRow> {
+        let errors = Uncertainty::default().design(trials, seed);
+        let each = || std::iter::once(Disturbance::default()).chain(errors.iter().copied());
+        let pose = |grasp: usize| grasps[grasp].world_from_gripper;
+        let runs: Vec<(Pose, Disturbance)> =
+            chosen.iter().flat_map(|&grasp| each().map(move |error| (pose(grasp), error))).collect();
+        let runs = self.run_all(&runs, on_done, stop);
+        let row = |(&grasp, runs): (&usize, &[Option<GraspRun>])| {
+            let runs = runs.iter().map(Option::as_ref).collect::<Option<Vec<&GraspRun>>>()?;
+            let (first, others) = runs.split_first()?;
+            let held = others.iter().filter(|run| run.outcome == GraspOutcome::Held).count();
+            let robust = RobustScore { trials, held, score: held as f64 / trials.max(1) as f64 };
+            Some(GraspRow {
+                grasp,
+                outcome: first.outcome,
+                translation_error_m: first.translation_error_m,
+                rotation_error_rad: first.rotation_error_rad,
+                held_s: first.held_s,
+                contact_force_n: first.contact_force_n,
+                score: grasps[grasp].score,
+                robust: Some(robust).filter(|_| trials > 0),
+            })
+        };
+        chosen.iter().zip(runs.chunks(1 + trials)).filter_map(row).collect()
+    }
+}

@@ -1,0 +1,46 @@
+"""Grasps in physics."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+
+import cranny
+import pytest
+from test_front_ends import program
+
+
+def first_grasps(scenario: cranny.Scenario, count: int) -> cranny.Grasps:
+    """The first grasps of a scenario."""
+    return cranny.Grasps(scenario.grasps.poses[:count], scenario.grasps.scores[:count])
+
+
+def test_the_package_and_the_command_line_give_the_same_rows() -> None:
+    scenario = cranny.Scenario("021")
+    some = first_grasps(scenario, 3)
+    rows = cranny.simulate_grasps(scenario, some, support_only=True, trials=2, seed=4)
+    assert [row["grasp"] for row in rows] == [0, 1, 2]
+    assert rows == cranny.simulate_grasps(scenario, some, support_only=True, trials=2, seed=4)
+    words = ["simulate", "grasps", "021", "--support-only", "--trials", "2", "--seed", "4", "--json", "--grasp", "1"]
+    answer = subprocess.run([program(), *words], check=True, capture_output=True)
+    (row,) = json.loads(answer.stdout)["rows"]
+    assert (row["outcome"], row["robust"]) == (rows[1]["outcome"], rows[1]["robust"])
+    # A pose went through a matrix.
+    assert row["translation_error_m"] == pytest.approx(rows[1]["translation_error_m"], abs=1e-5)
+
+
+def test_what_weighs_too_much_is_not_held() -> None:
+    scenario = cranny.Scenario("021")
+    (row,) = cranny.simulate_grasps(scenario, first_grasps(scenario, 1), mass_kg=50.0)
+    assert row["outcome"] != "held"
+    assert row["held_s"] < 1.0
+
+
+def test_bad_input_is_refused() -> None:
+    scenario = cranny.Scenario("021")
+    with pytest.raises(cranny.CrannyError, match="closing force"):
+        cranny.simulate_grasps(scenario, closing_force_n=-1.0)
+    with pytest.raises(cranny.CrannyError, match="mass"):
+        cranny.simulate_grasps(scenario, mass_kg=0.0)
+    with pytest.raises(ValueError, match="trials"):
+        cranny.simulate_grasps(scenario, trials=100_000)
