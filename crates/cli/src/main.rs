@@ -29,6 +29,7 @@ mod scenario;
 mod search_replay;
 mod simulate;
 mod simulate_grasps;
+mod simulate_settle;
 mod start;
 mod task;
 mod text;

@@ -6,7 +6,7 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::{positive, whole};
-use crate::simulate_grasps;
+use crate::{simulate_grasps, simulate_settle};
 
 #[derive(Clone, Debug, Args)]
 pub struct SimulateArguments {
@@ -18,6 +18,8 @@ pub struct SimulateArguments {
 pub enum SimulateCommand {
     /// Try grasps in physics: the hand alone closes, lifts and shakes
     Grasps(Box<SimulateGraspsArguments>),
+    /// Drop an object at random: how often does it come to rest in which of its stable poses?
+    Settle(SettleArguments),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -72,8 +74,27 @@ pub struct SimulateGraspsArguments {
     pub record: Option<PathBuf>,
 }
 
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate settle sugar_box
+  cranny simulate settle banana --count 1000 --seed 3 --json
+
+The object falls from 20 mm above level ground, turned at random.")]
+pub struct SettleArguments {
+    /// Built-in object, or the folder of one
+    #[arg(value_name = "OBJECT")]
+    pub object: String,
+    /// How often it is dropped
+    #[arg(long, value_name = "N", default_value = "400", value_parser = whole::<usize>(1..=1_000_000))]
+    pub count: usize,
+    /// Seed of the turns
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+}
+
 pub fn run(arguments: &SimulateArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         SimulateCommand::Grasps(arguments) => simulate_grasps::run(arguments, output),
+        SimulateCommand::Settle(arguments) => simulate_settle::run(arguments, output),
     }
 }

@@ -90,3 +90,24 @@ fn bad_input_is_refused_in_one_line() {
     refused(folder, &["grasps", "cup"], &["cup", "mass_kg"]);
     assert_ne!(run(folder, &["grasps", "cup", "--mass", "0.1"]).status.code(), Some(2));
 }
+
+#[test]
+fn an_object_is_dropped_again_and_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let drops = ["settle", "sugar_box", "--count", "40", "--seed", "2"];
+    let (code, document) = answer(folder, &drops);
+    assert_eq!(code, 0);
+    let counts = document["poses"]
+        .as_array()
+        .expect("poses")
+        .iter()
+        .map(|pose| pose["count"].as_u64().expect("a count"));
+    let others = ["elsewhere", "still_moving"].map(|key| document[key].as_u64().expect("a count"));
+    assert_eq!(counts.sum::<u64>() + others.iter().sum::<u64>(), 40);
+    // A box lies on one of its sides.
+    assert_eq!(others, [0, 0]);
+    assert_eq!(answer(folder, &drops).1, document);
+    refused(folder, &["settle", "sugar_box", "--count", "0"], &["--count", "from 1"]);
+    refused(folder, &["settle", "nothing"], &["nothing", "banana"]);
+}

@@ -66,7 +66,7 @@ pub use loft::Loft;
 pub use mesh_file::TriangleSoup;
 pub use moments::VolumeMoments;
 pub use painted_mesh::{PaintedMesh, PaintedPiece};
-pub use pose_symmetry::distinct_poses;
+pub use pose_symmetry::{distinct_poses, equal_poses};
 pub use ray::RayHit;
 pub use repair::{MeshRepairs, RepairedMesh, SAME_PLACE_M};
 pub use separation::{Overlap, Separation, overlap, quick_lower_bound, reaches, separation};

@@ -18,23 +18,36 @@ use crate::{Aabb, ShapeError, StablePose, Surface, TriangleSoup, VolumeMoments};
 /// # Errors
 /// Those of [`VolumeMoments::of_mesh`].
 pub fn distinct_poses(poses: &[StablePose], mesh: &TriangleSoup) -> Result<Vec<StablePose>, ShapeError> {
-    const MOST: usize = 512;
-    if poses.len() > MOST {
-        return Ok(poses.to_vec());
-    }
-    let body = Body { mesh, surface: Surface::new(mesh)?, moments: VolumeMoments::of_mesh(mesh)? };
-    let mut distinct: Vec<StablePose> = Vec::new();
-    for pose in poses {
-        let equal = distinct
-            .iter_mut()
-            .find(|other| body.is_equal_in(&other.ground_from_body, &pose.ground_from_body));
-        match equal {
-            Some(other) => other.probability += pose.probability,
-            None => distinct.push(*pose),
+    let mut distinct: Vec<(usize, StablePose)> = Vec::new();
+    for (pose, first) in poses.iter().zip(equal_poses(poses, mesh)?) {
+        match distinct.iter_mut().find(|(known, _)| *known == first) {
+            Some((_, other)) => other.probability += pose.probability,
+            None => distinct.push((first, *pose)),
         }
     }
-    distinct.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    Ok(distinct)
+    distinct.sort_by(|(_, a), (_, b)| b.probability.total_cmp(&a.probability));
+    Ok(distinct.into_iter().map(|(_, pose)| pose).collect())
+}
+
+/// Of each of these poses the first that it is equal to, as [`distinct_poses`] has it; its own index if there is none.
+///
+/// # Errors
+/// Those of [`VolumeMoments::of_mesh`].
+pub fn equal_poses(poses: &[StablePose], mesh: &TriangleSoup) -> Result<Vec<usize>, ShapeError> {
+    const MOST: usize = 512;
+    if poses.len() > MOST {
+        return Ok((0..poses.len()).collect());
+    }
+    let body = Body { mesh, surface: Surface::new(mesh)?, moments: VolumeMoments::of_mesh(mesh)? };
+    let mut first: Vec<usize> = Vec::new();
+    for (index, pose) in poses.iter().enumerate() {
+        let is_equal = |&other: &usize| {
+            first[other] == other && body.is_equal_in(&poses[other].ground_from_body, &pose.ground_from_body)
+        };
+        let equal = (0..index).find(is_equal);
+        first.push(equal.unwrap_or(index));
+    }
+    Ok(first)
 }
 
 /// What two poses may differ by, as a share of the body's greatest extent: 0.4 mm for a bottle of 0.2 m, half

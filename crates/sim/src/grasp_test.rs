@@ -1,12 +1,13 @@
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_scenario::ObjectType;
-use cranny_spatial::{Point, Pose};
-use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
+use cranny_spatial::Pose;
+use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 use rayon::prelude::*;
 
 use crate::grasp_trial::GraspTrial;
 use crate::gripper::HandModel;
+use crate::object_model::{ObjectModel, come_to_rest};
 use crate::{Course, Disturbance, GraspRun, Physics, Piece, SimError, engine};
 
 /// A hand, an object and what stands around it: everything that the tests of its grasps have in common.
@@ -28,15 +29,6 @@ pub struct GraspTest {
     pub(crate) course: Course,
 }
 
-#[derive(Clone, Debug)]
-pub(crate) struct ObjectModel {
-    pub name: String,
-    pub pieces: Vec<Piece>,
-    pub center: Point,
-    colliders: Vec<Collider>,
-    mass_properties: MassProperties,
-}
-
 impl GraspTest {
     /// The object at a pose in the planning frame, whose z points up, among `surroundings`; the object comes to rest.
     ///
@@ -53,14 +45,7 @@ impl GraspTest {
     ) -> Result<Self, SimError> {
         physics.check()?;
         course.check()?;
-        let pieces = Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned());
-        let object = ObjectModel {
-            name: object.name.clone(),
-            center: object.center_of_mass,
-            colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
-            pieces,
-            mass_properties: engine::mass_properties(object),
-        };
+        let object = ObjectModel::new(object)?;
         let mut around = Vec::new();
         for body in surroundings {
             around.extend(engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?);
@@ -125,18 +110,7 @@ impl GraspTest {
         for collider in &self.surroundings {
             world.insert_collider(collider.clone(), None);
         }
-        let mut mass_properties = self.object.mass_properties;
-        mass_properties.set_mass(mass_properties.mass() * disturbance.mass, true);
-        let body = RigidBodyBuilder::dynamic()
-            .pose(engine::pose(&self.world_from_object))
-            .can_sleep(false)
-            .additional_mass_properties(mass_properties);
-        let object = world.insert_body(body);
-        for collider in &self.object.colliders {
-            let mut collider = collider.clone();
-            collider.set_friction(collider.friction() * disturbance.friction);
-            world.insert_collider(collider, Some(object));
-        }
+        let object = self.object.insert(&self.world_from_object, disturbance, &mut world);
         (world, object)
     }
 
@@ -146,26 +120,14 @@ impl GraspTest {
             return;
         }
         let (mut world, object) = self.world(&Disturbance::default());
-        let mut still_s = 0.0;
-        for _ in 0..whole_steps(SETTLING_S, self.physics.step_s) {
-            world.step();
-            let body = &world.bodies[object];
-            let is_still = body.linvel().length() < STILL_M_PER_S && body.angvel().length() < STILL_RAD_PER_S;
-            still_s = if is_still { still_s + self.physics.step_s } else { 0.0 };
-            if still_s > STILL_S {
-                break;
-            }
-        }
-        self.world_from_object = engine::to_pose(world.bodies[object].position());
+        (self.world_from_object, _) = come_to_rest(&mut world, object, STILL_S, SETTLING_S);
     }
 }
 
 /// An object that lies is still within this time, in seconds.
 const SETTLING_S: f64 = 2.0;
 
-/// What is slower for [`STILL_S`] is at rest: where it would be in a tenth of a second is not to be told from where it is.
-pub(crate) const STILL_M_PER_S: f64 = 1e-3;
-const STILL_RAD_PER_S: f64 = 1e-2;
+/// What has not moved for so long is at rest, in seconds.
 pub(crate) const STILL_S: f64 = 0.04;
 
 /// Steps of a time, rounded.

@@ -1,8 +1,9 @@
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
-use crate::grasp_test::{STILL_M_PER_S, STILL_S, whole_steps};
+use crate::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
+use crate::object_model::STILL_M_PER_S;
 use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
 /// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.

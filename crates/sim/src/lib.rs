@@ -15,9 +15,11 @@ mod grasp_run;
 mod grasp_test;
 mod grasp_trial;
 mod gripper;
+mod object_model;
 mod physics;
 mod piece;
 mod recording;
+mod settling;
 
 pub use crate::course::Course;
 pub use crate::disturbance::{Disturbance, Uncertainty};
@@ -28,3 +30,4 @@ pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;
 pub use crate::piece::{Piece, PieceShape};
 pub use crate::recording::{RecordedBody, Recording};
+pub use crate::settling::{ChiSquared, SettledPose, Settling, settle};

@@ -1,0 +1,74 @@
+use cranny_scenario::ObjectType;
+use cranny_spatial::{Point, Pose};
+use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
+
+use crate::{Disturbance, Piece, SimError, engine};
+
+/// An object as the engine wants it.
+#[derive(Clone, Debug)]
+pub(crate) struct ObjectModel {
+    pub name: String,
+    pub pieces: Vec<Piece>,
+    /// Its centre of mass.
+    pub center: Point,
+    colliders: Vec<Collider>,
+    mass_properties: MassProperties,
+}
+
+impl ObjectModel {
+    pub fn new(object: &ObjectType) -> Result<Self, SimError> {
+        let pieces = Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned());
+        Ok(Self {
+            name: object.name.clone(),
+            center: object.center_of_mass,
+            colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
+            pieces,
+            mass_properties: engine::mass_properties(object),
+        })
+    }
+
+    /// Puts it into a world, free to move.
+    pub fn insert(
+        &self,
+        world_from_object: &Pose,
+        disturbance: &Disturbance,
+        world: &mut PhysicsWorld,
+    ) -> RigidBodyHandle {
+        let mut mass_properties = self.mass_properties;
+        mass_properties.set_mass(mass_properties.mass() * disturbance.mass, true);
+        let body = RigidBodyBuilder::dynamic()
+            .pose(engine::pose(world_from_object))
+            .can_sleep(false)
+            .additional_mass_properties(mass_properties);
+        let object = world.insert_body(body);
+        for collider in &self.colliders {
+            let mut collider = collider.clone();
+            collider.set_friction(collider.friction() * disturbance.friction);
+            world.insert_collider(collider, Some(object));
+        }
+        object
+    }
+}
+
+/// Steps until a body has not moved for `still_s`, at most for `limit_s`. Where it then is, and whether it is still.
+pub(crate) fn come_to_rest(
+    world: &mut PhysicsWorld,
+    body: RigidBodyHandle,
+    still_s: f64,
+    limit_s: f64,
+) -> (Pose, bool) {
+    let step_s = world.integration_parameters.dt;
+    let (mut passed_s, mut since_s) = (0.0, 0.0);
+    while passed_s < limit_s && since_s < still_s {
+        world.step();
+        passed_s += step_s;
+        let body = &world.bodies[body];
+        let is_still = body.linvel().length() < STILL_M_PER_S && body.angvel().length() < STILL_RAD_PER_S;
+        since_s = if is_still { since_s + step_s } else { 0.0 };
+    }
+    (engine::to_pose(world.bodies[body].position()), since_s >= still_s)
+}
+
+/// What is slower is at rest: where it would be in a tenth of a second is not to be told from where it is.
+pub(crate) const STILL_M_PER_S: f64 = 1e-3;
+const STILL_RAD_PER_S: f64 = 1e-2;
