@@ -6,13 +6,13 @@ use crate::gripper::Gripper;
 use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
 /// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
-const CLOSING_GRACE_S: f64 = 0.5;
+pub(crate) const CLOSING_GRACE_S: f64 = 0.5;
 
 /// The share of its stroke before the end from which on a hand counts as closed on nothing.
-const CLOSED_SHARE: f64 = 1e-3;
+pub(crate) const CLOSED_SHARE: f64 = 1e-3;
 
 /// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
-const LOST_M: f64 = 0.15;
+pub(crate) const LOST_M: f64 = 0.15;
 
 /// Between two moments of a recording, in seconds.
 const RECORDED_EVERY_S: f64 = 0.02;
@@ -86,19 +86,23 @@ impl<'a> GraspTrial<'a> {
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
         let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
         let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
-        let mut still_s = 0.0;
+        let (mut still_s, mut still_share) = (0.0, 0.0);
         for _ in 0..whole_steps(limit_s, test.physics.step_s) {
             self.step();
-            let (share, rate) = self.gripper.closed(&self.world);
+            let (share, _) = self.gripper.closed(&self.world);
             if share > 1.0 - CLOSED_SHARE {
                 return None;
             }
             let pressures = self.gripper.pressures(&self.world, self.object);
             let pressed_n: Option<f64> = pressures.iter().copied().sum();
-            // Full force, and no motion any more.
-            let is_still =
-                pressed_n.is_some() && (rate * stroke_m).abs() < STILL_M_PER_S && self.time_s() > lead_s;
-            still_s = if is_still { still_s + test.physics.step_s } else { 0.0 };
+            // Full force, and no way any more. A contact that changes its corners from step to step makes the fingers
+            // tremble: faster than what is still, but within a few micrometres.
+            let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
+            if has_moved || pressed_n.is_none() || self.time_s() <= lead_s {
+                (still_s, still_share) = (0.0, share);
+                continue;
+            }
+            still_s += test.physics.step_s;
             if still_s > STILL_S + lead_s {
                 return pressed_n.map(|sum| sum / pressures.len() as f64);
             }

@@ -2,8 +2,8 @@ use cranny_grasp::Hand;
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::Matrix;
 use rapier3d_f64::prelude::{
-    Collider, ColliderHandle, MassProperties, PhysicsWorld, PrismaticJointBuilder, RigidBodyBuilder,
-    RigidBodyHandle,
+    Collider, ColliderHandle, ContactManifold, ContactPair, MassProperties, PhysicsWorld,
+    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
 use crate::{Physics, Piece, SimError, engine};
@@ -183,14 +183,25 @@ impl<'a> Gripper<'a> {
                 .filter(|pair| pair.has_any_active_contact())
                 .filter_map(|pair| match (is_of(pair.collider1, finger), is_of(pair.collider2, finger)) {
                     (false, false) => None,
-                    (true, _) => Some(pair.total_impulse()),
-                    (false, true) => Some(-pair.total_impulse()),
+                    (true, _) => Some(solved_impulse(pair)),
+                    (false, true) => Some(-solved_impulse(pair)),
                 })
                 .reduce(|a, b| a + b)
                 .map(|impulse| impulse.length() / self.physics.step_s)
         };
         self.fingers.iter().map(pressure).collect()
     }
+}
+
+/// What presses the two of a pair apart in a step, in N s. The engine's own sum counts points that it has not solved: a
+/// manifold of five has a corner twice, of which the solver takes one.
+fn solved_impulse(pair: &ContactPair) -> rapier3d_f64::math::Vector {
+    let of_manifold = |manifold: &ContactManifold| {
+        let solved = manifold.data.solver_contacts.iter().flat_map(|contact| contact.contact_indices());
+        let point = |index: u64| usize::try_from(index).ok().and_then(|index| manifold.points.get(index));
+        solved.filter_map(point).map(|point| point.data.impulse).sum::<f64>() * manifold.data.normal
+    };
+    pair.manifolds().iter().map(of_manifold).sum()
 }
 
 /// Of the inertia of a finger's body, in metres: about its size.
