@@ -1,6 +1,7 @@
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_scenario::ObjectType;
+use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
 use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
 use rayon::prelude::*;
@@ -21,7 +22,8 @@ use crate::{Course, Disturbance, GraspRun, Physics, Piece, SimError, engine};
 pub struct GraspTest {
     pub(crate) hand: HandModel,
     pub(crate) object: ObjectModel,
-    surroundings: Vec<Collider>,
+    pub(crate) surroundings: Vec<Piece>,
+    surroundings_colliders: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
     pub(crate) course: Course,
@@ -32,6 +34,9 @@ pub(crate) struct ObjectModel {
     pub name: String,
     pub pieces: Vec<Piece>,
     pub center: Point,
+    pub mass_kg: f64,
+    pub inertia_kg_m2: Matrix3<f64>,
+    pub friction: f64,
     colliders: Vec<Collider>,
     mass_properties: MassProperties,
 }
@@ -56,16 +61,29 @@ impl GraspTest {
         let object = ObjectModel {
             name: object.name.clone(),
             center: object.center_of_mass,
+            mass_kg: object.mass_kg,
+            inertia_kg_m2: object.inertia_kg_m2,
+            friction: object.friction,
             colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
             pieces,
             mass_properties: engine::mass_properties(object),
         };
-        let mut around = Vec::new();
+        let (mut around, mut colliders) = (Vec::new(), Vec::new());
         for body in surroundings {
-            around.extend(engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?);
+            let pieces = Piece::of_body(body)?;
+            colliders.extend(engine::colliders(&body.name, &pieces, 0.0, engine::SURROUNDINGS)?);
+            around.extend(pieces);
         }
         let hand = HandModel::new(hand)?;
-        let mut test = Self { hand, object, surroundings: around, world_from_object, physics, course };
+        let mut test = Self {
+            hand,
+            object,
+            surroundings: around,
+            surroundings_colliders: colliders,
+            world_from_object,
+            physics,
+            course,
+        };
         test.settle();
         Ok(test)
     }
@@ -94,7 +112,7 @@ impl GraspTest {
     /// A world with surroundings and object.
     pub(crate) fn world(&self, disturbance: &Disturbance) -> (PhysicsWorld, RigidBodyHandle) {
         let mut world = engine::world(&self.physics);
-        for collider in &self.surroundings {
+        for collider in &self.surroundings_colliders {
             world.insert_collider(collider.clone(), None);
         }
         let mut mass_properties = self.object.mass_properties;

@@ -3,7 +3,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::Matrix;
 use rapier3d_f64::prelude::{
     Collider, ColliderHandle, ContactManifold, ContactPair, MassProperties, PhysicsWorld,
-    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
+    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle, SolverContact,
 };
 
 use crate::{Physics, Piece, SimError, engine};
@@ -197,7 +197,7 @@ impl<'a> Gripper<'a> {
 /// manifold of five has a corner twice, of which the solver takes one.
 fn solved_impulse(pair: &ContactPair) -> rapier3d_f64::math::Vector {
     let of_manifold = |manifold: &ContactManifold| {
-        let solved = manifold.data.solver_contacts.iter().flat_map(|contact| contact.contact_indices());
+        let solved = manifold.data.solver_contacts.iter().flat_map(SolverContact::contact_indices);
         let point = |index: u64| usize::try_from(index).ok().and_then(|index| manifold.points.get(index));
         solved.filter_map(point).map(|point| point.data.impulse).sum::<f64>() * manifold.data.normal
     };

@@ -1,1 +1,3 @@
 //! All tests of this crate from outside: one program, which is linked once.
+
+mod experiment;
