@@ -11,7 +11,7 @@ root frame of the robot; configurations `q` are (dof,), batches of them (N, dof)
 `TypeError` or `ValueError`; `CrannyError`, a `ValueError`, says what is wrong with a file or a scene.
 
 `cranny.bench` runs campaigns and reads their results, `cranny.planner` brings a planner of one's own into them,
-`cranny.ros` writes trajectories as ROS 2 has them.
+`cranny.ros` writes trajectories as ROS 2 has them, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
 """
 
 from cranny import bench, ros

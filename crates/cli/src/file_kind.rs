@@ -35,6 +35,10 @@ pub enum FileKind {
     OmplLog,
     /// A scenario in one file.
     Archive,
+    /// `cranny simulate export`.
+    Experiment,
+    /// The model of one, as `MuJoCo` reads it.
+    Mjcf,
 }
 
 impl FileKind {
@@ -60,6 +64,8 @@ impl FileKind {
             Self::CsvTable => "CSV table of a benchmark report",
             Self::OmplLog => "OMPL benchmark log",
             Self::Archive => "packed scenario",
+            Self::Experiment => "simulated experiment",
+            Self::Mjcf => "MJCF model",
         }
     }
 
@@ -90,6 +96,8 @@ impl FileKind {
             Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
             Self::MarkdownTable => text.starts_with("| scenario |"),
             Self::CsvTable => text.starts_with("criterion,scenario,goals,"),
+            Self::Experiment => is_object_with(&["object", "mjcf"]),
+            Self::Mjcf => text.starts_with("<mujoco"),
             // `OMPL version 1.7`, or of another library, then the experiment.
             Self::OmplLog => {
                 let mut lines = text.lines();

@@ -6,7 +6,7 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::{positive, whole};
-use crate::{simulate_grasps, simulate_settle};
+use crate::{simulate_export, simulate_grasps, simulate_settle};
 
 #[derive(Clone, Debug, Args)]
 pub struct SimulateArguments {
@@ -18,6 +18,8 @@ pub struct SimulateArguments {
 pub enum SimulateCommand {
     /// Try grasps in physics: the hand alone closes, lifts and shakes
     Grasps(Box<SimulateGraspsArguments>),
+    /// Write the same tests for another engine, MuJoCo
+    Export(Box<SimulateExportArguments>),
     /// Drop an object at random: how often does it come to rest in which of its stable poses?
     Settle(SettleArguments),
 }
@@ -35,15 +37,32 @@ along and about each axis (10 mm, 10°, 5 Hz). held: the object is then within 1
 hand; slipped: elsewhere in it; dropped: no longer touched; never-closed: the fingers found nothing; knocked-away: and
 pushed it off. What simulators say of real grasps is right for about 85 in 100.")]
 pub struct SimulateGraspsArguments {
+    #[command(flatten)]
+    pub subject: SubjectArguments,
+    /// Only this grasp, from 0
+    #[arg(long, value_name = "K")]
+    pub grasp: Option<usize>,
+    /// Try each grasp so many times more, with the hand, friction, mass and force a little wrong (3 mm and 3° on each
+    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the share that is held is the robust score
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
+    pub trials: usize,
+    /// Seed of the trials
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+    /// Write what moved where: .glb or .gif (with --grasp)
+    #[arg(long, value_name = "FILE", requires = "grasp")]
+    pub record: Option<PathBuf>,
+}
+
+/// What is grasped, by what, and how.
+#[derive(Clone, Debug, Args)]
+pub struct SubjectArguments {
     /// Scenario: built-in, a folder or packed; or an object: built-in or a folder
     #[arg(value_name = "ID|OBJECT")]
     pub subject: String,
     /// File of grasps: in the planning frame of a scenario, in the frame of an object [default: the scenario's own]
     #[arg(long, value_name = "FILE")]
     pub grasps: Option<PathBuf>,
-    /// Only this grasp, from 0
-    #[arg(long, value_name = "K")]
-    pub grasp: Option<usize>,
     /// Of a scenario, only what the target stands on; the hand may then be where obstacles are
     #[arg(long)]
     pub support_only: bool,
@@ -62,16 +81,24 @@ pub struct SimulateGraspsArguments {
     /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
     #[arg(long, value_name = "FILE")]
     pub gripper: Option<PathBuf>,
-    /// Try each grasp so many times more, with the hand, friction, mass and force a little wrong (3 mm and 3° on each
-    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the share that is held is the robust score
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
-    pub trials: usize,
-    /// Seed of the trials
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
-    pub seed: u64,
-    /// Write what moved where: .glb or .gif (with --grasp)
-    #[arg(long, value_name = "FILE", requires = "grasp")]
-    pub record: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate export 031 --support-only -o box.json
+  cranny simulate export 021 --mjcf -o ball.xml
+
+The document holds the model as MJCF, what the hand does, what counts as held, and all grasps; in Python,
+cranny.mujoco_grasps runs it in MuJoCo and answers by the same rules.")]
+pub struct SimulateExportArguments {
+    #[command(flatten)]
+    pub subject: SubjectArguments,
+    /// Write the model alone, as MuJoCo's XML
+    #[arg(long)]
+    pub mjcf: bool,
+    /// Where to write
+    #[arg(long, short, value_name = "FILE", default_value = "experiment.json")]
+    pub output: PathBuf,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -95,6 +122,7 @@ pub struct SettleArguments {
 pub fn run(arguments: &SimulateArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         SimulateCommand::Grasps(arguments) => simulate_grasps::run(arguments, output),
+        SimulateCommand::Export(arguments) => simulate_export::run(arguments, output),
         SimulateCommand::Settle(arguments) => simulate_settle::run(arguments, output),
     }
 }

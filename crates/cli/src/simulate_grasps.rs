@@ -5,10 +5,7 @@ use std::sync::atomic::Ordering;
 
 use cranny_bench::statistics::wilson;
 use cranny_collision::Body;
-use cranny_grasp::{GraspSet, Hand, read_csv};
-use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, ScenarioError, TargetPhysics, is_scenario, panda_hand, read_gripper};
-use cranny_sim::{Disturbance, GraspOutcome, GraspRow, GraspTest, RecordedBody, Recording};
+use cranny_sim::{Disturbance, GraspOutcome, GraspRow, RecordedBody, Recording};
 use cranny_view::{Animation, MovingBody, PictureSettings, Scene, StandardView};
 use serde::Serialize;
 
@@ -18,8 +15,8 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::simulate::SimulateGraspsArguments;
-use crate::task::open_scenario;
-use crate::{object, output_file, text};
+use crate::simulate_subject::{Subject, flag};
+use crate::{output_file, text};
 
 /// What `simulate grasps --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -45,22 +42,13 @@ struct Row {
     robust_interval: Option<[f64; 2]>,
 }
 
-/// Everything that a simulation of grasps is about.
-struct Subject {
-    name: String,
-    hand: Hand,
-    test: GraspTest,
-    /// In the planning frame.
-    grasps: GraspSet,
-}
-
 pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer, Failure> {
     let recorded =
         arguments.record.as_deref().map(|file| kind_of(file).map(|kind| (file, kind))).transpose()?;
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let Subject { name, hand, test, grasps } = Subject::open(arguments, output)?;
+    let Subject { name, hand, test, grasps } = Subject::open(&arguments.subject, output)?;
     let grasps = grasps.grasps();
     let chosen: Vec<usize> = match arguments.grasp {
         None => (0..grasps.len()).collect(),
@@ -95,49 +83,6 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     }
     text::answer(&simulated, || simulated.page(), output)?;
     Ok(if held > 0 && !simulated.stopped { Answer::Done } else { Answer::No })
-}
-
-impl Subject {
-    fn open(arguments: &SimulateGraspsArguments, output: Output) -> Result<Self, Failure> {
-        let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
-        let grasps = arguments.grasps.as_deref().map(read_csv).transpose().map_err(ScenarioError::from)?;
-        let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
-        let with_force = |mut hand: Hand| {
-            hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
-            hand
-        };
-        if is_scenario(&arguments.subject) {
-            if arguments.pose.is_some() {
-                return Err(flag("pose", "the object stands where the scenario has it".to_owned()));
-            }
-            let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
-            let hand = with_force(given.unwrap_or_else(|| robot_hand(&scenario.robot)));
-            let test = GraspTest::of_scenario(&scenario, &hand, &instead, arguments.support_only)?;
-            return Ok(Self { name: scenario.id, hand, test, grasps: grasps.unwrap_or(scenario.grasps) });
-        }
-        if arguments.support_only {
-            return Err(flag(
-                "support-only",
-                "an object stands on nothing but the ground, by --pose".to_owned(),
-            ));
-        }
-        let object = object::open(&arguments.subject)?;
-        let (mass_kg, friction) =
-            (instead.mass_kg.unwrap_or(object.mass_kg), instead.friction.unwrap_or(object.friction));
-        let object = object.with_mass_and_friction(mass_kg, friction)?;
-        let Some(grasps) = grasps else {
-            let name = &arguments.subject;
-            let problem = format!(
-                "grasps of an object stand in a file; make one: cranny grasps sample {name} -o {name}.csv"
-            );
-            return Err(flag("grasps", problem));
-        };
-        let hand = with_force(given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?);
-        let test = GraspTest::of_object(&object, &hand, arguments.pose)?;
-        let world_from_object = arguments.pose.map(|pose| object.stable_poses[pose].ground_from_body);
-        let grasps = grasps.moved(&world_from_object.unwrap_or_default());
-        Ok(Self { name: object.name, hand, test, grasps })
-    }
 }
 
 impl Simulated {
@@ -187,10 +132,6 @@ const MOST_SHOWN: usize = 10;
 
 fn interval(held: usize, trials: usize) -> Option<[f64; 2]> {
     wilson(held, trials).map(|interval| [interval.low, interval.high])
-}
-
-fn flag(flag: &'static str, problem: String) -> Failure {
-    Failure::Flag { flag, problem }
 }
 
 fn kind_of(file: &Path) -> Result<FileKind, Failure> {

@@ -111,3 +111,19 @@ fn an_object_is_dropped_again_and_again() {
     refused(folder, &["settle", "sugar_box", "--count", "0"], &["--count", "from 1"]);
     refused(folder, &["settle", "nothing"], &["nothing", "banana"]);
 }
+
+#[test]
+fn an_experiment_is_written_for_another_engine() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let (code, document) = answer(folder, &["export", "021", "--support-only"]);
+    assert_eq!((code, &document["grasps"]), (0, &200.into()));
+    let text = std::fs::read_to_string(folder.join("experiment.json")).expect("written");
+    let experiment: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(experiment["grasps"].as_array().expect("grasps").len(), 200);
+    // A file of its kind is written over, another is not.
+    assert_eq!(answer(folder, &["export", "021", "--friction", "0.5"]).0, 0);
+    refused(folder, &["export", "021", "--mjcf"], &["experiment.json", "--force"]);
+    assert_eq!(answer(folder, &["export", "021", "--mjcf", "-o", "ball.xml"]).0, 0);
+    assert!(std::fs::read_to_string(folder.join("ball.xml")).expect("written").starts_with("<mujoco"));
+}

@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+use serde::Serialize;
 
 use crate::SimError;
 
@@ -8,7 +9,7 @@ use crate::SimError;
 ///
 /// It lifts it, straight up and smoothly (fifth-degree polynomial, at rest at both ends), then shakes it, along and about
 /// each axis of the gripper frame in turn: `A sin²(π t / T) sin(2π f t)`. Then it is still.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Course {
     /// How fast the fingers close, in m/s.
     pub closing_speed: f64,

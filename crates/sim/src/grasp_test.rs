@@ -23,7 +23,9 @@ pub struct GraspTest {
     pub(crate) hand: HandModel,
     pub(crate) object: ObjectModel,
     bodies: Vec<Body>,
-    surroundings: Vec<Collider>,
+    /// Those of the bodies.
+    pub(crate) surroundings: Vec<Piece>,
+    surroundings_colliders: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
     pub(crate) course: Course,
@@ -46,9 +48,11 @@ impl GraspTest {
         physics.check()?;
         course.check()?;
         let object = ObjectModel::new(object)?;
-        let mut around = Vec::new();
+        let (mut around, mut colliders) = (Vec::new(), Vec::new());
         for body in surroundings {
-            around.extend(engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?);
+            let pieces = Piece::of_body(body)?;
+            colliders.extend(engine::colliders(&body.name, &pieces, 0.0, engine::SURROUNDINGS)?);
+            around.extend(pieces);
         }
         let hand = HandModel::new(hand)?;
         let mut test = Self {
@@ -56,6 +60,7 @@ impl GraspTest {
             object,
             bodies: surroundings.to_vec(),
             surroundings: around,
+            surroundings_colliders: colliders,
             world_from_object,
             physics,
             course,
@@ -107,7 +112,7 @@ impl GraspTest {
     /// A world with surroundings and object.
     pub(crate) fn world(&self, disturbance: &Disturbance) -> (PhysicsWorld, RigidBodyHandle) {
         let mut world = engine::world(&self.physics);
-        for collider in &self.surroundings {
+        for collider in &self.surroundings_colliders {
             world.insert_collider(collider.clone(), None);
         }
         let object = self.object.insert(&self.world_from_object, disturbance, &mut world);

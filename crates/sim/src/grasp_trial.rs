@@ -7,13 +7,13 @@ use crate::object_model::STILL_M_PER_S;
 use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
 /// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
-const CLOSING_GRACE_S: f64 = 0.5;
+pub(crate) const CLOSING_GRACE_S: f64 = 0.5;
 
 /// The share of its stroke before the end from which on a hand counts as closed on nothing.
-const CLOSED_SHARE: f64 = 1e-3;
+pub(crate) const CLOSED_SHARE: f64 = 1e-3;
 
 /// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
-const LOST_M: f64 = 0.15;
+pub(crate) const LOST_M: f64 = 0.15;
 
 /// Between two moments of a recording, in seconds.
 const RECORDED_EVERY_S: f64 = 0.02;
@@ -91,21 +91,23 @@ impl<'a> GraspTrial<'a> {
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
         let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
         let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
-        let (mut still_steps, mut pressed_n) = (0_u32, 0.0);
+        let (mut still_share, mut still_steps, mut pressed_n) = (0.0, 0_u32, 0.0);
         for _ in 0..whole_steps(limit_s, test.physics.step_s) {
             self.step();
-            let (share, rate) = self.gripper.closed(&self.world);
+            let (share, _) = self.gripper.closed(&self.world);
             if share > 1.0 - CLOSED_SHARE {
                 return None;
             }
             let pressures = self.gripper.pressures(&self.world, self.object);
+            // Full force, and no way any more. A contact that changes its corners from step to step makes the fingers
+            // tremble: faster than what is still, but within a few micrometres.
+            let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
             let pressure_n: Option<f64> = pressures.iter().copied().sum();
-            // Full force, and no motion any more.
-            let is_still = (rate * stroke_m).abs() < STILL_M_PER_S && self.time_s() > lead_s;
-            (still_steps, pressed_n) = match pressure_n.filter(|_| is_still) {
-                Some(sum_n) => (still_steps + 1, pressed_n + sum_n / pressures.len() as f64),
-                None => (0, 0.0),
+            let Some(sum_n) = pressure_n.filter(|_| !has_moved && self.time_s() > lead_s) else {
+                (still_share, still_steps, pressed_n) = (share, 0, 0.0);
+                continue;
             };
+            (still_steps, pressed_n) = (still_steps + 1, pressed_n + sum_n / pressures.len() as f64);
             if still_steps > whole_steps(STILL_S + lead_s, test.physics.step_s) {
                 return Some(pressed_n / f64::from(still_steps));
             }

@@ -195,4 +195,4 @@ impl<'a> Gripper<'a> {
 }
 
 /// Of the inertia of a finger's body, in metres: about its size.
-const FINGER_RADIUS_M: f64 = 0.02;
+pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

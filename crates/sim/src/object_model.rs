@@ -1,4 +1,5 @@
 use cranny_scenario::ObjectType;
+use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
 use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
 
@@ -11,6 +12,9 @@ pub(crate) struct ObjectModel {
     pub pieces: Vec<Piece>,
     /// Its centre of mass.
     pub center: Point,
+    pub mass_kg: f64,
+    pub inertia_kg_m2: Matrix3<f64>,
+    pub friction: f64,
     colliders: Vec<Collider>,
     mass_properties: MassProperties,
 }
@@ -21,6 +25,9 @@ impl ObjectModel {
         Ok(Self {
             name: object.name.clone(),
             center: object.center_of_mass,
+            mass_kg: object.mass_kg,
+            inertia_kg_m2: object.inertia_kg_m2,
+            friction: object.friction,
             colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
             pieces,
             mass_properties: engine::mass_properties(object),

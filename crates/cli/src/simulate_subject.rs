@@ -1,0 +1,66 @@
+use cranny_grasp::{GraspSet, Hand, read_csv};
+use cranny_plan::robot_hand;
+use cranny_scenario::{OpenOptions, ScenarioError, TargetPhysics, is_scenario, panda_hand, read_gripper};
+use cranny_sim::GraspTest;
+
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::object;
+use crate::simulate::SubjectArguments;
+use crate::task::open_scenario;
+
+/// Everything that a simulation of grasps is about.
+pub struct Subject {
+    pub name: String,
+    pub hand: Hand,
+    pub test: GraspTest,
+    /// In the planning frame.
+    pub grasps: GraspSet,
+}
+
+impl Subject {
+    pub fn open(arguments: &SubjectArguments, output: Output) -> Result<Self, Failure> {
+        let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
+        let grasps = arguments.grasps.as_deref().map(read_csv).transpose().map_err(ScenarioError::from)?;
+        let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
+        let with_force = |mut hand: Hand| {
+            hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
+            hand
+        };
+        if is_scenario(&arguments.subject) {
+            if arguments.pose.is_some() {
+                return Err(flag("pose", "the object stands where the scenario has it".to_owned()));
+            }
+            let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
+            let hand = with_force(given.unwrap_or_else(|| robot_hand(&scenario.robot)));
+            let test = GraspTest::of_scenario(&scenario, &hand, &instead, arguments.support_only)?;
+            return Ok(Self { name: scenario.id, hand, test, grasps: grasps.unwrap_or(scenario.grasps) });
+        }
+        if arguments.support_only {
+            return Err(flag(
+                "support-only",
+                "an object stands on nothing but the ground, by --pose".to_owned(),
+            ));
+        }
+        let object = object::open(&arguments.subject)?;
+        let (mass_kg, friction) =
+            (instead.mass_kg.unwrap_or(object.mass_kg), instead.friction.unwrap_or(object.friction));
+        let object = object.with_mass_and_friction(mass_kg, friction)?;
+        let Some(grasps) = grasps else {
+            let name = &arguments.subject;
+            let problem = format!(
+                "grasps of an object stand in a file; make one: cranny grasps sample {name} -o {name}.csv"
+            );
+            return Err(flag("grasps", problem));
+        };
+        let hand = with_force(given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?);
+        let test = GraspTest::of_object(&object, &hand, arguments.pose)?;
+        let world_from_object = arguments.pose.map(|pose| object.stable_poses[pose].ground_from_body);
+        let grasps = grasps.moved(&world_from_object.unwrap_or_default());
+        Ok(Self { name: object.name, hand, test, grasps })
+    }
+}
+
+pub fn flag(flag: &'static str, problem: String) -> Failure {
+    Failure::Flag { flag, problem }
+}

@@ -1,0 +1,252 @@
+//! The model of a test for `MuJoCo`: what stands in its XML, and why.
+//!
+//! The palm is a free body of great mass, whose pose and velocity the runner sets before every step. A mocap body will
+//! not do: it has no velocity, so that a contact with what hangs on it sees none either, and friction carries nothing
+//! (`MuJoCo`'s manual, "Modeling", section "`MoCap` bodies"). A weld to one would add a spring between the hand and its
+//! course.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use cranny_spatial::{Pose, Vector};
+
+use crate::gripper::FINGER_RADIUS_M;
+use crate::{GraspTest, Physics, Piece, PieceShape};
+
+/// Steps in one of [`Physics::step_s`]. The engine here solves the constraints of a step in as many smaller ones.
+pub(crate) fn mujoco_steps(physics: &Physics) -> usize {
+    physics.solver_iterations.max(1)
+}
+
+impl GraspTest {
+    /// The model of the test as MJCF, `MuJoCo`'s XML; lengths in metres, masses in kilograms, angles in radians.
+    ///
+    /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free,
+    /// the others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is
+    /// where the finger shall be, in metres. The hand stands at the origin of the planning frame: whoever runs the model
+    /// puts it at the grasp, and moves the palm by pose and velocity before every step. The object is where it rests.
+    ///
+    /// Of two friction coefficients that meet the greater counts, in `MuJoCo` as here.
+    pub fn mjcf(&self) -> String {
+        let mut mjcf = Mjcf::default();
+        for piece in &self.surroundings {
+            mjcf.geom(4, "surroundings", piece);
+        }
+        mjcf.hand(self);
+        mjcf.object(self);
+        mjcf.text(self)
+    }
+}
+
+/// The parts of the document, while they are written.
+#[derive(Default)]
+struct Mjcf {
+    meshes: String,
+    mesh_count: usize,
+    bodies: String,
+    couplings: String,
+    drives: String,
+}
+
+impl Mjcf {
+    fn text(&self, test: &GraspTest) -> String {
+        let Physics { gravity, step_s, .. } = test.physics;
+        let timestep_s = step_s / mujoco_steps(&test.physics) as f64;
+        let ContactReference { time_constant_s, damping_ratio, impedance } =
+            ContactReference::new(&test.physics, timestep_s);
+        let friction = test.object.friction;
+        let torsional_friction_m = friction * PATCH_ARM_M;
+        format!(
+            r#"<mujoco model="grasp test">
+  <compiler angle="radian" autolimits="true"/>
+  <option timestep="{timestep_s}" gravity="0 0 {down}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="{IMPEDANCE_RATIO}" iterations="100" tolerance="1e-12"/>
+  <default>
+    <equality solref="{time_constant_s} 1" solimp="{IMPEDANCE}"/>
+    <joint solreflimit="{time_constant_s} 1" solimplimit="{IMPEDANCE}"/>
+    <geom solref="{time_constant_s} {damping_ratio}" solimp="{impedance} {impedance} 0.001"/>
+    <default class="palm"><geom contype="1" conaffinity="0" condim="1" friction="0 0 0"/></default>
+    <default class="finger"><geom contype="2" conaffinity="0" condim="1" friction="0 0 0"/></default>
+    <default class="surroundings"><geom contype="4" conaffinity="2" condim="1" friction="0 0 0"/></default>
+    <default class="object"><geom contype="0" conaffinity="7" condim="4" friction="{friction} {torsional_friction_m} 0"/></default>
+  </default>
+  <asset>
+{meshes}  </asset>
+  <worldbody>
+{bodies}  </worldbody>
+  <equality>
+{couplings}  </equality>
+  <actuator>
+{drives}  </actuator>
+</mujoco>
+"#,
+            down = -gravity,
+            meshes = self.meshes,
+            bodies = self.bodies,
+            couplings = self.couplings,
+            drives = self.drives,
+        )
+    }
+
+    fn hand(&mut self, test: &GraspTest) {
+        let Physics { finger_inertia_kg, drive_stiffness, drive_damping, .. } = test.physics;
+        let force_n = test.hand.closing_force_n;
+        self.bodies += "    <body name=\"palm\" gravcomp=\"1\">\n      <freejoint name=\"palm\"/>\n";
+        self.bodies += &inertial(&Vector::zeros(), PALM_KG, [PALM_KG * PALM_RADIUS_M.powi(2); 3], [0.0; 3]);
+        for piece in &test.hand.palm {
+            self.geom(6, "palm", piece);
+        }
+        let first_m = test.hand.fingers.first().map_or(1.0, |finger| finger.stroke_m);
+        for (index, finger) in test.hand.fingers.iter().enumerate() {
+            let (number, stroke_m) = (index + 1, finger.stroke_m);
+            // What the drive adds to the inertia counts along the joint alone, as it does in a gripper's gears.
+            let armature_kg = finger_inertia_kg - FINGER_KG;
+            self.line(6, format_args!("<body name=\"finger {number}\" gravcomp=\"1\">"));
+            let inertia = [FINGER_KG * FINGER_RADIUS_M.powi(2); 3];
+            self.bodies += &inertial(&finger.center.coords, FINGER_KG, inertia, [0.0; 3]);
+            self.line(8, format_args!(
+                "<joint name=\"finger {number}\" type=\"slide\" axis=\"{}\" range=\"0 {stroke_m}\" armature=\"{armature_kg}\"/>",
+                numbers(finger.axis.as_slice()),
+            ));
+            for piece in &finger.pieces {
+                self.geom(8, "finger", piece);
+            }
+            self.line(6, format_args!("</body>"));
+            // As shares of their strokes all fingers are equally far.
+            if number > 1 {
+                let ratio = stroke_m / first_m;
+                let _ = writeln!(
+                    self.couplings,
+                    "    <joint joint1=\"finger {number}\" joint2=\"finger 1\" polycoef=\"0 {ratio} 0 0 0\"/>"
+                );
+            }
+            let _ = writeln!(
+                self.drives,
+                "    <position name=\"finger {number}\" joint=\"finger {number}\" kp=\"{drive_stiffness}\" \
+                 kv=\"{drive_damping}\" forcerange=\"-{force_n} {force_n}\"/>"
+            );
+        }
+        self.line(4, format_args!("</body>"));
+    }
+
+    fn object(&mut self, test: &GraspTest) {
+        let object = &test.object;
+        self.line(4, format_args!("<body name=\"object\" {}>", placed(test.world_from_object())));
+        self.line(6, format_args!("<freejoint name=\"object\"/>"));
+        let i = &object.inertia_kg_m2;
+        let (diagonal, others) = ([i.m11, i.m22, i.m33], [i.m12, i.m13, i.m23]);
+        self.bodies += &inertial(&object.center.coords, object.mass_kg, diagonal, others);
+        for piece in &object.pieces {
+            self.geom(6, "object", piece);
+        }
+        self.line(4, format_args!("</body>"));
+    }
+
+    fn geom(&mut self, indent: usize, class: &str, piece: &Piece) {
+        let (kind, sizes): (&str, &[f64]) = match &piece.shape {
+            PieceShape::Cuboid(half_extents) => ("box", half_extents),
+            PieceShape::Ball(radius_m) => ("sphere", &[*radius_m]),
+            PieceShape::Capsule(half_m, radius_m) => ("capsule", &[*radius_m, *half_m]),
+            PieceShape::Cylinder(half_m, radius_m) => ("cylinder", &[*radius_m, *half_m]),
+            // Endless in both directions; the third number is the spacing of a drawn grid.
+            PieceShape::HalfSpace => ("plane", &[0.0, 0.0, 1.0]),
+            PieceShape::Hull(hull) => {
+                self.mesh_count += 1;
+                let corners: Vec<f64> =
+                    hull.vertices.iter().flat_map(|p| p.coords.into_iter().copied()).collect();
+                let _ = writeln!(
+                    self.meshes,
+                    "    <mesh name=\"mesh {}\" vertex=\"{}\"/>",
+                    self.mesh_count,
+                    numbers(&corners)
+                );
+                ("mesh", &[])
+            }
+        };
+        let shape = match &piece.shape {
+            PieceShape::Hull(_) => format!("mesh=\"mesh {}\"", self.mesh_count),
+            _ => format!("size=\"{}\"", numbers(sizes)),
+        };
+        let place = placed(&piece.body_from_piece);
+        self.line(indent, format_args!("<geom class=\"{class}\" type=\"{kind}\" {shape} {place}/>"));
+    }
+
+    fn line(&mut self, indent: usize, line: std::fmt::Arguments<'_>) {
+        let _ = writeln!(self.bodies, "{:indent$}{line}", "");
+    }
+}
+
+/// How `MuJoCo` says spring and damper of a contact.
+struct ContactReference {
+    /// `solref`: T, in seconds, and ζ.
+    time_constant_s: f64,
+    damping_ratio: f64,
+    /// `solimp`: d, at any depth.
+    impedance: f64,
+}
+
+impl ContactReference {
+    /// The spring and the damper of [`Physics`]: for a mass m they are m ω² and 2 m ζ' ω.
+    ///
+    /// `MuJoCo`'s are m d/(1 − d) times k = 1/(d T² ζ²) and b = 2/(d T) (manual, "Computation", section "Parameters").
+    /// T cannot be less than two steps. With that, 1 − d = 1/(T ζ' ω) and ζ² = ζ'/(T ω) make both the same.
+    fn new(physics: &Physics, timestep_s: f64) -> Self {
+        let time_constant_s = 2.0 * timestep_s;
+        let angular_frequency = TAU * physics.contact_frequency_hz;
+        let softness = 1.0 / (time_constant_s * physics.contact_damping_ratio * angular_frequency);
+        Self {
+            time_constant_s,
+            damping_ratio: (physics.contact_damping_ratio / (time_constant_s * angular_frequency)).sqrt(),
+            impedance: (1.0 - softness).clamp(LEAST_IMPEDANCE, GREATEST_IMPEDANCE),
+        }
+    }
+}
+
+/// What `MuJoCo` takes for an impedance.
+const LEAST_IMPEDANCE: f64 = 0.0001;
+const GREATEST_IMPEDANCE: f64 = 0.9999;
+
+fn inertial(center: &Vector, mass_kg: f64, diagonal: [f64; 3], others: [f64; 3]) -> String {
+    let inertia = diagonal.into_iter().chain(others).collect::<Vec<_>>();
+    format!(
+        "      <inertial pos=\"{}\" mass=\"{mass_kg}\" fullinertia=\"{}\"/>\n",
+        numbers(center.as_slice()),
+        numbers(&inertia)
+    )
+}
+
+fn placed(pose: &Pose) -> String {
+    let q = pose.rotation.coords;
+    format!(
+        "pos=\"{}\" quat=\"{}\"",
+        numbers(pose.translation.vector.as_slice()),
+        numbers(&[q.w, q.x, q.y, q.z])
+    )
+}
+
+fn numbers(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// How nearly ends of strokes and couplings are met (`solimp`): the share of the acceleration that would break them which
+/// their force takes away.
+const IMPEDANCE: &str = "0.99 0.999 0.0001";
+
+/// How much harder friction is than the normal force. At 1, what is gripped creeps visibly below the limit of friction;
+/// with this it creeps by some micrometres a second.
+const IMPEDANCE_RATIO: f64 = 1000.0;
+
+/// What presses on a pad does so on a patch, whose friction resists turning about the normal: by the friction force times
+/// this, in metres. A contact that gives way by δ = 0.3 mm, what 70 N do to one of [`Physics`], touches a ball of radius
+/// R = 33 mm on a patch of radius √(R δ) = 3.1 mm, and the pressure of Hertz on it acts at 3π/16 of that. `MuJoCo` sees
+/// one point where faces are not parallel to within a tenth of a degree; the engine here sees up to four, which span a
+/// patch.
+const PATCH_ARM_M: f64 = 0.00185;
+
+/// Of a palm that nothing pushes away, in kilograms: what fingers press against moves it by less than 1 µm in a step.
+const PALM_KG: f64 = 1e4;
+
+/// Of its inertia, in metres.
+const PALM_RADIUS_M: f64 = 0.3;
+
+/// A finger has no mass but that of its drive, but a body needs some, in kilograms.
+const FINGER_KG: f64 = 1e-3;
