@@ -37,7 +37,7 @@ pub enum FileKind {
     Archive,
     /// `cranny simulate export`.
     Experiment,
-    /// The model of one, as `MuJoCo` reads it.
+    /// The model of one, as MuJoCo reads it.
     Mjcf,
 }
 

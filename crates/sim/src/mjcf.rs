@@ -1,8 +1,8 @@
-//! The model of a test for `MuJoCo`: what stands in its XML, and why.
+//! The model of a test for MuJoCo: what stands in its XML, and why.
 //!
 //! The palm is a free body of great mass, whose pose and velocity the runner sets before every step. A mocap body will
 //! not do: it has no velocity, so that a contact with what hangs on it sees none either, and friction carries nothing
-//! (`MuJoCo`'s manual, "Modeling", section "`MoCap` bodies"). A weld to one would add a spring between the hand and its
+//! (MuJoCo's manual, "Modeling", section "MoCap bodies"). A weld to one would add a spring between the hand and its
 //! course.
 
 use std::f64::consts::TAU;
@@ -19,14 +19,14 @@ pub(crate) fn mujoco_steps(physics: &Physics) -> usize {
 }
 
 impl GraspTest {
-    /// The model of the test as MJCF, `MuJoCo`'s XML; lengths in metres, masses in kilograms, angles in radians.
+    /// The model of the test as MJCF, MuJoCo's XML; lengths in metres, masses in kilograms, angles in radians.
     ///
     /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free,
     /// the others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is
     /// where the finger shall be, in metres. The hand stands at the origin of the planning frame: whoever runs the model
     /// puts it at the grasp, and moves the palm by pose and velocity before every step. The object is where it rests.
     ///
-    /// Of two friction coefficients that meet the greater counts, in `MuJoCo` as here.
+    /// Of two friction coefficients that meet the greater counts, in MuJoCo as here.
     pub fn mjcf(&self) -> String {
         let mut mjcf = Mjcf::default();
         for piece in &self.surroundings {
@@ -175,7 +175,7 @@ impl Mjcf {
     }
 }
 
-/// How `MuJoCo` says spring and damper of a contact.
+/// How MuJoCo says spring and damper of a contact.
 struct ContactReference {
     /// `solref`: T, in seconds, and ζ.
     time_constant_s: f64,
@@ -187,7 +187,7 @@ struct ContactReference {
 impl ContactReference {
     /// The spring and the damper of [`Physics`]: for a mass m they are m ω² and 2 m ζ' ω.
     ///
-    /// `MuJoCo`'s are m d/(1 − d) times k = 1/(d T² ζ²) and b = 2/(d T) (manual, "Computation", section "Parameters").
+    /// MuJoCo's are m d/(1 − d) times k = 1/(d T² ζ²) and b = 2/(d T) (manual, "Computation", section "Parameters").
     /// T cannot be less than two steps. With that, 1 − d = 1/(T ζ' ω) and ζ² = ζ'/(T ω) make both the same.
     fn new(physics: &Physics, timestep_s: f64) -> Self {
         let time_constant_s = 2.0 * timestep_s;
@@ -201,7 +201,7 @@ impl ContactReference {
     }
 }
 
-/// What `MuJoCo` takes for an impedance.
+/// What MuJoCo takes for an impedance.
 const LEAST_IMPEDANCE: f64 = 0.0001;
 const GREATEST_IMPEDANCE: f64 = 0.9999;
 
@@ -237,7 +237,7 @@ const IMPEDANCE_RATIO: f64 = 1000.0;
 
 /// What presses on a pad does so on a patch, whose friction resists turning about the normal: by the friction force times
 /// this, in metres. A contact that gives way by δ = 0.3 mm, what 70 N do to one of [`Physics`], touches a ball of radius
-/// R = 33 mm on a patch of radius √(R δ) = 3.1 mm, and the pressure of Hertz on it acts at 3π/16 of that. `MuJoCo` sees
+/// R = 33 mm on a patch of radius √(R δ) = 3.1 mm, and the pressure of Hertz on it acts at 3π/16 of that. MuJoCo sees
 /// one point where faces are not parallel to within a tenth of a degree; the engine here sees up to four, which span a
 /// patch.
 const PATCH_ARM_M: f64 = 0.00185;

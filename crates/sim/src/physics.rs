@@ -1,6 +1,6 @@
 use crate::SimError;
 
-/// The constants of the simulated physics. Where `MuJoCo` has the same notion, the exported model has the same value.
+/// The constants of the simulated physics. Where MuJoCo has the same notion, the exported model has the same value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
     /// Downwards, in m/s².
