@@ -173,6 +173,7 @@ class GraspModel:
         stroke_m = float(self._strokes.max())
         lead_s = figures["closing_force_n"] / figures["drive_stiffness"] / speed
         limit_s = stroke_m / speed + lead_s + figures["closing_grace_s"]
+        lead_steps, full_steps = (max(round(time_s / figures["step_s"]), 1) for time_s in (lead_s, figures["still_s"]))
         still_share, still = 0.0, list[float]()
         for _ in range(round(limit_s / figures["step_s"])):
             self.step()
@@ -188,8 +189,9 @@ class GraspModel:
                 still_share, still = share, []
                 continue
             still.append(sum(pressed) / len(pressed))
-            if len(still) > round((figures["still_s"] + lead_s) / figures["step_s"]):
-                return sum(still) / len(still)
+            if len(still) == lead_steps + full_steps:
+                # While its lead grew, the drive had not its whole force.
+                return sum(still[lead_steps:]) / full_steps
         return None
 
     def _carry(self, world_from_closed: Pose, force_n: float) -> GraspRun:

@@ -91,6 +91,8 @@ impl<'a> GraspTrial<'a> {
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
         let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
         let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
+        let [lead_steps, full_steps] =
+            [lead_s, STILL_S].map(|time_s| whole_steps(time_s, test.physics.step_s).max(1));
         let (mut still_share, mut still_steps, mut pressed_n) = (0.0, 0_u32, 0.0);
         for _ in 0..whole_steps(limit_s, test.physics.step_s) {
             self.step();
@@ -107,9 +109,13 @@ impl<'a> GraspTrial<'a> {
                 (still_share, still_steps, pressed_n) = (share, 0, 0.0);
                 continue;
             };
-            (still_steps, pressed_n) = (still_steps + 1, pressed_n + sum_n / pressures.len() as f64);
-            if still_steps > whole_steps(STILL_S + lead_s, test.physics.step_s) {
-                return Some(pressed_n / f64::from(still_steps));
+            still_steps += 1;
+            // While its lead grows, the drive has not its whole force.
+            if still_steps > lead_steps {
+                pressed_n += sum_n / pressures.len() as f64;
+            }
+            if still_steps == lead_steps + full_steps {
+                return Some(pressed_n / f64::from(full_steps));
             }
         }
         None
