@@ -171,10 +171,12 @@ class GraspModel:
         the object."""
         figures, speed = self.experiment, float(self.experiment["course"]["closing_speed"])
         stroke_m = float(self._strokes.max())
-        lead_s = figures["closing_force_n"] / figures["drive_stiffness"] / speed
+        lead_s = float(figures["closing_force_n"]) / float(figures["drive_stiffness"]) / speed
         limit_s = stroke_m / speed + lead_s + figures["closing_grace_s"]
-        lead_steps, full_steps = (max(round(time_s / figures["step_s"]), 1) for time_s in (lead_s, figures["still_s"]))
-        still_share, still = 0.0, list[float]()
+        step_s = float(figures["step_s"])
+        lead_steps, full_steps = (max(round(time_s / step_s), 1) for time_s in (lead_s, float(figures["still_s"])))
+        still_share = 0.0
+        still: list[float] = []
         for _ in range(round(limit_s / figures["step_s"])):
             self.step()
             share, _ = self.closed()
