@@ -16,7 +16,7 @@ pub struct Settling {
     pub poses: Vec<SettledPose>,
     /// How often it came to rest otherwise: on an edge, or in a pose too unlikely to be listed.
     pub elsewhere: usize,
-    /// How often it still moved after [`LONGEST_S`] seconds.
+    /// How often it still moved after 10 s.
     pub still_moving: usize,
     /// Pearson's χ² of the counts against the computed probabilities; poses that fewer than five drops are expected in
     /// count together. `None` where that leaves but one.
@@ -52,7 +52,7 @@ const DROP_M: f64 = 0.02;
 const STILL_S: f64 = 0.3;
 
 /// What rolls on is given up after so long, in seconds.
-pub const LONGEST_S: f64 = 10.0;
+const LONGEST_S: f64 = 10.0;
 
 /// How far from a stable pose the vertical may be, in radians: more is an edge.
 const SAME_POSE_RAD: f64 = 0.05;
