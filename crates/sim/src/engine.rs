@@ -1,4 +1,4 @@
-//! The one place where `rapier`'s types meet this project's.
+//! Where `rapier`'s types meet this project's: conversions, worlds, colliders.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -55,7 +55,7 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     let softness = SpringCoefficients::new(physics.contact_frequency_hz, physics.contact_damping_ratio);
     parameters.contact_softness = softness;
     parameters.static_contact_softness = softness;
-    // Of the two models this one begins to slip at μ N to within 1 %, the other at 0.94 μ N (see `tests/friction.rs`).
+    // Of the two models this one begins to slip at μ N to within 1 %, the other at 0.94 μ N (see `friction_tests.rs`).
     parameters.friction_model = FrictionModel::Simplified;
     parameters.friction_in_bias_pass = true;
     // What saves time where thousands of bodies lie about costs accuracy where three touch.

@@ -89,7 +89,7 @@ impl<'a> GraspTrial<'a> {
     fn close(&mut self) -> Option<f64> {
         let test = self.test;
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
-        let lead_s = test.hand.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
+        let lead_s = self.gripper.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
         let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
         let [lead_steps, full_steps] =
             [lead_s, STILL_S].map(|time_s| whole_steps(time_s, test.physics.step_s).max(1));

@@ -83,7 +83,7 @@ const LEAST_STROKE_M: f64 = 1e-4;
 pub(crate) struct Gripper<'a> {
     model: &'a HandModel,
     physics: &'a Physics,
-    closing_force_n: f64,
+    pub closing_force_n: f64,
     pub palm: RigidBodyHandle,
     pub fingers: Vec<RigidBodyHandle>,
 }

@@ -15,7 +15,7 @@ use crate::{GraspTest, Physics, Piece, PieceShape};
 
 /// Steps in one of [`Physics::step_s`]. The engine here solves the constraints of a step in as many smaller ones.
 pub(crate) fn mujoco_steps(physics: &Physics) -> usize {
-    physics.solver_iterations.max(1)
+    physics.solver_iterations
 }
 
 impl GraspTest {

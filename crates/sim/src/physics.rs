@@ -46,6 +46,12 @@ impl Physics {
             ("gravity", self.gravity, "from 0 to 100 m/s²", (0.0..=100.0).contains(&self.gravity)),
             ("step", self.step_s, "at most 1/480 s", positive(self.step_s) && self.step_s <= 1.0 / 480.0),
             (
+                "number of solver iterations",
+                self.solver_iterations as f64,
+                "from 1 to 1000",
+                (1..=1000).contains(&self.solver_iterations),
+            ),
+            (
                 "contact frequency",
                 self.contact_frequency_hz,
                 "a positive number of hertz",

@@ -44,7 +44,8 @@ impl Piece {
             Outline::HalfSpace => PieceShape::HalfSpace,
             Outline::Other => {
                 if let Some(hull) = coarse_hull(solid) {
-                    return Ok(Self::of_hulls(body_from_solid, [hull]));
+                    let shape = PieceShape::Hull(hull);
+                    return Ok(vec![Self { body_from_piece: *body_from_solid, shape }]);
                 }
                 let soup = solid.tessellation().unwrap_or_default();
                 let parts = ConvexParts::of_mesh(&soup, &DecompositionSettings::default())

@@ -26,6 +26,7 @@ fn a_hand_that_cannot_close_is_refused() {
 fn constants_out_of_their_range_are_refused() {
     for (figure, said) in [
         (fault(|_, physics, _| physics.step_s = 0.01), "step"),
+        (fault(|_, physics, _| physics.solver_iterations = 0), "iterations"),
         (fault(|_, physics, _| physics.gravity = f64::NAN), "gravity"),
         (fault(|_, physics, _| physics.drive_stiffness = 1e6), "stiffness"),
         (fault(|_, _, course| course.lift_s = 0.0), "time of the lift"),
