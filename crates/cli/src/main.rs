@@ -30,6 +30,7 @@ mod search_replay;
 mod simulate;
 mod simulate_export;
 mod simulate_grasps;
+mod simulate_plan;
 mod simulate_settle;
 mod simulate_subject;
 mod start;

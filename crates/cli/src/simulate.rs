@@ -6,7 +6,8 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::{positive, whole};
-use crate::{simulate_export, simulate_grasps, simulate_settle};
+use crate::simulate_plan::SimulatePlanArguments;
+use crate::{simulate_export, simulate_grasps, simulate_plan, simulate_settle};
 
 #[derive(Clone, Debug, Args)]
 pub struct SimulateArguments {
@@ -18,6 +19,8 @@ pub struct SimulateArguments {
 pub enum SimulateCommand {
     /// Try grasps in physics: the hand alone closes, lifts and shakes
     Grasps(Box<SimulateGraspsArguments>),
+    /// Execute a plan in physics: the arm follows it, the hand closes, the arm lifts
+    Plan(Box<SimulatePlanArguments>),
     /// Write the same tests for another engine, MuJoCo
     Export(Box<SimulateExportArguments>),
     /// Drop an object at random: how often does it come to rest in which of its stable poses?
@@ -122,6 +125,7 @@ pub struct SettleArguments {
 pub fn run(arguments: &SimulateArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         SimulateCommand::Grasps(arguments) => simulate_grasps::run(arguments, output),
+        SimulateCommand::Plan(arguments) => simulate_plan::run(arguments, output),
         SimulateCommand::Export(arguments) => simulate_export::run(arguments, output),
         SimulateCommand::Settle(arguments) => simulate_settle::run(arguments, output),
     }

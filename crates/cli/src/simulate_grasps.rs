@@ -134,7 +134,8 @@ fn interval(held: usize, trials: usize) -> Option<[f64; 2]> {
     wilson(held, trials).map(|interval| [interval.low, interval.high])
 }
 
-fn kind_of(file: &Path) -> Result<FileKind, Failure> {
+/// What the ending of the file of a recording asks for.
+pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
     match file.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb") => Ok(FileKind::Glb),
         Some("gif") => Ok(FileKind::Gif),
@@ -143,7 +144,7 @@ fn kind_of(file: &Path) -> Result<FileKind, Failure> {
 }
 
 /// What is seen of a recorded simulation.
-fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
+pub fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
     let body = |(index, body): (usize, &RecordedBody)| MovingBody {
         name: body.name.clone(),
         surface: body.surface(),
@@ -157,7 +158,8 @@ fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
 /// Pictures a second of a GIF, at most those of a recording.
 const GIF_RATE_HZ: u16 = 25;
 
-fn write(scene: &Scene, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
+/// Writes a recorded simulation.
+pub fn write(scene: &Scene, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
     if kind == FileKind::Glb {
         return Ok(scene.write_glb(file)?);
     }

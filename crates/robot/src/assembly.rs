@@ -70,6 +70,7 @@ impl Robot {
                 parent: node.above.map(|(above, _)| above),
                 collisions,
                 visuals: link.visuals.iter().map(|visual| solids.visual(visual)).collect(),
+                inertial: link.inertial,
             });
         }
         let limits: Vec<JointLimits> = resolved
@@ -165,6 +166,7 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
             kind: motion.kind.into(),
             child_link: tree.node_of_joint[joint],
             axis_in_child: motion.axis_in_child,
+            effort: motion.limits.as_ref().and_then(|limits| limits.effort),
         })
     };
     group.iter().filter_map(describe).collect()

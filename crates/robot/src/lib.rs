@@ -23,10 +23,9 @@
 //! order of the joint group, [`Robot::joint_names`].
 //!
 //! ## Limits
-//! At most [`MAX_LINKS`] links and joints. Open trees only: no closed chains, and floating, planar or ball joints are refused. Continuous joints
-//! are revolute joints with limits of ±3π ([`CONTINUOUS_LIMIT_RAD`]). Masses, inertias, textures,
-//! transmissions, safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and
-//! sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
+//! At most [`MAX_LINKS`] links and joints. Open trees only: no closed chains, and floating, planar or ball joints are
+//! refused. Continuous joints are revolute joints with limits of ±3π ([`CONTINUOUS_LIMIT_RAD`]). Textures, transmissions,
+//! safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
 //! Inverse kinematics is numerical: it may miss a solution that exists, and proves nothing by finding none.
 
 mod assembly;
@@ -38,6 +37,7 @@ mod hand;
 mod ik_batch;
 mod ik_lanes;
 mod ik_search;
+mod inertial;
 mod inverse_kinematics;
 mod jacobian;
 mod joint_group;
@@ -67,6 +67,7 @@ pub use error::{Hindrance, Location, RobotError};
 pub use hand::{FingerRange, HandDescription, RobotFinger, RobotHand};
 pub use ik_batch::{IK_BATCH, IkBatch};
 pub use ik_search::{IkSearch, IkSearchSettings, solve_restarts};
+pub use inertial::Inertial;
 pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver};
 pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
 pub use joint_space::{between, distance};

@@ -5,7 +5,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::derived::Derived;
 use crate::kinematics::Step;
-use crate::{JointLimits, LimitViolation, LinkVisual, RobotHand};
+use crate::{Inertial, JointLimits, LimitViolation, LinkVisual, RobotHand};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
 /// an `Arc`.
@@ -51,6 +51,8 @@ pub struct Link {
     pub collisions: Vec<LinkShape>,
     /// How it looks; empty for a bare frame, and where the URDF does not say.
     pub visuals: Vec<LinkVisual>,
+    /// What it weighs, as far as the URDF says so.
+    pub inertial: Option<Inertial>,
 }
 
 /// A piece of a link's collision geometry.
@@ -84,6 +86,8 @@ pub struct GroupJoint {
     pub child_link: usize,
     /// Its axis in the frame of `child_link`, a unit vector.
     pub axis_in_child: Vector,
+    /// The greatest force or torque of its drive (N, N m), if the URDF says one above 0.
+    pub effort: Option<f64>,
 }
 
 /// A joint that moves a link: one of the group, or one that mimics a joint of the group.

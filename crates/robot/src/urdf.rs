@@ -3,7 +3,7 @@ use std::collections::HashMap;
 use cranny_spatial::{Pose, Vector};
 
 use crate::xml::{Element, XmlText};
-use crate::{LinkForm, LinkVisual, Location, RobotError};
+use crate::{Inertial, LinkForm, LinkVisual, Location, RobotError};
 
 /// What a URDF says, checked element by element; that its links form a tree is checked by `tree`.
 pub(crate) struct Urdf {
@@ -19,6 +19,7 @@ pub(crate) struct UrdfLink {
     pub(crate) collisions: Vec<UrdfCollision>,
     /// Where meshes may be is not known yet.
     pub(crate) visuals: Vec<LinkVisual>,
+    pub(crate) inertial: Option<Inertial>,
 }
 
 pub(crate) struct UrdfCollision {
@@ -57,6 +58,7 @@ pub(crate) struct UrdfLimits {
     pub(crate) lower: f64,
     pub(crate) upper: f64,
     pub(crate) velocity: Option<f64>,
+    pub(crate) effort: Option<f64>,
 }
 
 /// `value = multiplier · value of the master + offset`.
@@ -106,7 +108,7 @@ fn parse_link(element: Element<'_>, colours: &Colours<'_>) -> Result<UrdfLink, R
         element.all("collision").map(|child| parse_collision(child, &name)).collect::<Result<_, _>>()?;
     let visuals =
         element.all("visual").map(|child| parse_visual(child, &name, colours)).collect::<Result<_, _>>()?;
-    Ok(UrdfLink { name, at: element.at(), collisions, visuals })
+    Ok(UrdfLink { name, at: element.at(), collisions, visuals, inertial: Inertial::of(element) })
 }
 
 fn parse_collision(element: Element<'_>, link: &str) -> Result<UrdfCollision, RobotError> {
@@ -225,7 +227,9 @@ fn parse_limits(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Resul
         return Err(RobotError::LimitsReversed { at, joint, lower, upper });
     }
     let velocity = element.optional_text("velocity").map(|_| element.number("velocity")).transpose()?;
-    Ok(UrdfLimits { lower, upper, velocity })
+    // Many files have a zero where nobody knows it.
+    let effort = element.positive("effort").ok();
+    Ok(UrdfLimits { lower, upper, velocity, effort })
 }
 
 fn parse_mimic(element: Element<'_>) -> Result<UrdfMimic, RobotError> {

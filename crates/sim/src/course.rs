@@ -80,8 +80,7 @@ impl Course {
 
     /// Where the hand is, `time_s` after it has closed at `world_from_closed`.
     pub fn world_from_hand(&self, world_from_closed: &Pose, time_s: f64) -> Pose {
-        let share = (time_s / self.lift_s).clamp(0.0, 1.0);
-        let risen_m = self.lift_m * share.powi(3) * (10.0 - share * (15.0 - 6.0 * share));
+        let risen_m = self.lift_m * smooth_share(time_s / self.lift_s);
         let lifted = Pose::translation(0.0, 0.0, risen_m) * world_from_closed;
         let (since_s, axis_s) = (time_s - self.lift_s, self.shake_axis_s());
         if since_s <= 0.0 || since_s >= 3.0 * axis_s {
@@ -102,4 +101,10 @@ impl Course {
     fn shake_axis_s(&self) -> f64 {
         self.shake_periods / self.shake_hz
     }
+}
+
+/// How much of a way is done after a share of its time: the polynomial of fifth degree that is at rest at both ends.
+pub(crate) fn smooth_share(share: f64) -> f64 {
+    let share = share.clamp(0.0, 1.0);
+    share.powi(3) * (10.0 - share * (15.0 - 6.0 * share))
 }

@@ -2,10 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use cranny_scenario::ObjectType;
 use cranny_shape::ShapeError;
-use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::{Matrix, Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
 use rapier3d_f64::prelude::{
     CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group, InteractionGroups,
@@ -113,13 +112,12 @@ fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {
     })
 }
 
-/// Mass, centre and inertia of an object.
-pub(crate) fn mass_properties(object: &ObjectType) -> MassProperties {
-    let i = &object.inertia_kg_m2;
-    let columns = [0, 1, 2].map(|column| vector(&i.column(column).into_owned()));
+/// Mass, centre of mass, and inertia about it.
+pub(crate) fn mass_properties(mass_kg: f64, center: &Point, inertia_kg_m2: &Matrix3<f64>) -> MassProperties {
+    let columns = [0, 1, 2].map(|column| vector(&inertia_kg_m2.column(column).into_owned()));
     MassProperties::with_inertia_matrix(
-        vector(&object.center_of_mass.coords),
-        object.mass_kg,
+        vector(&center.coords),
+        mass_kg,
         Matrix::from_cols(columns[0], columns[1], columns[2]),
     )
 }

@@ -1,3 +1,4 @@
+use cranny_spatial::Pose;
 use serde::Serialize;
 use strum::IntoStaticStr;
 
@@ -41,6 +42,8 @@ pub struct GraspRun {
     pub held_s: f64,
     /// With what a finger pressed when the hand had closed, in newtons: the mean of the fingers.
     pub contact_force_n: f64,
+    /// Where the object ended, in the planning frame.
+    pub world_from_object: Pose,
     /// What was simulated, in seconds.
     pub simulated_s: f64,
     /// What moved where, if that was asked for.

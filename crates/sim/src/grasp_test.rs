@@ -49,9 +49,13 @@ impl GraspTest {
         course.check()?;
         let object = ObjectModel::new(object)?;
         let (mut around, mut colliders) = (Vec::new(), Vec::new());
-        for body in surroundings {
+        for (index, body) in surroundings.iter().enumerate() {
             let pieces = Piece::of_body(body)?;
+            let first = colliders.len();
             colliders.extend(engine::colliders(&body.name, &pieces, 0.0, engine::SURROUNDINGS)?);
+            for collider in &mut colliders[first..] {
+                collider.user_data = index as u128;
+            }
             around.extend(pieces);
         }
         let hand = HandModel::new(hand)?;

@@ -20,12 +20,16 @@ const RECORDED_EVERY_S: f64 = 0.02;
 
 /// A grasp under test.
 pub(crate) struct GraspTrial<'a> {
-    test: &'a GraspTest,
-    world: PhysicsWorld,
-    gripper: Gripper<'a>,
-    object: RigidBodyHandle,
+    pub test: &'a GraspTest,
+    pub world: PhysicsWorld,
+    pub gripper: Gripper<'a>,
+    pub object: RigidBodyHandle,
     steps: u32,
+    /// Of these, before the hand began to close.
+    steps_open: u32,
     recording: Option<Recording>,
+    /// What the recording has, besides object and hand.
+    recorded: Vec<RigidBodyHandle>,
 }
 
 impl<'a> GraspTrial<'a> {
@@ -39,36 +43,93 @@ impl<'a> GraspTrial<'a> {
         let (mut world, object) = test.world(disturbance);
         let force_n = test.hand.closing_force_n * disturbance.closing_force;
         let gripper = Gripper::insert(&test.hand, &test.physics, force_n, world_from_hand, &mut world);
-        Self { test, world, gripper, object, steps: 0, recording: is_recorded.then(Recording::default) }
+        Self::with(test, world, gripper, object, is_recorded.then(Vec::new))
     }
 
-    /// Closes the hand and, if it holds anything, takes its course.
-    pub fn run(mut self, world_from_hand: &Pose) -> GraspRun {
-        self.record();
+    /// Of a hand and an object in a world. `recorded`: what else moves and is to be seen, if anything is recorded.
+    pub fn with(
+        test: &'a GraspTest,
+        world: PhysicsWorld,
+        gripper: Gripper<'a>,
+        object: RigidBodyHandle,
+        recorded: Option<Vec<(RecordedBody, RigidBodyHandle)>>,
+    ) -> Self {
+        let mut trial = Self {
+            test,
+            world,
+            gripper,
+            object,
+            steps: 0,
+            steps_open: 0,
+            recording: None,
+            recorded: Vec::new(),
+        };
+        if let Some(others) = recorded {
+            let body = |name: &str, pieces: &[Piece]| RecordedBody::new(name, pieces);
+            let mut bodies =
+                vec![body(&test.object.name, &test.object.pieces), body("palm", &test.hand.palm)];
+            for (index, finger) in test.hand.fingers.iter().enumerate() {
+                bodies.push(body(&format!("finger {}", index + 1), &finger.pieces));
+            }
+            trial.recorded = vec![object, trial.gripper.palm];
+            trial.recorded.extend(&trial.gripper.fingers);
+            for (other, handle) in others {
+                bodies.push(other);
+                trial.recorded.push(handle);
+            }
+            trial.recording = Some(Recording { times_s: Vec::new(), bodies });
+            trial.record();
+        }
+        trial
+    }
+
+    /// Closes the hand and, if it holds anything, takes the course of the test.
+    pub fn run(self, world_from_hand: &Pose) -> GraspRun {
         if world_from_hand.translation.vector.amax() > FARTHEST_M {
             // Farther away than anything can be, and than the engine can count.
             return self.ended(GraspOutcome::NeverClosed, (0.0, 0.0), 0.0, 0.0);
         }
+        let course = self.test.course;
+        self.grasp(course.duration_s(), &mut |trial, time_s| {
+            let next = course.world_from_hand(world_from_hand, time_s);
+            trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
+        })
+    }
+
+    /// Closes the hand and, if it holds anything, has it moved for so long; `advance` hears of each step before it is
+    /// made, with the time at its end since the hand closed.
+    pub fn grasp(mut self, duration_s: f64, advance: &mut dyn FnMut(&mut Self, f64)) -> GraspRun {
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
             self.world.gravity = engine::vector(&Vector::zeros());
         }
+        self.steps_open = self.steps;
+        let world_from_resting = self.world_from_object();
         let pressed_n = self.close();
         self.world.gravity = gravity;
         if let Some(contact_force_n) = pressed_n {
-            return self.carry(world_from_hand, contact_force_n);
+            return self.carry(duration_s, contact_force_n, advance);
         }
-        let error = self.error(self.test.world_from_object(), &self.world_from_object());
+        let error = self.error(&world_from_resting, &self.world_from_object());
         let is_there = self.is_held(error);
         let outcome = if is_there { GraspOutcome::NeverClosed } else { GraspOutcome::KnockedAway };
         self.ended(outcome, error, 0.0, 0.0)
+    }
+
+    pub fn steps(&self) -> u32 {
+        self.steps
     }
 
     fn time_s(&self) -> f64 {
         f64::from(self.steps) * self.test.physics.step_s
     }
 
-    fn world_from_object(&self) -> Pose {
+    /// Since the hand began to close.
+    fn closing_s(&self) -> f64 {
+        f64::from(self.steps - self.steps_open) * self.test.physics.step_s
+    }
+
+    pub fn world_from_object(&self) -> Pose {
         engine::to_pose(self.world.bodies[self.object].position())
     }
 
@@ -76,8 +137,15 @@ impl<'a> GraspTrial<'a> {
         engine::to_pose(self.world.bodies[self.gripper.palm].position()).inverse() * self.world_from_object()
     }
 
+    /// One step with the hand open.
+    pub fn step_open(&mut self) {
+        self.steps_open = self.steps;
+        self.step();
+        self.steps_open = self.steps;
+    }
+
     fn step(&mut self) {
-        let driven_m = self.test.course.closing_speed * self.time_s();
+        let driven_m = self.test.course.closing_speed * self.closing_s();
         self.gripper.drive(&mut self.world, driven_m);
         self.world.step();
         self.steps += 1;
@@ -105,7 +173,7 @@ impl<'a> GraspTrial<'a> {
             // tremble: faster than what is still, but within a few micrometres.
             let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
             let pressure_n: Option<f64> = pressures.iter().copied().sum();
-            let Some(sum_n) = pressure_n.filter(|_| !has_moved && self.time_s() > lead_s) else {
+            let Some(sum_n) = pressure_n.filter(|_| !has_moved && self.closing_s() > lead_s) else {
                 (still_share, still_steps, pressed_n) = (share, 0, 0.0);
                 continue;
             };
@@ -121,15 +189,18 @@ impl<'a> GraspTrial<'a> {
         None
     }
 
-    /// Takes the course with what the hand has closed on.
-    fn carry(mut self, world_from_closed: &Pose, contact_force_n: f64) -> GraspRun {
+    /// Moves the hand with what it has closed on.
+    fn carry(
+        mut self,
+        duration_s: f64,
+        contact_force_n: f64,
+        advance: &mut dyn FnMut(&mut Self, f64),
+    ) -> GraspRun {
         let closed_from_object = self.hand_from_object();
-        let steps = whole_steps(self.test.course.duration_s(), self.test.physics.step_s);
         let mut held_s = None;
-        for step in 1..=steps {
+        for step in 1..=whole_steps(duration_s, self.test.physics.step_s) {
             let time_s = f64::from(step) * self.test.physics.step_s;
-            let next = self.test.course.world_from_hand(world_from_closed, time_s);
-            self.world.bodies[self.gripper.palm].set_next_kinematic_position(engine::pose(&next));
+            advance(&mut self, time_s);
             self.step();
             let error = self.error(&closed_from_object, &self.hand_from_object());
             if held_s.is_none() && !self.is_held(error) {
@@ -148,7 +219,7 @@ impl<'a> GraspTrial<'a> {
         } else {
             GraspOutcome::Slipped
         };
-        let held_s = held_s.unwrap_or(self.test.course.duration_s());
+        let held_s = held_s.unwrap_or(duration_s);
         self.ended(outcome, error, held_s, contact_force_n)
     }
 
@@ -169,24 +240,9 @@ impl<'a> GraspTrial<'a> {
         let Some(recording) = self.recording.as_mut().filter(|_| self.steps.is_multiple_of(every)) else {
             return;
         };
-        if recording.bodies.is_empty() {
-            let body = |name: String, pieces: &[Piece]| RecordedBody {
-                name,
-                pieces: pieces.to_vec(),
-                world_from_body: Vec::new(),
-            };
-            let test = self.test;
-            recording.bodies.push(body(test.object.name.clone(), &test.object.pieces));
-            recording.bodies.push(body("palm".to_owned(), &test.hand.palm));
-            for (index, finger) in test.hand.fingers.iter().enumerate() {
-                recording.bodies.push(body(format!("finger {}", index + 1), &finger.pieces));
-            }
-        }
         recording.times_s.push(time_s);
-        let handles =
-            [self.object, self.gripper.palm].into_iter().chain(self.gripper.fingers.iter().copied());
-        for (body, handle) in recording.bodies.iter_mut().zip(handles) {
-            body.world_from_body.push(engine::to_pose(self.world.bodies[handle].position()));
+        for (body, handle) in recording.bodies.iter_mut().zip(&self.recorded) {
+            body.world_from_body.push(engine::to_pose(self.world.bodies[*handle].position()));
         }
     }
 
@@ -197,6 +253,7 @@ impl<'a> GraspTrial<'a> {
             rotation_error_rad: error.1,
             held_s,
             contact_force_n,
+            world_from_object: self.world_from_object(),
             simulated_s: self.time_s(),
             recording: self.recording,
         }

@@ -2,8 +2,8 @@ use cranny_grasp::Hand;
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::Matrix;
 use rapier3d_f64::prelude::{
-    Collider, ColliderHandle, MassProperties, PhysicsWorld, PrismaticJointBuilder, RigidBodyBuilder,
-    RigidBodyHandle,
+    Collider, ColliderHandle, FixedJointBuilder, MassProperties, PhysicsWorld, PrismaticJoint,
+    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
 use crate::{Physics, Piece, SimError, engine};
@@ -76,6 +76,18 @@ impl HandModel {
     }
 }
 
+impl FingerModel {
+    fn joint(&self) -> PrismaticJoint {
+        let center = engine::vector(&self.center.coords);
+        PrismaticJointBuilder::new(engine::vector(&self.axis))
+            .local_anchor1(center)
+            .local_anchor2(center)
+            .limits([0.0, self.stroke_m])
+            .contacts_enabled(false)
+            .build()
+    }
+}
+
 /// A finger that moves less is none.
 const LEAST_STROKE_M: f64 = 1e-4;
 
@@ -89,6 +101,7 @@ pub(crate) struct Gripper<'a> {
 }
 
 impl<'a> Gripper<'a> {
+    /// A hand by itself, which goes where it is told.
     pub fn insert(
         model: &'a HandModel,
         physics: &'a Physics,
@@ -96,37 +109,78 @@ impl<'a> Gripper<'a> {
         world_from_hand: &Pose,
         world: &mut PhysicsWorld,
     ) -> Self {
-        let place = engine::pose(world_from_hand);
-        let palm =
-            world.insert_body(RigidBodyBuilder::kinematic_position_based().pose(place).can_sleep(false));
+        let palm = RigidBodyBuilder::kinematic_position_based();
+        let mut hand = Self::with_palm(model, physics, closing_force_n, palm, world_from_hand, world);
+        for finger in &model.fingers {
+            // The drive's inertia alone; turns are held by the joint, so that any will do.
+            let body = hand.insert_finger(finger, physics.finger_inertia_kg, world_from_hand, world);
+            world.insert_impulse_joint(hand.palm, body, finger.joint());
+        }
+        hand
+    }
+
+    /// A hand on an arm, which has its mass.
+    pub fn mount(
+        model: &'a HandModel,
+        physics: &'a Physics,
+        on: RigidBodyHandle,
+        on_from_hand: &Pose,
+        world: &mut PhysicsWorld,
+    ) -> Self {
+        let world_from_hand = engine::to_pose(world.bodies[on].position()) * on_from_hand;
+        let palm = RigidBodyBuilder::dynamic();
+        let mut hand =
+            Self::with_palm(model, physics, model.closing_force_n, palm, &world_from_hand, world);
+        let joint = FixedJointBuilder::new().local_frame1(engine::pose(on_from_hand)).contacts_enabled(false);
+        world.insert_multibody_joint(on, hand.palm, joint.build());
+        for finger in &model.fingers {
+            let body = hand.insert_finger(finger, FINGER_KG, &world_from_hand, world);
+            let joint = world.insert_multibody_joint(hand.palm, body, finger.joint());
+            if let Some((multibody, _)) = joint.and_then(|joint| world.multibody_joints.get_mut(joint)) {
+                let last = multibody.ndofs() - 1;
+                multibody.armature_mut()[last] = physics.finger_inertia_kg;
+            }
+        }
+        hand
+    }
+
+    /// A palm without fingers.
+    fn with_palm(
+        model: &'a HandModel,
+        physics: &'a Physics,
+        closing_force_n: f64,
+        palm: RigidBodyBuilder,
+        world_from_hand: &Pose,
+        world: &mut PhysicsWorld,
+    ) -> Self {
+        let palm = world.insert_body(palm.pose(engine::pose(world_from_hand)).can_sleep(false));
         for collider in &model.palm_colliders {
             world.insert_collider(collider.clone(), Some(palm));
         }
-        let finger = |finger: &FingerModel| {
-            let center = engine::vector(&finger.center.coords);
-            // The drive's inertia alone; turns are held by the joint, so that any will do.
-            let mass = physics.finger_inertia_kg;
-            let inertia =
-                Matrix::from_diagonal(rapier3d_f64::math::Vector::splat(mass * FINGER_RADIUS_M.powi(2)));
-            let body = RigidBodyBuilder::dynamic()
-                .pose(place)
-                .can_sleep(false)
-                .gravity_scale(0.0)
-                .additional_mass_properties(MassProperties::with_inertia_matrix(center, mass, inertia));
-            let body = world.insert_body(body);
-            for collider in &finger.colliders {
-                world.insert_collider(collider.clone(), Some(body));
-            }
-            let joint = PrismaticJointBuilder::new(engine::vector(&finger.axis))
-                .local_anchor1(center)
-                .local_anchor2(center)
-                .limits([0.0, finger.stroke_m])
-                .contacts_enabled(false);
-            world.insert_impulse_joint(palm, body, joint.build());
-            body
-        };
-        let fingers = model.fingers.iter().map(finger).collect();
-        Self { model, physics, closing_force_n, palm, fingers }
+        Self { model, physics, closing_force_n, palm, fingers: Vec::new() }
+    }
+
+    fn insert_finger(
+        &mut self,
+        finger: &FingerModel,
+        mass_kg: f64,
+        world_from_hand: &Pose,
+        world: &mut PhysicsWorld,
+    ) -> RigidBodyHandle {
+        let center = engine::vector(&finger.center.coords);
+        let inertia =
+            Matrix::from_diagonal(rapier3d_f64::math::Vector::splat(mass_kg * FINGER_RADIUS_M.powi(2)));
+        let body = RigidBodyBuilder::dynamic()
+            .pose(engine::pose(world_from_hand))
+            .can_sleep(false)
+            .gravity_scale(0.0)
+            .additional_mass_properties(MassProperties::with_inertia_matrix(center, mass_kg, inertia));
+        let body = world.insert_body(body);
+        for collider in &finger.colliders {
+            world.insert_collider(collider.clone(), Some(body));
+        }
+        self.fingers.push(body);
+        body
     }
 
     /// How far each finger has closed (m) and how fast it closes (m/s), as shares of its stroke.
@@ -157,6 +211,7 @@ impl<'a> Gripper<'a> {
         let shares = self.shares(world);
         let (share, rate) = self.closed(world);
         let Physics { drive_stiffness, drive_damping, .. } = *self.physics;
+        world.bodies[self.palm].reset_forces(true);
         for ((model, finger), (own_share, own_rate)) in
             self.model.fingers.iter().zip(&self.fingers).zip(shares)
         {
@@ -167,10 +222,13 @@ impl<'a> Gripper<'a> {
                 .clamp(-self.closing_force_n, self.closing_force_n);
             let coupling_n =
                 model.stroke_m * (drive_stiffness * (share - own_share) + drive_damping * (rate - own_rate));
-            let axis = world.bodies[self.palm].position().rotation * engine::vector(&model.axis);
+            let force = world.bodies[self.palm].position().rotation * engine::vector(&model.axis)
+                * (drive_n + coupling_n);
             let body = &mut world.bodies[*finger];
             body.reset_forces(true);
-            body.add_force(axis * (drive_n + coupling_n), true);
+            body.add_force(force, true);
+            let at = body.center_of_mass();
+            world.bodies[self.palm].add_force_at_point(-force, at, true);
         }
     }
 
@@ -193,6 +251,9 @@ impl<'a> Gripper<'a> {
         self.fingers.iter().map(pressure).collect()
     }
 }
+
+/// What a finger weighs beside its drive where the arm has the mass of the hand, in kilograms.
+const FINGER_KG: f64 = 1e-3;
 
 /// Of the inertia of a finger's body, in metres: about its size.
 pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

@@ -4,6 +4,7 @@
 //!
 //! Everything is a function of its input: the same test gives the same bytes on any number of threads.
 
+mod arm;
 mod course;
 mod disturbance;
 mod engine;
@@ -20,9 +21,12 @@ mod mjcf;
 mod object_model;
 mod physics;
 mod piece;
+mod plan_run;
+mod plan_test;
 mod recording;
 mod settling;
 
+pub use crate::arm::DriveSettings;
 pub use crate::course::Course;
 pub use crate::disturbance::{Disturbance, Uncertainty};
 pub use crate::error::SimError;
@@ -32,5 +36,7 @@ pub use crate::grasp_run::{GraspOutcome, GraspRun};
 pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;
 pub use crate::piece::{Piece, PieceShape};
+pub use crate::plan_run::{PlanContact, PlanRun, TrackingError};
+pub use crate::plan_test::{JointMotion, PlanTest};
 pub use crate::recording::{RecordedBody, Recording};
 pub use crate::settling::{ChiSquared, SettledPose, Settling, settle};

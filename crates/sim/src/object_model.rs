@@ -30,7 +30,11 @@ impl ObjectModel {
             friction: object.friction,
             colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
             pieces,
-            mass_properties: engine::mass_properties(object),
+            mass_properties: engine::mass_properties(
+                object.mass_kg,
+                &object.center_of_mass,
+                &object.inertia_kg_m2,
+            ),
         })
     }
 

@@ -24,6 +24,10 @@ pub struct RecordedBody {
 }
 
 impl RecordedBody {
+    pub(crate) fn new(name: &str, pieces: &[Piece]) -> Self {
+        Self { name: name.to_owned(), pieces: pieces.to_vec(), world_from_body: Vec::new() }
+    }
+
     /// The surfaces of its pieces, in its frame, to be looked at.
     pub fn surface(&self) -> TriangleSoup {
         let mut surface = TriangleSoup::default();

@@ -3,3 +3,4 @@
 mod experiment;
 mod grasps;
 mod inputs;
+mod plans;

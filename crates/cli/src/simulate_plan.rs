@@ -1,0 +1,193 @@
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use cranny_plan::robot_hand;
+use cranny_scenario::{OpenOptions, TargetPhysics, read_waypoints};
+use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRun, PlanTest, TrackingError};
+use cranny_solve::Timing;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::number_argument::positive;
+use crate::output_file;
+use crate::plan_task::{check_plan, read_plan};
+use crate::progress::spinner;
+use crate::simulate_grasps::{kind_of, scene, write};
+use crate::task::{metres, open_scenario};
+use crate::text::{self, degrees, millimetres};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate plan 021 021.plan.json
+  cranny simulate plan 035 035.plan.json --record run.glb     or .gif, to be looked at
+  cranny simulate plan 021 021.plan.json --lift 50 --json
+
+The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
+where it stands. Then the hand closes, and the arm lifts straight up. Said is how far the arm was from the plan, what it
+touched, and what became of the object, as `simulate grasps` says it.")]
+pub struct SimulatePlanArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// A plan file (.plan.json) or way points (.csv, .try)
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// How far up the object is lifted, in millimetres
+    #[arg(long, value_name = "MM", default_value = "30")]
+    pub lift: f64,
+    /// Mass of the object, in kilograms [default: its own]
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    pub mass: Option<f64>,
+    /// Coefficient of friction between the object and all that touches it [default: its own]
+    #[arg(long, value_name = "MU", value_parser = positive)]
+    pub friction: Option<f64>,
+    /// With what the fingers press, in newtons [default: the hand's own]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub closing_force: Option<f64>,
+    /// Another robot's URDF (with limits.yaml and hand.yaml beside it) instead of the plan's or the scenario's
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Write what moved where: .glb or .gif
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// What `simulate plan --json` prints; the keys stay.
+#[derive(Serialize)]
+struct Executed {
+    scenario: String,
+    outcome: GraspOutcome,
+    reach_s: f64,
+    /// Worst on the way to the grasp.
+    tracking_on_the_way: TrackingError,
+    /// At its end.
+    tracking_at_the_end: TrackingError,
+    contacts: Vec<PlanContact>,
+    pushed_m: f64,
+    lift_m: f64,
+    rose_m: f64,
+    translation_error_m: f64,
+    rotation_error_rad: f64,
+    held_s: f64,
+    contact_force_n: f64,
+    /// Where the object ended, in the planning frame.
+    position_m: [f64; 3],
+    quaternion_xyzw: [f64; 4],
+    simulated_s: f64,
+}
+
+pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
+    let recorded = arguments.record.as_deref().map(|file| kind_of(file).map(|kind| (file, kind)));
+    let recorded = recorded.transpose()?;
+    if let Some((file, kind)) = recorded {
+        output_file::check(file, kind, output)?;
+    }
+    let lift_m = metres("lift", Some(arguments.lift))?.unwrap_or_default();
+    let file = &arguments.plan;
+    let plan = read_plan(file)?;
+    let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
+    let options = OpenOptions {
+        criterion: plan.as_ref().map(|plan| plan.criterion),
+        robot: arguments.robot.clone().or_else(of_plan),
+        ..OpenOptions::default()
+    };
+    let scenario = open_scenario(&arguments.id, &options, output)?;
+    let problem = scenario.problem(plan.as_ref().map(|plan| plan.margins).unwrap_or_default())?;
+    let refused = |problem: String| Failure::File { path: file.clone(), problem };
+    let trajectory = match &plan {
+        Some(plan) => {
+            check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
+            if plan.waypoints.is_empty() {
+                let ended = plan.outcome.sentence();
+                return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
+            }
+            plan.trajectory(&problem)?
+        }
+        None => Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?,
+    };
+    let trajectory = trajectory.ok_or_else(|| {
+        refused("without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned())
+    })?;
+    let mut hand = robot_hand(&scenario.robot);
+    hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
+    let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
+    let waiting = spinner("executing the plan", output.quiet);
+    let test = GraspTest::of_scenario(&scenario, &hand, &instead, false)?;
+    let surroundings = test.surroundings().to_vec();
+    let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
+    let motion = |time_s: f64| {
+        let sample = trajectory.sample(time_s);
+        (sample.position, sample.velocity)
+    };
+    let mut run = test.run(&motion, trajectory.duration_s(), lift_m, recorded.is_some())?;
+    waiting.finish_and_clear();
+    if let Some((file, kind)) = recorded {
+        let recording = run.grasp.recording.take().unwrap_or_default();
+        write(&scene(&scenario.id, &surroundings, &recording), file, kind, output)?;
+    }
+    let is_held = run.grasp.outcome == GraspOutcome::Held;
+    let executed = Executed::of(scenario.id, run);
+    text::answer(&executed, || executed.page(), output)?;
+    Ok(if is_held { Answer::Done } else { Answer::No })
+}
+
+impl Executed {
+    fn of(scenario: String, run: PlanRun) -> Self {
+        let rose_m = run.rose_m();
+        let ended = run.grasp.world_from_object;
+        Self {
+            scenario,
+            outcome: run.grasp.outcome,
+            reach_s: run.reach_s,
+            tracking_on_the_way: run.on_the_way,
+            tracking_at_the_end: run.at_the_end,
+            contacts: run.contacts,
+            pushed_m: run.pushed_m,
+            lift_m: run.lift_m,
+            rose_m,
+            translation_error_m: run.grasp.translation_error_m,
+            rotation_error_rad: run.grasp.rotation_error_rad,
+            held_s: run.grasp.held_s,
+            contact_force_n: run.grasp.contact_force_n,
+            position_m: ended.translation.vector.into(),
+            quaternion_xyzw: ended.rotation.coords.into(),
+            simulated_s: run.grasp.simulated_s,
+        }
+    }
+
+    fn page(&self) -> String {
+        let off = |error: &TrackingError| {
+            format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
+        };
+        let mut page = format!(
+            "{}: {} after a way of {:.1} s and a lift of {}\n  the hand was off by {} at worst, by {} at the grasp\n",
+            self.scenario,
+            self.outcome.name(),
+            self.reach_s,
+            millimetres(self.lift_m),
+            off(&self.tracking_on_the_way),
+            off(&self.tracking_at_the_end),
+        );
+        for contact in &self.contacts {
+            let phase = if contact.is_lifting { "lifting" } else { "before closing" };
+            let PlanContact { time_s, link, body, depth_m, .. } = contact;
+            let depth = millimetres(*depth_m);
+            let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
+        }
+        if !self.contacts.iter().any(|contact| !contact.is_lifting) {
+            page.push_str("  nothing was touched before the hand closed\n");
+        }
+        let _ = writeln!(
+            page,
+            "  the object was pushed by {} before, rose by {}, and moved in the hand by {}, {}",
+            millimetres(self.pushed_m),
+            millimetres(self.rose_m),
+            millimetres(self.translation_error_m),
+            degrees(self.rotation_error_rad),
+        );
+        page
+    }
+}

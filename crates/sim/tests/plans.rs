@@ -1,0 +1,143 @@
+//! An arm that executes a plan, and what can be said beforehand of how that ends.
+
+use std::sync::{Arc, LazyLock};
+
+use cranny_collision::Body;
+use cranny_grasp::Hand;
+use cranny_robot::{HandDescription, IkSearchSettings, Robot, RobotOptions, solve_restarts};
+use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
+use cranny_shape::{Solid, Surface};
+use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRun, PlanTest, SimError};
+use cranny_spatial::{Pose, Rotation, Stream, Vector};
+
+const URDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.urdf");
+const HAND: &str = include_str!("../../../robots/panda_mobile/hand.yaml");
+const SRDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.srdf");
+
+/// How high the table is, in metres, and half a cube.
+const TABLE_M: f64 = 0.3;
+const HALF_M: f64 = 0.02;
+
+fn robot(urdf: &str) -> Arc<Robot> {
+    let text = |name: &str, text: &str| cranny_robot::TextSource::Text { name: name.into(), text: text.into() };
+    let options = RobotOptions {
+        srdf: Some(text("panda.srdf", SRDF)),
+        known_hands: vec![HandDescription::parse(HAND, "hand.yaml").unwrap()],
+        tip: Some("panda_grasptarget".to_owned()),
+        ..RobotOptions::default()
+    };
+    Arc::new(Robot::from_urdf_text(urdf, "panda.urdf", None, &options).unwrap())
+}
+
+static PANDA: LazyLock<Arc<Robot>> = LazyLock::new(|| robot(URDF));
+static HAND_OF_PANDA: LazyLock<Hand> = LazyLock::new(|| panda_hand().unwrap());
+
+/// A cube on a table.
+fn test(mass_kg: f64, friction: f64) -> GraspTest {
+    let settings = ObjectSettings { friction, ..ObjectSettings::new("cube", mass_kg) };
+    let mesh = Surface::cuboid_soup(&Vector::repeat(HALF_M));
+    let cube: ObjectType = ObjectType::from_mesh(&mesh, &settings).unwrap().0;
+    let half = Vector::new(0.2, 0.2, 0.5 * TABLE_M);
+    let table = Solid::cuboid(half).unwrap();
+    let table = Body::new("table", Pose::translation(0.6, 0.0, half.z), table);
+    let place = Pose::translation(0.6, 0.0, TABLE_M + HALF_M);
+    GraspTest::new(&HAND_OF_PANDA, &cube, place, &[table], Physics::default(), Course::default()).unwrap()
+}
+
+/// From 10 cm above the cube down to it, so far below its middle.
+fn way(below_m: f64) -> [Vec<f64>; 2] {
+    let down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
+    let at = |z: f64| Pose::from_parts(Vector::new(0.6, 0.0, z).into(), down);
+    let solve = |z: f64, near: &[f64]| {
+        let mut solver = cranny_robot::IkSolver::new(&PANDA, Default::default());
+        solver.solve_from(&at(z), near).unwrap().q
+    };
+    let grasp_m = TABLE_M + HALF_M - below_m;
+    let above = solve_restarts(
+        &PANDA,
+        &at(grasp_m + 0.1),
+        &mut Stream::new(1, 0),
+        IkSearchSettings::default(),
+        1,
+        100,
+        &mut |_| true,
+    );
+    let start = above[0].q.clone();
+    let end = (1..=10).fold(start.clone(), |q, step| solve(grasp_m + 0.1 - 0.01 * f64::from(step), &q));
+    [start, end]
+}
+
+fn run(robot: &Arc<Robot>, test: GraspTest, [start, end]: &[Vec<f64>; 2]) -> PlanRun {
+    const REACH_S: f64 = 2.0;
+    let motion = |time_s: f64| {
+        let share = time_s / REACH_S;
+        let along = share * share * (3.0 - 2.0 * share);
+        let speed = 6.0 * share * (1.0 - share) / REACH_S;
+        let each = start.iter().zip(end);
+        each.map(|(a, b)| (a + along * (b - a), speed * (b - a))).unzip()
+    };
+    let plan = PlanTest::new(test, robot.clone(), DriveSettings::default()).unwrap();
+    plan.run(&motion, REACH_S, 0.03, true).unwrap()
+}
+
+#[test]
+fn an_arm_reaches_closes_and_lifts() {
+    let run = run(&PANDA, test(0.2, 0.5), &way(0.0));
+    assert_eq!(run.grasp.outcome, GraspOutcome::Held);
+    assert!(run.contacts.is_empty(), "{:?}", run.contacts);
+    assert!(run.pushed_m < 1e-4 && (run.lift_m - 0.03).abs() < 1e-12);
+    assert!((run.rose_m() - 0.03).abs() < 2e-3, "{}", run.rose_m());
+    assert!(run.on_the_way.translation_m < 2e-3 && run.at_the_end.translation_m < 1e-3, "{run:?}");
+    // Object, palm, two fingers, and the bodies of the arm: what stands still, base, and nine joints.
+    let recording = run.grasp.recording.unwrap();
+    assert_eq!(recording.bodies.len(), 4 + 10);
+    assert!(recording.bodies.iter().all(|body| body.world_from_body.len() == recording.times_s.len()));
+}
+
+#[test]
+fn the_same_plan_gives_the_same_bits() {
+    let [first, second] = [(); 2].map(|()| run(&PANDA, test(0.2, 0.5), &way(0.0)));
+    assert_eq!(first.grasp.world_from_object, second.grasp.world_from_object);
+    assert_eq!((first.on_the_way, first.at_the_end), (second.on_the_way, second.at_the_end));
+}
+
+#[test]
+fn what_is_too_smooth_stays_behind() {
+    let run = run(&PANDA, test(0.4, 0.02), &way(0.0));
+    assert_eq!(run.grasp.outcome, GraspOutcome::Dropped);
+    assert!(run.rose_m() < 0.01, "{}", run.rose_m());
+}
+
+#[test]
+fn drives_that_are_too_weak_let_the_arm_sink() {
+    let weak = robot(&URDF.replace("effort=\"87\"", "effort=\"15\""));
+    let run = run(&weak, test(0.2, 0.5), &way(0.0));
+    assert!(run.at_the_end.translation_m > 0.02, "{run:?}");
+}
+
+#[test]
+fn a_plan_into_the_table_is_seen_to_touch_it() {
+    let run = run(&PANDA, test(0.2, 0.5), &way(0.015));
+    let touched: Vec<(&str, &str)> =
+        run.contacts_before_closing().map(|contact| (&contact.link[..], &contact.body[..])).collect();
+    assert_eq!(touched, [("hand", "table")]);
+}
+
+#[test]
+fn arms_that_cannot_be_simulated_are_refused() {
+    let refused = |urdf: &str, drives: DriveSettings| {
+        PlanTest::new(test(0.2, 0.5), robot(urdf), drives).unwrap_err()
+    };
+    let drives = DriveSettings::default();
+    let weightless = URDF.replace("<mass value=\"2.08\"/>", "<mass value=\"0\"/>");
+    assert!(matches!(refused(&weightless, drives), SimError::NoMass { link, .. } if link == "panda_link4"));
+    let fault = refused(URDF, DriveSettings { frequency_hz: f64::NAN, ..drives });
+    assert!(fault.to_string().contains("frequency of the drives"), "{fault}");
+    let plan = PlanTest::new(test(0.2, 0.5), PANDA.clone(), drives).unwrap();
+    let [start, _] = way(0.0);
+    let still = |_: f64| (start.clone(), vec![0.0; 9]);
+    for (reach_s, lift_m, said) in [(f64::NAN, 0.03, "time of the motion"), (1.0, -0.1, "lift")] {
+        let fault = plan.run(&still, reach_s, lift_m, false).unwrap_err();
+        assert!(fault.to_string().contains(said), "{fault}");
+    }
+}
