@@ -102,14 +102,18 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
             if plan.waypoints.is_empty() {
                 let ended = plan.outcome.sentence();
-                return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
+                return Err(refused(format!(
+                    "the plan has no path, so there is nothing to execute: {ended}"
+                )));
             }
             plan.trajectory(&problem)?
         }
         None => Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?,
     };
     let trajectory = trajectory.ok_or_else(|| {
-        refused("without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned())
+        refused(
+            "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
+        )
     })?;
     let mut hand = robot_hand(&scenario.robot);
     hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);

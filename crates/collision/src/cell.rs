@@ -1,38 +1,79 @@
 use std::sync::Arc;
 
-use cranny_robot::{LinkFrames, Robot};
+use cranny_robot::{FARTHEST_HELD_M, Hold, LinkFrames, Robot};
 use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::contact::{Collider, Contact};
+use crate::lane_part::LanePart;
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_reaches, group_separation};
 use crate::motion::WorkList;
-use crate::pairs::{Other, Pair, Pairs, PartPairs};
+use crate::pairs::{Held, Other, Pair, Pairs, PartPairs};
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
 use crate::travel::Travel;
 use crate::unchecked::Unchecked;
-use crate::world::{Part, World};
+use crate::world::{Body, Part, World};
 use crate::{CollisionError, Margins};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
 #[derive(Clone, Debug)]
 pub struct Cell {
     robot: Arc<Robot>,
-    world: World,
+    body: Arc<RobotBody>,
+    around: Arc<Surroundings>,
     margins: Margins,
     /// The body to be grasped, and those that carry it, by index.
-    grasp_bodies: Vec<usize>,
+    grasp_bodies: Arc<[usize]>,
+    /// What is held, if anything is.
+    pub(crate) held: Option<HeldBody>,
     pub(crate) bodies: Arc<[LinkBody]>,
-    parts: Vec<(usize, Part)>,
-    tree: PartTree,
-    pub(crate) pairs: Pairs,
-    pub(crate) unchecked: Vec<Unchecked>,
+    pub(crate) pairs: Arc<Pairs>,
+    pub(crate) unchecked: Arc<[Unchecked]>,
     /// Pairs of links that are checked though they touch in every sample.
-    pub(crate) asked_for: Vec<(usize, usize)>,
-    pub(crate) lanes: Lanes,
+    pub(crate) asked_for: Arc<[(usize, usize)]>,
+    pub(crate) lanes: Arc<Lanes>,
+}
+
+/// A world, and what every check needs of it, whatever robot stands in it.
+#[derive(Debug)]
+struct Surroundings {
+    world: World,
+    parts: Vec<(usize, Part)>,
+    lanes: Arc<[LanePart]>,
+    tree: PartTree,
+}
+
+/// A body of the world in the hand.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldBody {
+    /// Its index in the world.
+    pub body: usize,
+    /// Bodies that it is not checked against.
+    spared: Arc<[usize]>,
+    pub hold: Hold,
+}
+
+impl Surroundings {
+    fn new(world: World) -> Self {
+        let of_body = |(body, b): (usize, &Body)| {
+            b.parts.iter().map(move |part| (body, part.clone())).collect::<Vec<_>>()
+        };
+        let parts: Vec<(usize, Part)> = world.bodies().iter().enumerate().flat_map(of_body).collect();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
+        Self { world, parts, lanes, tree }
+    }
+}
+
+/// Whether a hand can hold something like that.
+fn check_hold(hold: &Hold) -> bool {
+    let Hold { tip_from_held, closing } = hold;
+    tip_from_held.translation.vector.norm() <= FARTHEST_HELD_M
+        && tip_from_held.rotation.coords.iter().all(|x| x.is_finite())
+        && (0.0..=1.0).contains(closing)
 }
 
 /// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
@@ -67,7 +108,9 @@ impl Cell {
     /// [`CollisionError::Margin`] for a negative or infinite margin.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
         margins.check()?;
-        Ok(Self::checking(robot, world, margins, Vec::new(), Vec::new()))
+        let body = RobotBody::of(&robot);
+        let around = Arc::new(Surroundings::new(world));
+        Ok(Self::checking(robot, body, around, margins, Arc::default(), Arc::default(), None))
     }
 
     /// [`Self::new`] where the body of index `target` is to be grasped: between it and its supports and the hand
@@ -87,40 +130,106 @@ impl Cell {
         margins.check()?;
         let mut grasp_bodies = world.supports_of(target);
         grasp_bodies.push(target);
-        Ok(Self::checking(robot, world, margins, grasp_bodies, Vec::new()))
+        let body = RobotBody::of(&robot);
+        let around = Arc::new(Surroundings::new(world));
+        Ok(Self::checking(robot, body, around, margins, grasp_bodies.into(), Arc::default(), None))
     }
 
     /// [`Self::new`] with these pairs of links checked even if they touch in every sample.
     fn checking(
         robot: Arc<Robot>,
-        world: World,
+        body: Arc<RobotBody>,
+        around: Arc<Surroundings>,
         margins: Margins,
-        grasp_bodies: Vec<usize>,
-        asked_for: Vec<(usize, usize)>,
+        grasp_bodies: Arc<[usize]>,
+        asked_for: Arc<[(usize, usize)]>,
+        held: Option<HeldBody>,
     ) -> Self {
-        let body = RobotBody::of(&robot);
         let bodies = body.links.clone();
-        let parts: Vec<(usize, Part)> = world
-            .bodies()
-            .iter()
-            .enumerate()
-            .flat_map(|(body, b)| b.parts.iter().map(move |part| (body, part.clone())))
-            .collect();
-        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        let Surroundings { parts, tree, lanes, .. } = &*around;
         let (checked, always_touching) = body.self_pairs.split(&bodies, &asked_for);
-        let pairs = Pairs::new(&robot, &bodies, checked, (&parts, &tree), &grasp_bodies, margins);
-        let lanes = Lanes::new(&robot, &body, &parts, &tree, &pairs);
+        let held_link = held.as_ref().zip(robot.held_link());
+        let of_held = held_link.map(|(held, link)| Held { link, body: held.body, spared: &held.spared });
+        let pairs = Pairs::new(&robot, &bodies, checked, (parts, tree), &grasp_bodies, of_held, margins);
+        let lanes = Lanes::new(&robot, &body, lanes.clone(), tree, &pairs);
         let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
-        unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, &parts));
-        Self { robot, world, margins, grasp_bodies, bodies, parts, tree, pairs, unchecked, asked_for, lanes }
+        unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, parts));
+        Self {
+            robot,
+            body,
+            around,
+            margins,
+            grasp_bodies,
+            held,
+            bodies,
+            pairs: Arc::new(pairs),
+            unchecked: unchecked.into(),
+            asked_for,
+            lanes: Arc::new(lanes),
+        }
     }
 
     /// The same cell with these pairs of links checked too.
     #[must_use]
     pub fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
         let asked_for = [&self.asked_for[..], pairs].concat();
-        let (robot, world) = (self.robot.clone(), self.world.clone());
-        Self::checking(robot, world, self.margins, self.grasp_bodies.clone(), asked_for)
+        Self::checking(
+            self.robot.clone(),
+            self.body.clone(),
+            self.around.clone(),
+            self.margins,
+            self.grasp_bodies.clone(),
+            asked_for.into(),
+            self.held.clone(),
+        )
+    }
+
+    /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
+    /// checked against world, floor and all links that move against it, though not against the bodies that are `spared`,
+    /// and no obstacle any more. Another hold of the same body is [`Self::with_hold`].
+    ///
+    /// # Errors
+    /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn holding(&self, body: usize, spared: &[usize], hold: Hold) -> Result<Self, CollisionError> {
+        let thing = &self.world().bodies()[body];
+        let unusable = || CollisionError::Hold { name: thing.name.clone() };
+        if self.held.is_some() || !check_hold(&hold) {
+            return Err(unusable());
+        }
+        let robot = self.robot.holding(&thing.name);
+        let held_from_world = thing.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
+        let shapes =
+            thing.parts.iter().map(|part| (held_from_world * part.world_from_solid, part.solid.clone()));
+        let link = robot.held_link().ok_or_else(unusable)?;
+        let held = LinkBody::of_shapes(link, shapes.collect()).ok_or_else(unusable)?;
+        let body_of_robot = Arc::new(self.body.holding(&robot, held));
+        Ok(Self::checking(
+            Arc::new(robot),
+            body_of_robot,
+            self.around.clone(),
+            self.margins,
+            self.grasp_bodies.clone(),
+            self.asked_for.clone(),
+            Some(HeldBody { body, spared: spared.into(), hold }),
+        ))
+    }
+
+    /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.
+    ///
+    /// # Errors
+    /// [`CollisionError::Hold`] for a hold that is none.
+    pub fn with_hold(&self, hold: Hold) -> Result<Self, CollisionError> {
+        let mut cell = self.clone();
+        if let Some(held) = &mut cell.held {
+            if !check_hold(&hold) {
+                return Err(CollisionError::Hold { name: self.world().bodies()[held.body].name.clone() });
+            }
+            held.hold = hold;
+        }
+        Ok(cell)
     }
 
     /// The robot.
@@ -130,7 +239,7 @@ impl Cell {
 
     /// The world, in the planning frame.
     pub fn world(&self) -> &World {
-        &self.world
+        &self.around.world
     }
 
     /// The clearances that are demanded.
@@ -142,7 +251,7 @@ impl Cell {
     pub fn name(&self, collider: Collider) -> &str {
         match collider {
             Collider::Link(link) => &self.robot.links()[link].name,
-            Collider::Body(body) => &self.world.bodies()[body].name,
+            Collider::Body(body) => &self.world().bodies()[body].name,
         }
     }
 
@@ -158,16 +267,21 @@ impl Cell {
 
     /// Room to compute in.
     pub fn scratch(&self) -> Scratch {
+        let hold = self.held.as_ref().map(|held| &held.hold);
+        let mut frames = self.robot.frames();
+        if let Some(hold) = hold {
+            self.robot.place_held(hold, &mut frames);
+        }
         Scratch {
-            frames: self.robot.frames(),
-            order: if self.tree.is_trivial() { self.all_pairs().collect() } else { Vec::new() },
+            frames,
+            order: if self.around.tree.is_trivial() { self.all_pairs().collect() } else { Vec::new() },
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
             slope: vec![0.0; self.robot.dof()],
             work: WorkList::default(),
             next_work: WorkList::default(),
             rest: WorkList::default(),
-            lanes: self.lanes.scratch(self.robot.dof()),
+            lanes: self.lanes.scratch(&self.robot, hold),
         }
     }
 
@@ -230,7 +344,7 @@ impl Cell {
         let ball = &self.bodies[pairs.body].bounds.ball;
         // What is passed over is so far away that the exact distance agrees.
         let reach_m = ball.radius_m + pairs.required_m + CONTACT_M;
-        self.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
+        self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
 
     /// Whether the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its
@@ -257,7 +371,7 @@ impl Cell {
         near.find_map(|(pair, world_from_link)| {
             let body = &self.bodies[pair.first];
             let Other::Part(index) = pair.second else { return None };
-            let (body_index, part) = &self.parts[index];
+            let (body_index, part) = &self.around.parts[index];
             if body.quick_bound_to(&world_from_link, part, pair.required_m) > pair.required_m {
                 return None;
             }
@@ -283,7 +397,7 @@ impl Cell {
     pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut least = f64::INFINITY;
-        for pair in self.pairs.iter() {
+        for pair in self.pairs.iter().filter(|pair| !pair.is_exempt()) {
             let is_farther = self.quick_bound(&pair, &scratch.frames, least) >= least;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {
@@ -358,7 +472,7 @@ impl Cell {
     pub(crate) fn other(&self, pair: &Pair) -> Collider {
         match pair.second {
             Other::Link { body, .. } => Collider::Link(self.bodies[body].link),
-            Other::Part(index) => Collider::Body(self.parts[index].0),
+            Other::Part(index) => Collider::Body(self.around.parts[index].0),
         }
     }
 
@@ -383,7 +497,9 @@ impl Cell {
                 let world_from_second = frames.link(second.link);
                 first.bounds.distance_bound(world_from_first, &second.bounds, world_from_second, enough_m)
             }
-            Other::Part(index) => first.quick_bound_to(world_from_first, &self.parts[index].1, enough_m),
+            Other::Part(index) => {
+                first.quick_bound_to(world_from_first, &self.around.parts[index].1, enough_m)
+            }
         }
     }
 
@@ -408,7 +524,7 @@ impl Cell {
     ) -> impl Iterator<Item = (Pose, &'a Solid)> + Clone + use<'a> {
         let (link, part) = match pair.second {
             Other::Link { body, .. } => (Some(self.placed(body, frames)), None),
-            Other::Part(index) => (None, Some(&self.parts[index].1)),
+            Other::Part(index) => (None, Some(&self.around.parts[index].1)),
         };
         let part = part.map(|part| (part.world_from_solid, &part.solid));
         link.into_iter().flatten().chain(part)

@@ -24,6 +24,16 @@ pub enum CollisionError {
         /// The offending value.
         value: f64,
     },
+    /// Something cannot be held like that.
+    #[error(
+        "'{name}' cannot be held: it must have bounds, the hand be empty, its pose be within {} m of the tip, and the \
+         fingers closed by a share from 0 to 1",
+        cranny_robot::FARTHEST_HELD_M
+    )]
+    Hold {
+        /// What was to be held.
+        name: String,
+    },
     /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].
     #[error("the pose of body '{name}' is not within 1000 m of the robot's root")]
     Pose {

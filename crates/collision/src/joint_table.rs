@@ -51,9 +51,9 @@ fn overhang(limits: &JointLimits) -> f64 {
 }
 
 impl JointTable {
-    /// The table of pairs that are counted from `begin` on.
-    pub fn counted_from(&self, begin: u32) -> Self {
-        Self { pairs: self.pairs.iter().map(|pair| begin + pair).collect(), ..self.clone() }
+    /// The table of pairs that are called otherwise.
+    pub fn renumbered(&self, number: impl Fn(u32) -> u32) -> Self {
+        Self { pairs: self.pairs.iter().map(|pair| number(*pair)).collect(), ..self.clone() }
     }
 
     /// The tables of all such pairs.

@@ -1,4 +1,4 @@
-use cranny_robot::LaneFrame;
+use cranny_robot::{LaneFrame, LanePlace};
 use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -23,6 +23,8 @@ pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
     /// Per joint.
     pub q: Vec<LaneArray>,
+    /// Where loose links stand on the tip.
+    pub places: Vec<LanePlace>,
     pub frames: Vec<LaneFrame>,
     /// Per body a box around it along the axes of the root.
     pub boxes: Vec<LaneBox>,

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use cranny_robot::{LaneFrame, LaneKinematics, Robot};
+use cranny_robot::{Hold, LaneFrame, LaneKinematics, Robot};
 use cranny_spatial::LANES;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
@@ -14,7 +14,6 @@ use crate::lane_tree::LaneBranch;
 use crate::pairs::{Other, Pair, Pairs};
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
-use crate::world::Part;
 
 /// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
 /// certainly far enough apart, certainly too close, or in doubt.
@@ -27,7 +26,7 @@ use crate::world::Part;
 pub(crate) struct Lanes {
     kinematics: Arc<LaneKinematics>,
     pub(crate) bodies: Arc<[LaneBody]>,
-    pub(crate) parts: Vec<LanePart>,
+    pub(crate) parts: Arc<[LanePart]>,
     /// What leads to the parts that are near.
     pub(crate) branches: Vec<LaneBranch>,
     /// Per link body the parts that it is checked against: all or none, in the order of the branches.
@@ -110,18 +109,17 @@ impl Lanes {
     pub fn new(
         robot: &Robot,
         body: &RobotBody,
-        parts: &[(usize, Part)],
+        lane_parts: Arc<[LanePart]>,
         tree: &PartTree,
         pairs: &Pairs,
     ) -> Self {
         let lane_bodies = body.lanes.clone();
-        let lane_parts: Vec<LanePart> = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         let mut part_pairs = vec![Vec::new(); lane_bodies.len()];
         let (of_links, first_of_links) = pairs.of_links();
         let tables: Vec<JointTable> = body
             .tables(robot, of_links)
             .iter()
-            .map(|table| table.counted_from(as_index(first_of_links)))
+            .map(|table| table.renumbered(|pair| as_index(first_of_links) + pair))
             .collect();
         let (mut untabled, mut tabled) = (Vec::new(), Vec::new());
         for (index, pair) in pairs.iter().enumerate() {
@@ -194,8 +192,13 @@ impl Lanes {
             }
     }
 
-    pub fn scratch(&self, dof: usize) -> LaneScratch {
-        LaneScratch::new(dof, self.kinematics.frame_count(), self.bodies.len(), self.link_pairs.len())
+    pub fn scratch(&self, robot: &Robot, hold: Option<&Hold>) -> LaneScratch {
+        let (frames, bodies) = (self.kinematics.frame_count(), self.bodies.len());
+        let mut scratch = LaneScratch::new(robot.dof(), frames, bodies, self.link_pairs.len());
+        if let Some(hold) = hold {
+            self.kinematics.place_held(robot, hold, &mut scratch.places);
+        }
+        scratch
     }
 
     /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
@@ -304,7 +307,7 @@ impl Lanes {
     /// Where every link is in every lane, and the boxes around them.
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, frames: &mut [LaneFrame], scratch: &mut LaneScratch) {
-        self.kinematics.forward(simd, &scratch.q, frames);
+        self.kinematics.forward(simd, &scratch.q, &scratch.places, frames);
         for (body, lanes) in self.bodies.iter().zip(&mut scratch.boxes) {
             frames[body.frame].point(simd, body.middle).store(&mut lanes.middle);
             frames[body.frame].box_around(simd, body.half_extents).store(&mut lanes.half_extents);

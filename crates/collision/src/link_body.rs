@@ -25,6 +25,11 @@ impl LinkBody {
             .iter()
             .map(|shape| (shape.link_from_shape, shape.solid.clone()))
             .collect();
+        Self::of_shapes(link, shapes)
+    }
+
+    /// A link of these solids; `None` if there are none, or one has no end.
+    pub fn of_shapes(link: usize, shapes: Vec<(Pose, Solid)>) -> Option<Self> {
         let mut points: Vec<(Point, f64)> = Vec::new();
         for (link_from_shape, solid) in &shapes {
             let (corners, radius_m) = solid.bounding_points()?;

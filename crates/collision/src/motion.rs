@@ -328,7 +328,7 @@ impl Cell {
         }
         let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch));
         let mut contradiction = None;
-        let all: Vec<u32> = self.all_pairs().collect();
+        let all: Vec<u32> = self.all_pairs().filter(|pair| !self.pairs.get(*pair).is_exempt()).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
         let tolerance_m = |least: f64| if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least

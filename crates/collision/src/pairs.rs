@@ -16,6 +16,16 @@ pub(crate) struct Pair {
     pub required_m: f64,
 }
 
+/// Whatever the distance, it is enough.
+const NOTHING_M: f64 = f64::NEG_INFINITY;
+
+impl Pair {
+    /// Whether the two may be in each other.
+    pub fn is_exempt(&self) -> bool {
+        self.required_m <= NOTHING_M
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Other {
     /// Index into the link bodies, and how many joints move both links alike.
@@ -29,8 +39,8 @@ pub(crate) enum Other {
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     moving: Vec<Moving>,
-    /// The parts in the order of the tree, and whether the hand may come as near as its margin says.
-    parts: Vec<(usize, bool)>,
+    /// The parts in the order of the tree, and what is demanded of them.
+    parts: Vec<(usize, PartRule)>,
     links: Vec<Pair>,
     margins: Margins,
     /// The greatest distance that is demanded between any part and a link, and a link of the hand, in metres.
@@ -43,6 +53,29 @@ struct Moving {
     /// Index into the link bodies.
     body: usize,
     is_of_hand: bool,
+    is_held: bool,
+}
+
+/// What is demanded of a part of the world.
+#[derive(Clone, Copy, Debug)]
+struct PartRule {
+    /// The hand may come as near as its margin says.
+    is_grasped: bool,
+    /// Nothing: it is no obstacle, but what is held.
+    is_held: bool,
+    /// Nothing of what is held.
+    is_spared: bool,
+}
+
+/// What is held, and what it may touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held<'a> {
+    /// Its link.
+    pub link: usize,
+    /// The body of the world that it was.
+    pub body: usize,
+    /// Bodies of the world that it is not checked against.
+    pub spared: &'a [usize],
 }
 
 /// The pairs of a link with every part.
@@ -66,27 +99,38 @@ impl Pairs {
         link_pairs: impl IntoIterator<Item = (usize, usize)>,
         (parts, tree): (&[(usize, Part)], &PartTree),
         grasp_bodies: &[usize],
+        held: Option<Held<'_>>,
         margins: Margins,
     ) -> Self {
         // Hand and wrist first: they are what touches first.
         let moving = (0..bodies.len()).rev().filter(|&body| !robot.ancestors(bodies[body].link).is_empty());
         let is_of_hand = |body: usize| robot.hand_links().contains(&bodies[body].link);
-        let is_grasped = |part: usize| grasp_bodies.contains(&parts[part].0);
+        let is_held = |body: usize| held.is_some_and(|held| held.link == bodies[body].link);
+        let rule = |part: usize| {
+            let body = parts[part].0;
+            PartRule {
+                is_grasped: grasp_bodies.contains(&body),
+                is_held: held.is_some_and(|held| held.body == body),
+                is_spared: held.is_some_and(|held| held.spared.contains(&body)),
+            }
+        };
         let link_pair = |(first, second): (usize, usize)| {
             let shared_joints = shared_joints(robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
             Pair { first, second, required_m: margins.required_m(false) }
         };
         let mut pairs = Self {
-            moving: moving.map(|body| Moving { body, is_of_hand: is_of_hand(body) }).collect(),
-            parts: tree.parts().iter().map(|&part| (part, is_grasped(part))).collect(),
+            moving: moving
+                .map(|body| Moving { body, is_of_hand: is_of_hand(body), is_held: is_held(body) })
+                .collect(),
+            parts: tree.parts().iter().map(|&part| (part, rule(part))).collect(),
             links: link_pairs.into_iter().map(link_pair).collect(),
             margins,
             greatest_m: [0.0; 2],
         };
         pairs.greatest_m = [false, true].map(|is_of_hand| {
             let required =
-                pairs.parts.iter().map(|(_, is_grasped)| margins.required_m(is_of_hand && *is_grasped));
+                pairs.parts.iter().map(|(_, rule)| margins.required_m(is_of_hand && rule.is_grasped));
             required.fold(0.0, f64::max)
         });
         pairs
@@ -122,7 +166,7 @@ impl Pairs {
 
     /// Of each link that moves its pairs with parts, in order.
     pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
-        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand })| {
+        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand, .. })| {
             let required_m = self.greatest_m[usize::from(is_of_hand)];
             PartPairs { body, begin: index * self.parts.len(), required_m, is_of_hand }
         })
@@ -132,9 +176,13 @@ impl Pairs {
         self.moving.len() * self.parts.len()
     }
 
-    fn with_part(&self, Moving { body, is_of_hand }: Moving, place: usize) -> Pair {
-        let (part, is_grasped) = self.parts[place];
-        let required_m = self.margins.required_m(is_of_hand && is_grasped);
+    fn with_part(&self, Moving { body, is_of_hand, is_held }: Moving, place: usize) -> Pair {
+        let (part, rule) = self.parts[place];
+        let required_m = if rule.is_held || (rule.is_spared && is_held) {
+            NOTHING_M
+        } else {
+            self.margins.required_m(is_of_hand && rule.is_grasped)
+        };
         Pair { first: body, second: Other::Part(part), required_m }
     }
 }

@@ -22,14 +22,14 @@ pub(crate) struct RobotBody {
     pub kinematics: Arc<LaneKinematics>,
     /// The links as the lanes see them.
     pub lanes: Arc<[LaneBody]>,
-    tables: Mutex<Vec<(TableKey, Arc<[JointTable]>)>>,
+    tables: Arc<Mutex<Vec<(TableKey, Arc<[JointTable]>)>>>,
 }
 
 /// What tables depend on beside the robot: the pairs, and the bits of the distance that each demands.
 type TableKey = Vec<(usize, usize, u64)>;
 
 /// More sets of tables are not kept: a robot is asked with a few margins.
-const MOST_TABLES: usize = 4;
+const MOST_TABLES: usize = 8;
 
 impl RobotBody {
     pub fn of(robot: &Robot) -> Arc<Self> {
@@ -42,28 +42,68 @@ impl RobotBody {
                 lanes: links.iter().map(|link| LaneBody::new(&kinematics, link)).collect(),
                 kinematics: Arc::new(kinematics),
                 links,
-                tables: Mutex::default(),
+                tables: Arc::default(),
             }
         })
     }
 
-    /// The tables of these pairs of links, their pairs counted from the first.
-    pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Arc<[JointTable]> {
-        let of_pair = |pair: &Pair| match pair.second {
+    /// That of the same robot as it holds something ([`Robot::holding`]) of these solids.
+    pub fn holding(&self, robot: &Robot, held: LinkBody) -> Self {
+        let links: Arc<[LinkBody]> = self.links.iter().cloned().chain([held]).collect();
+        let kinematics = LaneKinematics::new(robot);
+        let lane_body = |(index, link): (usize, &LinkBody)| match self.lanes.get(index) {
+            Some(known) if !robot.is_loose(link.link) => known.clone(),
+            _ => LaneBody::new(&kinematics, link),
+        };
+        let swept = |(index, link): (usize, &LinkBody)| {
+            // Where a hold puts a link is not known here.
+            if robot.is_loose(link.link) { None } else { self.swept[index] }
+        };
+        Self {
+            swept: links.iter().enumerate().map(swept).collect(),
+            self_pairs: self.self_pairs.with_held(robot, &links),
+            lanes: links.iter().enumerate().map(lane_body).collect(),
+            kinematics: Arc::new(kinematics),
+            links,
+            tables: self.tables.clone(),
+        }
+    }
+
+    /// The tables of these pairs of links, their pairs counted from the first: those of fingers apart, so that the others
+    /// hold however far the hand is open; none of what is held.
+    pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Vec<JointTable> {
+        let of_pair = |&(_, pair): &(u32, &Pair)| match pair.second {
             Other::Link { body, .. } => Some((pair.first, body, pair.required_m.to_bits())),
             Other::Part(_) => None,
         };
-        let key: TableKey = pairs.iter().filter_map(of_pair).collect();
+        let links_of = |pair: &Pair| match pair.second {
+            Other::Link { body, .. } => [pair.first, body].map(|body| self.links[body].link),
+            Other::Part(_) => [self.links[pair.first].link; 2],
+        };
+        let is_rigid = |(_, pair): &(u32, &Pair)| !links_of(pair).iter().any(|link| robot.is_loose(*link));
+        let is_of_finger =
+            |(_, pair): &(u32, &Pair)| links_of(pair).iter().any(|link| robot.is_of_finger(*link));
+        let rigid = (0..).zip(pairs).filter(is_rigid);
+        let (of_fingers, others): (Vec<_>, Vec<_>) = rigid.partition(is_of_finger);
         // A thread that panicked left what was finished.
         let mut known = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, tables)) = known.iter().find(|(other, _)| *other == key) {
-            return tables.clone();
+        let mut tables = Vec::new();
+        for group in [others, of_fingers].into_iter().filter(|group| !group.is_empty()) {
+            let key: TableKey = group.iter().filter_map(of_pair).collect();
+            let found = match known.iter().find(|(other, _)| *other == key) {
+                Some((_, found)) => found.clone(),
+                None => {
+                    let pairs: Vec<Pair> = group.iter().map(|(_, pair)| **pair).collect();
+                    let found: Arc<[JointTable]> = JointTable::all(robot, &self.links, &pairs).into();
+                    if known.len() == MOST_TABLES {
+                        known.remove(0);
+                    }
+                    known.push((key, found.clone()));
+                    found
+                }
+            };
+            tables.extend(found.iter().map(|table| table.renumbered(|pair| group[pair as usize].0)));
         }
-        let tables: Arc<[JointTable]> = JointTable::all(robot, &self.links, pairs).into();
-        if known.len() == MOST_TABLES {
-            known.remove(0);
-        }
-        known.push((key, tables.clone()));
         tables
     }
 }

@@ -6,7 +6,7 @@ use crate::link_body::{LinkBody, group_separation};
 
 /// Which links can be compared with which, as indices into the link bodies, and of those in contact in every one of
 /// [`SAMPLES`] random configurations the least depth that was seen (m).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<f64>)>);
 
 /// A pair that touches in every sample, and the least depth that was seen (m).
@@ -32,6 +32,18 @@ impl SelfPairs {
         }
         let depths = depths_if_always_touching(robot, bodies, &pairs);
         Self(pairs.into_iter().zip(depths).collect())
+    }
+
+    /// The same with what is held, the last of `bodies`, against all links that move against it.
+    pub fn with_held(&self, robot: &Robot, bodies: &[LinkBody]) -> Self {
+        let held = bodies.len() - 1;
+        let moves = |other: &usize| {
+            let joints =
+                |body: usize| robot.ancestors(bodies[body].link).iter().map(|mover| mover.child_link);
+            !joints(*other).eq(joints(held))
+        };
+        let with_held = (0..held).filter(moves).map(|other| ((other, held), None));
+        Self(self.0.iter().copied().chain(with_held).collect())
     }
 
     /// Those that are checked, and those that are not because they always touch, though not if they stand in

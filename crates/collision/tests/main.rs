@@ -6,6 +6,7 @@ mod bad_input;
 mod closest;
 mod distances;
 mod grazing;
+mod holding;
 mod many_parts;
 mod margins;
 mod motions;

@@ -45,7 +45,7 @@ fn forward(criterion: &mut Criterion) {
     group.bench_function("16 configurations in lanes", |bencher| {
         bencher.iter(|| {
             let rows = black_box(&rows);
-            dispatch!(Level::new(), simd => kinematics.forward(simd, rows, &mut lane_frames));
+            dispatch!(Level::new(), simd => kinematics.forward(simd, rows, &[], &mut lane_frames));
             black_box(&lane_frames);
         });
     });

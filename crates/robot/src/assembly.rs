@@ -102,6 +102,7 @@ impl Robot {
             movers,
             steps,
             rest,
+            loose: None,
             derived: Derived::default(),
         };
         robot.check_steadiness(source_name)?;
@@ -184,7 +185,7 @@ impl From<UrdfJointKind> for JointKind {
 /// Per link what moves it, the steps of forward kinematics, and all poses at `q = 0`.
 fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
     let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
-    let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()] };
+    let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()], loose: Vec::new() };
     let mut steps = Vec::new();
     let at_zero = vec![0.0; resolved.group.len()];
     for (link, node) in tree.nodes.iter().enumerate() {
@@ -193,7 +194,7 @@ fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, V
         let mut above = movers[parent].clone();
         let motion = joint_motion(described, resolved, joint, link, &mut above);
         let step = Step { link, parent, motion };
-        rest.root_from_link[link] = step.root_from_link(&rest.root_from_link[parent], &at_zero);
+        rest.root_from_link[link] = step.root_from_link(&rest.root_from_link[parent], &[], &at_zero);
         // What no joint of the group moves stays where it is at `q = 0`.
         if !above.is_empty() {
             steps.push(step);
@@ -228,7 +229,7 @@ fn joint_motion(
     }
     let held = build(Value { joint: 0, multiplier: 0.0, offset: value.offset });
     let step = Step { link, parent: 0, motion: held };
-    Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[0.0]) }
+    Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
 }
 
 fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {

@@ -1,12 +1,14 @@
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 
-use crate::Robot;
+use crate::{Hold, Robot};
 
 /// Where every link of a robot is: what [`Robot::forward_kinematics`] writes.
 #[derive(Clone, Debug)]
 pub struct LinkFrames {
     pub(crate) root_from_link: Vec<Pose>,
+    /// Where the loose links stand on the tip ([`Robot::place_held`](crate::Robot::place_held)).
+    pub(crate) loose: Vec<Pose>,
 }
 
 impl LinkFrames {
@@ -27,7 +29,12 @@ impl LinkFrames {
 impl Robot {
     /// Frames for this robot, as at `q = 0` (which may lie outside its limits).
     pub fn frames(&self) -> LinkFrames {
-        LinkFrames { root_from_link: self.rest.clone() }
+        let mut frames = LinkFrames { root_from_link: self.rest.clone(), loose: Vec::new() };
+        if let Some(loose) = &self.loose {
+            frames.loose = vec![Pose::identity(); loose.len()];
+            self.place_held(&Hold { tip_from_held: Pose::identity(), closing: 0.0 }, &mut frames);
+        }
+        frames
     }
 
     /// The pose of every link at `q`. Whoever asks often uses [`Self::forward_kinematics`], which makes no new frames.
@@ -67,15 +74,16 @@ impl Robot {
         let is_moved =
             |step: &&Step| self.movers[step.link].iter().any(|mover| joints.contains(&mover.joint));
         for step in self.steps.iter().filter(is_moved) {
-            frames.root_from_link[step.link] = step.root_from_link(&frames.root_from_link[step.parent], q);
+            let LinkFrames { root_from_link, loose } = &mut *frames;
+            root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
         }
     }
 
     fn follow(&self, steps: &[Step], q: &[f64], frames: &mut LinkFrames) {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
-        let frames = &mut frames.root_from_link[..];
+        let LinkFrames { root_from_link, loose } = frames;
         for step in steps {
-            frames[step.link] = step.root_from_link(&frames[step.parent], q);
+            root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
         }
     }
 }
@@ -107,6 +115,10 @@ pub(crate) enum Motion {
         /// at_half_turn` is the rotation at value v.
         at_zero: Quaternion<f64>,
         at_half_turn: Quaternion<f64>,
+    },
+    /// On the tip, where a hold puts it.
+    Loose {
+        slot: usize,
     },
 }
 
@@ -149,7 +161,7 @@ impl Motion {
 
 impl Step {
     #[inline]
-    pub(crate) fn root_from_link(&self, root_from_parent: &Pose, q: &[f64]) -> Pose {
+    pub(crate) fn root_from_link(&self, root_from_parent: &Pose, loose: &[Pose], q: &[f64]) -> Pose {
         let within = |translation: Vector| {
             root_from_parent.translation.vector + root_from_parent.rotation * translation
         };
@@ -158,6 +170,7 @@ impl Step {
                 within(parent_from_link.translation.vector),
                 root_from_parent.rotation * parent_from_link.rotation,
             ),
+            Motion::Loose { slot } => return root_from_parent * loose[*slot],
             Motion::Slide { value, rotation, translation, axis_in_parent } => {
                 (within(translation + axis_in_parent * value.at(q)), root_from_parent.rotation * rotation)
             }

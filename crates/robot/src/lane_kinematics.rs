@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 use crate::frame_error::{FrameError, MovedBy};
-use crate::{JointKind, Robot};
+use crate::{FARTHEST_HELD_M, Hold, JointKind, Robot};
 
 /// Forward kinematics of [`LANES`] configurations at once, in `f32`.
 ///
@@ -22,6 +22,9 @@ pub struct LaneKinematics {
     steps: Vec<LaneStep>,
     /// Per link of the robot.
     placements: Vec<LanePlacement>,
+    /// Of a robot that holds something: the frame of the tip, and the tip in it. The loose links have the last frames.
+    tip: LanePlacement,
+    loose: usize,
     /// Per frame.
     errors: Vec<FrameError>,
 }
@@ -54,7 +57,14 @@ struct LaneStep {
     joint: usize,
     multiplier: f32,
     kind: JointKind,
-    /// Columns of the rotation of the frame in its parent at value 0.
+    /// Where the frame is in its parent at value 0.
+    place: LanePlace,
+}
+
+/// Where a frame is in another one.
+#[derive(Clone, Copy, Debug)]
+pub struct LanePlace {
+    /// Columns of the rotation.
     columns: [[f32; 3]; 3],
     translation: [f32; 3],
 }
@@ -106,12 +116,37 @@ impl LaneKinematics {
             let frame_from_link = frames[frame].1.inv_mul(rest.link(link));
             placements.push(LanePlacement { frame, frame_from_link });
         }
-        Self { steps, placements, errors }
+        // Loose links, and what stands on them, each have a frame of their own, which is not known yet.
+        let (tip, loose) = (placements[robot.tip()], robot.loose_links().count());
+        let frame_count = steps.len() + 1;
+        let way_m = tip.frame_from_link.translation.vector.norm() + FARTHEST_HELD_M;
+        errors.resize(frame_count + loose, errors[tip.frame].beyond(way_m, None));
+        let loose_links: Vec<usize> = robot.loose_links().collect();
+        for (link, placement) in placements.iter_mut().enumerate() {
+            if let Some(slot) = robot.loose_slot_of(link) {
+                // Of what is held the pose in the frames at rest says nothing: it is its own frame.
+                let frame_from_link = rest.link(loose_links[slot]).inv_mul(rest.link(link));
+                *placement = LanePlacement { frame: frame_count + slot, frame_from_link };
+            }
+        }
+        Self { steps, placements, errors, tip, loose }
+    }
+
+    /// Where the loose links of a robot that holds something are, for [`Self::forward`]; written to `places`.
+    ///
+    /// # Panics
+    /// If the robot is another one.
+    pub fn place_held(&self, robot: &Robot, hold: &Hold, places: &mut Vec<LanePlace>) {
+        places.clear();
+        places.extend(
+            robot.tip_from_loose(hold).map(|place| LanePlace::of(&(self.tip.frame_from_link * place))),
+        );
+        assert_eq!(places.len(), self.loose, "places of this robot");
     }
 
     /// How many frames there are, the root's included.
     pub fn frame_count(&self) -> usize {
-        self.steps.len() + 1
+        self.steps.len() + 1 + self.loose
     }
 
     /// Where the link is fixed.
@@ -140,16 +175,21 @@ impl LaneKinematics {
         self.errors[frame].farthest_m()
     }
 
-    /// Writes all frames at the configurations `q`, one row of lanes per joint (m, rad).
+    /// Writes all frames at the configurations `q`, one row of lanes per joint (m, rad), with loose links where
+    /// [`Self::place_held`] has them.
     ///
     /// # Panics
     /// If there are too few rows or frames.
     #[inline(always)]
-    pub fn forward<S: Simd>(&self, simd: S, q: &[LaneArray], frames: &mut [LaneFrame]) {
+    pub fn forward<S: Simd>(&self, simd: S, q: &[LaneArray], places: &[LanePlace], frames: &mut [LaneFrame]) {
         frames[0] = LaneFrame::IDENTITY;
         for (index, step) in self.steps.iter().enumerate() {
             let (done, rest) = frames.split_at_mut(index + 1);
             step.follow(simd, &q[step.joint], &done[step.parent], &mut rest[0]);
+        }
+        let (arm, loose) = frames.split_at_mut(self.steps.len() + 1);
+        for (place, frame) in places.iter().zip(loose) {
+            place.follow(simd, &arm[self.tip.frame], frame);
         }
     }
 }
@@ -181,6 +221,14 @@ impl LaneFrame {
         x.plus(y).plus(z)
     }
 
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, axes: [LaneVector<S>; 3], origin: LaneVector<S>) {
+        for (axis, lanes) in axes.into_iter().zip(&mut self.axes) {
+            axis.store(lanes);
+        }
+        origin.store(&mut self.origin);
+    }
+
     /// The axes' combination with these weights; most are 0 between the joints of most arms.
     #[inline(always)]
     fn mixed<S: Simd>(&self, simd: S, weights: [f32; 3]) -> LaneVector<S> {
@@ -198,26 +246,13 @@ impl LaneStep {
     // Lanes are `f32` by design; their error is bounded by `position_error_m`.
     #[allow(clippy::cast_possible_truncation)]
     fn new(parent: usize, joint: usize, multiplier: f64, kind: JointKind, parent_from_frame: &Pose) -> Self {
-        let rotation: Matrix3<f64> = parent_from_frame.rotation.to_rotation_matrix().into_inner();
-        /// A sine of a right angle is this far from 0 at most.
-        const NOTHING: f64 = 1e-12;
-        let lane = |x: f64| if x.abs() < NOTHING { 0.0 } else { x as f32 };
-        Self {
-            parent,
-            joint,
-            multiplier: multiplier as f32,
-            kind,
-            columns: std::array::from_fn(|column| std::array::from_fn(|row| lane(rotation[(row, column)]))),
-            translation: std::array::from_fn(|row| lane(parent_from_frame.translation.vector[row])),
-        }
+        Self { parent, joint, multiplier: multiplier as f32, kind, place: LanePlace::of(parent_from_frame) }
     }
 
     #[inline(always)]
     fn follow<S: Simd>(&self, simd: S, q: &LaneArray, parent: &LaneFrame, frame: &mut LaneFrame) {
         let value = f32x16::from_slice(simd, q) * self.multiplier;
-        let [mut x, mut y] = [parent.mixed(simd, self.columns[0]), parent.mixed(simd, self.columns[1])];
-        let z = parent.mixed(simd, self.columns[2]);
-        let mut origin = parent.mixed(simd, self.translation).plus(LaneVector::load(simd, &parent.origin));
+        let ([mut x, mut y, z], mut origin) = self.place.within(simd, parent);
         match self.kind {
             JointKind::Prismatic => origin = origin.plus(z.times(value)),
             JointKind::Revolute => {
@@ -227,11 +262,35 @@ impl LaneStep {
                 x = turned;
             }
         }
-        let [x_lanes, y_lanes, z_lanes] = &mut frame.axes;
-        x.store(x_lanes);
-        y.store(y_lanes);
-        z.store(z_lanes);
-        origin.store(&mut frame.origin);
+        frame.store([x, y, z], origin);
+    }
+}
+
+impl LanePlace {
+    // Lanes are `f32` by design; their error is bounded by `position_error_m`.
+    #[allow(clippy::cast_possible_truncation)]
+    fn of(parent_from_frame: &Pose) -> Self {
+        let rotation: Matrix3<f64> = parent_from_frame.rotation.to_rotation_matrix().into_inner();
+        /// A sine of a right angle is this far from 0 at most.
+        const NOTHING: f64 = 1e-12;
+        let lane = |x: f64| if x.abs() < NOTHING { 0.0 } else { x as f32 };
+        Self {
+            columns: std::array::from_fn(|column| std::array::from_fn(|row| lane(rotation[(row, column)]))),
+            translation: std::array::from_fn(|row| lane(parent_from_frame.translation.vector[row])),
+        }
+    }
+
+    /// Axes and origin of the frame, given its parent.
+    #[inline(always)]
+    fn within<S: Simd>(&self, simd: S, parent: &LaneFrame) -> ([LaneVector<S>; 3], LaneVector<S>) {
+        let origin = parent.mixed(simd, self.translation).plus(LaneVector::load(simd, &parent.origin));
+        (self.columns.map(|column| parent.mixed(simd, column)), origin)
+    }
+
+    #[inline(always)]
+    fn follow<S: Simd>(&self, simd: S, parent: &LaneFrame, frame: &mut LaneFrame) {
+        let (axes, origin) = self.within(simd, parent);
+        frame.store(axes, origin);
     }
 }
 

@@ -4,6 +4,7 @@ use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::derived::Derived;
+use crate::holding::LooseLinks;
 use crate::kinematics::Step;
 use crate::{Inertial, JointLimits, LimitViolation, LinkVisual, RobotHand};
 
@@ -37,6 +38,8 @@ pub struct Robot {
     pub(crate) tip_steps: Vec<Step>,
     /// `root_from_link` of the links that do not move; of the others at `q = 0`.
     pub(crate) rest: Vec<Pose>,
+    /// What stands on the tip where a hold puts it, if something is held.
+    pub(crate) loose: Option<LooseLinks>,
     pub(crate) derived: Derived,
 }
 

@@ -55,7 +55,7 @@ fn lanes_are_no_farther_off_than_their_bound_says() {
         #[allow(clippy::cast_possible_truncation)]
         let q: Vec<LaneArray> =
             (0..robot.dof()).map(|joint| std::array::from_fn(|lane| rows[lane][joint] as f32)).collect();
-        dispatch!(simd_level(), simd => kinematics.forward(simd, &q, &mut lane_frames));
+        dispatch!(simd_level(), simd => kinematics.forward(simd, &q, &[], &mut lane_frames));
         for (lane, row) in rows.iter().enumerate() {
             robot.forward_kinematics(row, &mut frames);
             for link in 0..robot.links().len() {
