@@ -4,6 +4,8 @@ use cranny_robot::{FARTHEST_HELD_M, Hold, LinkFrames, Robot};
 use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
+#[cfg(doc)]
+use crate::Resting;
 use crate::contact::{Collider, Contact};
 use crate::lane_part::LanePart;
 use crate::lane_scratch::{LaneScratch, as_index};
@@ -51,7 +53,7 @@ struct Surroundings {
 pub(crate) struct HeldBody {
     /// Its index in the world.
     pub body: usize,
-    /// Bodies that it is not checked against.
+    /// Parts of the world that it is not checked against.
     spared: Arc<[usize]>,
     pub hold: Hold,
 }
@@ -185,8 +187,8 @@ impl Cell {
     }
 
     /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
-    /// checked against world, floor and all links that move against it, though not against the bodies that are `spared`,
-    /// and no obstacle any more. Another hold of the same body is [`Self::with_hold`].
+    /// checked against world, floor and all links that move against it, though not against the parts of the world that are
+    /// `spared` ([`Resting::parts`]), and no obstacle any more. Another hold of the same body is [`Self::with_hold`].
     ///
     /// # Errors
     /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
@@ -240,6 +242,11 @@ impl Cell {
     /// The world, in the planning frame.
     pub fn world(&self) -> &World {
         &self.around.world
+    }
+
+    /// The parts of all bodies, and which body each belongs to.
+    pub(crate) fn parts(&self) -> &[(usize, Part)] {
+        &self.around.parts
     }
 
     /// The clearances that are demanded.

@@ -30,7 +30,7 @@ impl Cell {
     pub fn closest(&self, q: &[f64], scratch: &mut Scratch) -> Option<Closest> {
         self.robot().forward_kinematics(q, &mut scratch.frames);
         let (mut nearest, mut least_m) = (None, f64::INFINITY);
-        for pair in self.pairs.iter() {
+        for pair in self.pairs.iter().filter(|pair| !pair.is_exempt()) {
             let is_farther = self.quick_bound(&pair, &scratch.frames, least_m) >= least_m;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {

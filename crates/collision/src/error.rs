@@ -34,6 +34,16 @@ pub enum CollisionError {
         /// What was to be held.
         name: String,
     },
+    /// A body rests in a hollow.
+    #[error(
+        "'{name}' rests in a hollow of '{other}': no direction leads off it, so that no lift-off can be proven"
+    )]
+    Hollow {
+        /// The body.
+        name: String,
+        /// What it rests in.
+        other: String,
+    },
     /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].
     #[error("the pose of body '{name}' is not within 1000 m of the robot's root")]
     Pose {

@@ -370,7 +370,7 @@ impl Cell {
     }
 
     /// Frames at `middle`, and how far everything can move within `half_width` of it.
-    fn look_at(
+    pub(crate) fn look_at(
         &self,
         a: &[f64],
         b: &[f64],

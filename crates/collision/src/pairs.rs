@@ -74,7 +74,7 @@ pub(crate) struct Held<'a> {
     pub link: usize,
     /// The body of the world that it was.
     pub body: usize,
-    /// Bodies of the world that it is not checked against.
+    /// Parts of the world that it is not checked against, by their number among all.
     pub spared: &'a [usize],
 }
 
@@ -111,7 +111,7 @@ impl Pairs {
             PartRule {
                 is_grasped: grasp_bodies.contains(&body),
                 is_held: held.is_some_and(|held| held.body == body),
-                is_spared: held.is_some_and(|held| held.spared.contains(&body)),
+                is_spared: held.is_some_and(|held| held.spared.contains(&part)),
             }
         };
         let link_pair = |(first, second): (usize, usize)| {

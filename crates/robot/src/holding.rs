@@ -120,11 +120,16 @@ impl Robot {
         self.loose_slot_of(link).is_some()
     }
 
+    /// The finger that a link is, or stands on, by its number in [`Self::hand`].
+    pub fn finger_of(&self, link: usize) -> Option<usize> {
+        let fingers = &self.hand.as_ref()?.fingers;
+        let finger = |link: usize| fingers.iter().position(|finger| finger.link == link);
+        std::iter::successors(Some(link), |&link| self.links[link].parent).find_map(finger)
+    }
+
     /// Whether a link is a finger, or stands on one.
     pub fn is_of_finger(&self, link: usize) -> bool {
-        let is_finger =
-            |link: &usize| self.hand.iter().flat_map(|hand| &hand.fingers).any(|f| f.link == *link);
-        std::iter::successors(Some(link), |&link| self.links[link].parent).any(|link| is_finger(&link))
+        self.finger_of(link).is_some()
     }
 
     /// Tells the frames how the hand holds what it holds; those of the loose links are right after the next call of
@@ -157,8 +162,7 @@ impl Robot {
         closed.chain(self.loose.iter().map(move |_| tip_from_held))
     }
 
-    /// How far any point of a finger moves at most while the hand closes from open, per metre of its distance from the
-    /// finger's origin where it turns: (m, rad).
+    /// How each finger's joint moves, and by how much while the hand closes from open (m, rad).
     pub fn finger_strokes(&self) -> impl Iterator<Item = (JointKind, f64)> {
         let fingers = self.loose.iter().flat_map(|loose| &loose.fingers);
         fingers.map(|finger| (finger.kind, finger.stroke.abs()))

@@ -1,0 +1,223 @@
+use cranny_shape::{Solid, closest_points, overlap};
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::CollisionError;
+use crate::cell::{Cell, Scratch};
+use crate::link_body::group_separation;
+use crate::world::{Body, Part};
+
+/// Where a body of the world rests on others: what it touches, and how far it is in them or off them.
+///
+/// The separation of two things along a unit vector is how far one must go along it to touch the other; negative for how
+/// deep they are in each other. The greatest of all directions is their signed separation, and along any of them it can
+/// only be less: so whoever does not come closer along that direction does not come closer at all.
+#[derive(Clone, Debug)]
+pub struct Resting {
+    /// The convex solids of the body, in its frame.
+    solids: Vec<(Pose, Solid)>,
+    /// The corners of its meshes, in its frame.
+    corners: Vec<Point>,
+    /// A part that the body touches, each.
+    contacts: Vec<RestingContact>,
+}
+
+/// One part of the world that a body rests on.
+#[derive(Clone, Copy, Debug)]
+struct RestingContact {
+    /// Its number among all parts of the world.
+    part: usize,
+    /// The body of the world that it belongs to.
+    body: usize,
+    /// From the part to the body at rest, a unit vector.
+    direction: Vector,
+    /// How far the part reaches along the direction, in metres.
+    top_m: f64,
+    /// At rest, along the direction, in metres.
+    separation_m: f64,
+}
+
+/// The direction is that of the signed separation if it is less by no more than this, in metres.
+const HOLLOW_M: f64 = 5e-5;
+
+/// As in a proof of a motion, in metres.
+const RESOLUTION_M: f64 = 1e-6;
+
+impl Cell {
+    /// How a body of the world rests: on every part of other bodies that is closer than `clear_m`.
+    ///
+    /// # Errors
+    /// [`CollisionError::Hollow`] where the body is in a hollow of what it touches, so that no direction is that of their
+    /// separation; [`CollisionError::Hold`] for a body that has no end.
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn resting(&self, body: usize, clear_m: f64) -> Result<Resting, CollisionError> {
+        let thing: &Body = &self.world().bodies()[body];
+        let unusable = || CollisionError::Hold { name: thing.name.clone() };
+        let held_from_world = thing.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
+        let mut resting = Resting { solids: Vec::new(), corners: Vec::new(), contacts: Vec::new() };
+        for part in &thing.parts {
+            let held_from_part = held_from_world * part.world_from_solid;
+            if part.solid.support_point(&Vector::x()).is_some() {
+                resting.solids.push((held_from_part, part.solid.clone()));
+            } else {
+                let (points, _) = part.solid.bounding_points().ok_or_else(unusable)?;
+                resting.corners.extend(points.iter().map(|point| held_from_part * point));
+            }
+        }
+        let world_from_held = held_from_world.inverse();
+        for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
+        {
+            let placed = || thing.parts.iter().map(|own| (own.world_from_solid, &own.solid));
+            let gap =
+                group_separation(placed(), &std::iter::once((part.world_from_solid, &part.solid)), clear_m);
+            if gap.lower_m >= clear_m {
+                continue;
+            }
+            let depths = placed().filter_map(|(pose, solid)| {
+                overlap(solid, &pose, &part.solid, &part.world_from_solid).map(|overlap| overlap.depth_m)
+            });
+            let depth_m = depths.fold(0.0, f64::max);
+            let signed_m = if gap.upper_m > 0.0 { gap.lower_m } else { -depth_m };
+            let along = directions(thing, part).into_iter().filter_map(|direction| {
+                let top_m = reach_along(part, &direction)?;
+                let separation_m = resting.lowest_along(&world_from_held, &direction) - top_m;
+                Some(RestingContact { part: index, body: *other, direction, top_m, separation_m })
+            });
+            let best = along.max_by(|a, b| a.separation_m.total_cmp(&b.separation_m));
+            let hollow = || CollisionError::Hollow {
+                name: thing.name.clone(),
+                other: self.world().bodies()[*other].name.clone(),
+            };
+            let best = best.filter(|best| best.separation_m >= signed_m - HOLLOW_M).ok_or_else(hollow)?;
+            resting.contacts.push(best);
+        }
+        Ok(resting)
+    }
+
+    /// How far the held body has come off what it rested on, at `q`: the least separation, in metres, infinite where it
+    /// rested on nothing.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint, or nothing is held.
+    pub fn lifted_m(&self, resting: &Resting, q: &[f64], scratch: &mut Scratch) -> f64 {
+        self.robot().forward_kinematics(q, &mut scratch.frames);
+        let world_from_held = self.world_from_held(scratch);
+        let separations =
+            resting.contacts.iter().map(|contact| resting.separation_m(contact, &world_from_held));
+        separations.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the held body, on the straight motion from `a` to `b`, is proven to stay out of what it rested on: never
+    /// nearer than at rest by more than `slack_m`. If not, where on the motion, in [0, 1], and to which body of the world
+    /// it is not.
+    ///
+    /// # Panics
+    /// If `a` or `b` has not one value per joint, or nothing is held.
+    pub fn stays_off(
+        &self,
+        resting: &Resting,
+        slack_m: f64,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), (f64, usize)> {
+        let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
+        let held = held.expect("something is held");
+        for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
+            *slope = b - a;
+        }
+        let mut open = vec![(0.5, 0.5)];
+        while let Some((middle, half_width)) = open.pop() {
+            self.look_at(a, b, middle, half_width, scratch, 1.0);
+            let travel_m = scratch.travel.of(held);
+            let world_from_held = self.world_from_held(scratch);
+            for contact in &resting.contacts {
+                let over_m =
+                    resting.separation_m(contact, &world_from_held) - (contact.separation_m - slack_m);
+                if over_m >= travel_m {
+                    continue;
+                }
+                if over_m < 0.0 || travel_m < RESOLUTION_M {
+                    return Err((middle, contact.body));
+                }
+                open.push((middle + 0.5 * half_width, 0.5 * half_width));
+                open.push((middle - 0.5 * half_width, 0.5 * half_width));
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn world_from_held(&self, scratch: &Scratch) -> Pose {
+        *scratch.frames.link(self.robot().held_link().expect("something is held"))
+    }
+}
+
+impl Resting {
+    /// The parts of the world that the body touches, by their number among all.
+    pub fn parts(&self) -> Vec<usize> {
+        self.contacts.iter().map(|contact| contact.part).collect()
+    }
+
+    /// The bodies that it touches, and how far it is off each, in metres, negative for how deep in it.
+    pub fn bodies(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.contacts.iter().map(|contact| (contact.body, contact.separation_m))
+    }
+
+    /// Ways off what the body touches, unit vectors, the first to be tried first: up, and away from all of it.
+    pub fn ways_off(&self) -> Vec<Vector> {
+        let up = Vector::z();
+        let away: Vector = self.contacts.iter().map(|contact| contact.direction).sum();
+        let mixed = (up + away).try_normalize(1e-6);
+        std::iter::once(up).chain(mixed.filter(|way| (way - up).norm() > 1e-6)).collect()
+    }
+
+    fn separation_m(&self, contact: &RestingContact, world_from_held: &Pose) -> f64 {
+        self.lowest_along(world_from_held, &contact.direction) - contact.top_m
+    }
+
+    /// How far the body reaches back along a direction.
+    fn lowest_along(&self, world_from_held: &Pose, direction: &Vector) -> f64 {
+        let own = world_from_held.rotation.inverse() * direction;
+        let of_corners = self.corners.iter().map(|corner| own.dot(&corner.coords));
+        let of_solids = self.solids.iter().filter_map(|(held_from_solid, solid)| {
+            let farthest = solid.support_point(&(held_from_solid.rotation.inverse() * -own))?;
+            Some(own.dot(&(held_from_solid * farthest).coords))
+        });
+        let lowest = of_corners.chain(of_solids).fold(f64::INFINITY, f64::min);
+        lowest + direction.dot(&world_from_held.translation.vector)
+    }
+}
+
+/// How far a part reaches along a direction, in metres; `None` where it has no end.
+fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
+    let Part { world_from_solid, solid } = part;
+    if solid.is_half_space() {
+        let normal = world_from_solid.rotation * Vector::z();
+        return ((normal - direction).norm() < 1e-9)
+            .then(|| direction.dot(&world_from_solid.translation.vector));
+    }
+    let own = world_from_solid.rotation.inverse() * direction;
+    let farthest = match solid.support_point(&own) {
+        Some(point) => own.dot(&point.coords),
+        None => {
+            let (points, _) = solid.bounding_points()?;
+            points.iter().map(|point| own.dot(&point.coords)).fold(f64::NEG_INFINITY, f64::max)
+        }
+    };
+    Some(farthest + direction.dot(&world_from_solid.translation.vector))
+}
+
+/// Directions along which a part and a body may be separate: the axes of the part, upwards, and between their nearest
+/// points.
+fn directions(thing: &Body, part: &Part) -> Vec<Vector> {
+    let axes = [Vector::x(), Vector::y(), Vector::z()].map(|axis| part.world_from_solid.rotation * axis);
+    let mut directions: Vec<Vector> = axes.iter().flat_map(|axis| [*axis, -axis]).collect();
+    directions.push(Vector::z());
+    let nearest = thing.parts.iter().filter_map(|own| {
+        closest_points(&part.solid, &part.world_from_solid, &own.solid, &own.world_from_solid)
+    });
+    directions.extend(nearest.filter_map(|[from, to]| (to - from).try_normalize(1e-9)));
+    directions
+}
