@@ -68,7 +68,7 @@ pub fn run(
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
-            let path = answer.waypoints().cloned().collect();
+            let path = answer.waypoints();
             (record, path, answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),

@@ -104,6 +104,7 @@ fn request(arguments: &PlanArguments) -> Request {
         optimise: arguments
             .optimise
             .map(|time| OptimiseSettings { time, score_weight: arguments.score_weight }),
+        carry: None,
         timing: Some(Timing {
             method: if arguments.jerk_limited {
                 TimingMethod::JerkLimited

@@ -48,7 +48,7 @@ fn is_same(plan: &PlanFile, answer: &Answer) -> bool {
     let bits = |q: &Vec<f64>| q.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     answer.outcome == plan.outcome
         && answer.statistics.nodes == plan.statistics.nodes
-        && answer.waypoints().map(bits).eq(plan.waypoints.iter().map(bits))
+        && answer.waypoints().iter().map(bits).eq(plan.waypoints.iter().map(bits))
 }
 
 /// Records, shows how far it is, and ends on Ctrl-C.

@@ -20,6 +20,12 @@ pub enum PlanError {
         /// Which joint.
         joint: String,
     },
+    /// A problem has nothing that can be carried.
+    #[error("to carry the target away, the problem needs {needs}")]
+    NothingToCarry {
+        /// What it lacks.
+        needs: &'static str,
+    },
     /// There is nothing to reach for.
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
     NoGoal,

@@ -62,6 +62,26 @@ pub enum FailureReason {
         /// How many.
         goals: u64,
     },
+    /// The hand closed there, but not on the object: a finger touched nothing.
+    ClosesOnNothing,
+    /// The fingers met something on their way to the object:
+    ClosingCollides {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The object, or what carries it, met something before it was off what it rested on:
+    LiftOffBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The arm cannot go on to where the object is off what it rested on.
+    LiftOffOutOfReach,
+    /// The object was lifted off, but no way was found to where it is to be carried.
+    NotCarried,
     /// The search ended before it came to this grasp.
     NotTried,
 }
@@ -77,6 +97,15 @@ impl FailureReason {
                 format!("the arm came there, but touched itself: {first} against {second}")
             }
             Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
+            Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
+            Self::ClosingCollides { first, second } => {
+                format!("reached, but the fingers cannot close: {first} against {second}")
+            }
+            Self::LiftOffBlocked { first, second } => {
+                format!("reached, but the object cannot be lifted off: {first} against {second}")
+            }
+            Self::LiftOffOutOfReach => "reached, but the arm cannot lift the object off".to_owned(),
+            Self::NotCarried => "lifted off, but no way out was found".to_owned(),
             Self::NotTried => "not tried".to_owned(),
         }
     }

@@ -13,6 +13,7 @@
 mod audit;
 mod baseline_check;
 mod box_pages;
+mod carry;
 mod corner_blend;
 mod error;
 mod forest;
@@ -39,6 +40,7 @@ mod registry;
 mod search_tree;
 mod shortcut;
 mod step;
+mod task_audit;
 mod time_law;
 mod time_optimal;
 #[cfg(test)]
@@ -47,6 +49,7 @@ mod trajectory;
 mod violation;
 
 pub use audit::{Audit, AuditSettings, GoalError, audit, audit_with, path_length};
+pub use carry::{Carrier, Grip, LiftOffSettings};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
 pub use hand_filter::{APPROACH_M, HandFilter, robot_hand};
@@ -65,5 +68,6 @@ pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
+pub use task_audit::{TaskPath, audit_task};
 pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
 pub use violation::{JointOffset, Place, Violation};

@@ -104,6 +104,10 @@ impl Observer for PairWatch<'_> {
         self.observer.progress(iterations);
     }
 
+    fn accepts_goal(&mut self, path: &[Vec<f64>]) -> bool {
+        self.observer.accepts_goal(path)
+    }
+
     fn should_stop(&self) -> bool {
         !self.free.is_empty() || self.observer.should_stop()
     }

@@ -124,6 +124,11 @@ pub trait Observer {
     /// The search is over: whatever follows does something else with its path.
     fn search_ended(&mut self) {}
 
+    /// Whether a goal configuration will do to which a proven path was found: if not, the search goes on without it.
+    fn accepts_goal(&mut self, _path: &[Vec<f64>]) -> bool {
+        true
+    }
+
     /// Whether the search should end with [`Outcome::Cancelled`].
     fn should_stop(&self) -> bool {
         false

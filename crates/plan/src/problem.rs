@@ -93,6 +93,16 @@ impl Problem {
         Ok(problem)
     }
 
+    /// A problem under the `exact` criterion in a cell that there is already.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not fit the
+    /// robot.
+    pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
+        let robot = cell.robot().clone();
+        Self { robot, target: None, start, goal, validity: Validity::Exact(cell) }.checked()
+    }
+
     /// A problem under the `paper` criterion.
     ///
     /// # Errors

@@ -333,7 +333,13 @@ impl Search<'_> {
         path.reverse();
         // Both ways end where they meet: it stands in the path once.
         path.extend(way(1).skip(1));
-        Some(path)
+        if self.observer.accepts_goal(&path) {
+            return Some(path);
+        }
+        let root = *self.sides[1].way_to_root(ends[1]).last()?;
+        self.goals.retain(|goal| *goal != root);
+        self.sides[1].cut(root);
+        None
     }
 
     fn add_root(&mut self, side: usize, q: &[f64]) -> usize {

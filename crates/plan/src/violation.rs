@@ -5,7 +5,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use strum::IntoStaticStr;
 
-use crate::GoalError;
+use crate::{FailureReason, GoalError};
 
 /// One thing that is wrong with a path. It is shown in one sentence ([`fmt::Display`]); as JSON it is an object of
 /// `kind`, `edge`, `at`, `first`, `second`, `depth_m` and what the kind has besides.
@@ -73,6 +73,24 @@ pub enum Violation {
         /// The joint that is farthest off from the nearest one.
         farthest: JointOffset,
     },
+    /// The hand does not hold the object where it is to close on it.
+    Grip {
+        /// Which way point.
+        way_point: usize,
+        /// Why.
+        reason: FailureReason,
+    },
+    /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
+    LiftOff {
+        /// Where.
+        place: Place,
+    },
+    /// At the end of the lift-off the object is not off what it rested on.
+    #[strum(to_string = "lift-off")]
+    NotOff {
+        /// Which way point is that end.
+        way_point: usize,
+    },
 }
 
 /// How far a joint is from where it may be.
@@ -112,22 +130,45 @@ impl Violation {
             Self::JointLimit { way_point, .. }
             | Self::NotFree { way_point }
             | Self::Grasp { way_point, .. }
-            | Self::Configuration { way_point, .. } => *way_point,
+            | Self::Configuration { way_point, .. }
+            | Self::Grip { way_point, .. }
+            | Self::NotOff { way_point } => *way_point,
             Self::Step { edge, .. } => *edge,
-            Self::Contact { place, .. } | Self::Clearance { place, .. } | Self::Unresolved { place, .. } => {
-                place.edge
-            }
+            Self::Contact { place, .. }
+            | Self::Clearance { place, .. }
+            | Self::Unresolved { place, .. }
+            | Self::LiftOff { place } => place.edge,
         }
     }
 
     /// Where two things are too close, if that is what is wrong.
     pub fn place(&self) -> Option<&Place> {
         match self {
-            Self::Contact { place, .. } | Self::Clearance { place, .. } | Self::Unresolved { place, .. } => {
-                Some(place)
-            }
+            Self::Contact { place, .. }
+            | Self::Clearance { place, .. }
+            | Self::Unresolved { place, .. }
+            | Self::LiftOff { place } => Some(place),
             _ => None,
         }
+    }
+
+    /// The same of a path that has so many edges before this one.
+    pub(crate) fn counted_from(mut self, before: usize) -> Self {
+        match &mut self {
+            Self::Start(_) => {}
+            Self::JointLimit { way_point, .. }
+            | Self::NotFree { way_point }
+            | Self::Grasp { way_point, .. }
+            | Self::Configuration { way_point, .. }
+            | Self::Grip { way_point, .. }
+            | Self::NotOff { way_point } => *way_point += before,
+            Self::Step { edge, .. } => *edge += before,
+            Self::Contact { place, .. }
+            | Self::Clearance { place, .. }
+            | Self::Unresolved { place, .. }
+            | Self::LiftOff { place } => place.edge += before,
+        }
+        self
     }
 }
 
@@ -172,6 +213,13 @@ impl fmt::Display for Violation {
             Self::Configuration { farthest: JointOffset { joint, off, unit }, .. } => {
                 write!(f, "the path ends with {joint} {off:.6} {unit} off the nearest goal")
             }
+            Self::Grip { way_point, reason } => write!(f, "way point {way_point}: {}", reason.sentence()),
+            Self::LiftOff { place: place @ Place { first, second, .. } } => {
+                write!(f, "{place}: {first} is not proven to stay off {second} as it was at rest")
+            }
+            Self::NotOff { way_point } => {
+                write!(f, "way point {way_point}: the object is not yet off what it rested on")
+            }
         }
     }
 }
@@ -200,7 +248,11 @@ impl Serialize for Violation {
                 ("translation_error_m", nearest.translation_error_m),
                 ("rotation_error_rad", nearest.rotation_error_rad),
             ],
-            Self::NotFree { .. } | Self::Grasp { nearest: None, .. } => &[],
+            Self::NotFree { .. }
+            | Self::Grasp { nearest: None, .. }
+            | Self::Grip { .. }
+            | Self::LiftOff { .. }
+            | Self::NotOff { .. } => &[],
         };
         let mut row = serializer.serialize_map(None)?;
         row.serialize_entry("kind", self.kind())?;

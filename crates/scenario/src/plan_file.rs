@@ -160,7 +160,7 @@ impl PlanFile {
     /// What a file says of an answer.
     pub fn of(answer: &Answer, source: &PlanSource) -> Self {
         let goal = answer.audit.as_ref().and_then(|audit| audit.goal);
-        let waypoints: Vec<Vec<f64>> = answer.waypoints().cloned().collect();
+        let waypoints: Vec<Vec<f64>> = answer.waypoints();
         let clearances_m: Vec<Option<f64>> =
             answer.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
         Self {

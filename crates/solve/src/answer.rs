@@ -2,6 +2,7 @@ use cranny_plan::{
     Audit, Budget, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome, Statistics,
     Trajectory,
 };
+use strum::{EnumString, IntoStaticStr};
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -46,10 +47,42 @@ pub struct Answer {
 /// A piece of a path during which the hand holds what it holds: straight lines between way points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
+    /// What the robot does meanwhile.
+    pub mode: Mode,
+    /// The object that the hand carries, if it carries one.
+    pub attached: Option<String>,
+    /// How far apart the fingers are, in metres; `None`: as far as they go.
+    pub opening_m: Option<f64>,
     /// One value per joint each (m, rad).
     pub waypoints: Vec<Vec<f64>>,
     /// The least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
     pub clearances_m: Vec<Option<f64>>,
+}
+
+/// What a robot does along a [`Segment`] (a mode: Hauser & Latombe 2010).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
+pub enum Mode {
+    /// Goes to the grasp, the hand open and empty.
+    Reach,
+    /// Takes the object, in the closed hand, off what it rests on.
+    LiftOff,
+    /// Carries it on.
+    Carry,
+}
+
+impl Mode {
+    /// What files call it.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+}
+
+impl Segment {
+    /// The way to a grasp.
+    pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
+        Self { mode: Mode::Reach, attached: None, opening_m: None, waypoints, clearances_m }
+    }
 }
 
 /// A path's time, and what it took to find it.
@@ -95,11 +128,17 @@ impl Answer {
     }
 
     /// All way points, from the start to the goal: where two segments meet, one.
-    pub fn waypoints(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let skipped = |index: usize| usize::from(index > 0);
-        self.segments
-            .iter()
-            .enumerate()
-            .flat_map(move |(index, segment)| segment.waypoints.iter().skip(skipped(index)))
+    pub fn waypoints(&self) -> Vec<Vec<f64>> {
+        joined(&self.segments)
     }
+}
+
+/// The way points of segments that follow each other: where two meet, one.
+pub(crate) fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
+    let mut joined: Vec<Vec<f64>> = Vec::new();
+    for segment in segments {
+        joined.pop();
+        joined.extend_from_slice(&segment.waypoints);
+    }
+    joined
 }

@@ -5,16 +5,18 @@
 //! [`audit`](cranny_plan::audit) judges it; an answer holds what it said of this one.
 //!
 //! ## Limits
-//! An answer has one segment, which reaches the goal.
+//! An answer has one segment, which reaches the goal, or three, which take the object away too.
 
 mod answer;
 mod error;
 mod ik_status;
 mod request;
 mod solve;
+mod task;
 
-pub use answer::{Answer, Optimisation, Segment, Shortening, Timed};
+pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
-pub use solve::solve;
+pub use solve::{audit_segments, solve};
+pub use task::{Carry, CarryEnd};

@@ -4,7 +4,7 @@ use cranny_plan::{
 };
 use serde_json::{Map, Value};
 
-use crate::SolveError;
+use crate::{Carry, SolveError};
 
 /// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
 /// cuts the search short.
@@ -24,6 +24,8 @@ pub struct Request {
     pub keep_path: bool,
     /// How to look for better paths once there is one; they are shortened whatever `keep_path` says.
     pub optimise: Option<OptimiseSettings>,
+    /// What is done with the object that is grasped; `None`: nothing, the path ends at the grasp.
+    pub carry: Option<Carry>,
     /// How the path gets its time; `None` where nobody asks for a trajectory.
     pub timing: Option<Timing>,
     /// What is judged of the path.
@@ -80,6 +82,21 @@ impl Request {
                     "optimise",
                     "only a proven path can be bettered, under the exact criterion".to_owned(),
                 );
+            }
+        }
+        if self.carry.is_some() {
+            let planner = self.planner_for(problem.criterion())?;
+            if is_paper || planner.name() != "reach" {
+                return refuse(
+                    "carry",
+                    "only `reach` under the exact criterion looks for a way out".to_owned(),
+                );
+            }
+            if self.optimise.is_some() {
+                return refuse("carry", "a way out is not bettered; ask for one or the other".to_owned());
+            }
+            if self.timing.is_some_and(|timing| timing.blend) {
+                return refuse("carry", "corners are not cut where an object is carried".to_owned());
             }
         }
         let Some(Timing { method, blend, is_demanded }) = self.timing else { return Ok(()) };

@@ -1,15 +1,19 @@
 use std::time::Instant;
 
 use cranny_plan::{
-    Criterion, MotionLimits, Observer, Outcome, PlanError, PlanReport, Problem, ShortcutSettings, Shortened,
-    Trajectory, audit_with, optimise, search, shortcut,
+    Audit, AuditSettings, Carrier, Criterion, Goal, MotionLimits, Observer, Outcome, PlanError, PlanReport,
+    Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with, optimise, search,
+    shortcut,
 };
 
-use crate::{Answer, Optimisation, Request, Segment, Shortening, SolveError, Timed, Timing};
+use crate::answer::joined;
+use crate::task::Task;
+use crate::{Answer, Mode, Optimisation, Request, Segment, Shortening, SolveError, Timed, Timing};
 
 /// Solves a problem as a request says.
 ///
-/// 1. The planner looks for a path; better ones are looked for if that is asked.
+/// 1. The planner looks for a path; better ones are looked for if that is asked. Where the object is to be carried, a
+///    grasp counts only if there is a way on from it.
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered.
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
 /// 4. A path that holds gets its time, if that is asked.
@@ -31,6 +35,15 @@ pub fn solve(
     let planner = request.planner_for(problem.criterion())?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
+    let (mut task, mut watch) = match &request.carry {
+        Some(carry) => (Some(Task::new(&problem, carry, seed, observer)?), None),
+        None => (None, Some(observer)),
+    };
+    let observer: &mut dyn Observer = match (&mut task, &mut watch) {
+        (Some(task), _) => task,
+        (None, Some(observer)) => *observer,
+        (None, None) => &mut Unobserved,
+    };
     let mut optimisation = None;
     let report = match request.optimise {
         Some(settings) => {
@@ -46,34 +59,53 @@ pub fn solve(
         None => search(planner.as_ref(), &mut problem, budget, seed, observer)?,
     };
     observer.search_ended();
-    let PlanReport { outcome, mut path, statistics, failures } = report;
+    let PlanReport { outcome, mut path, statistics, mut failures } = report;
     // 2.
     let mut shortening = None;
     let is_shortened =
         problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
-    if is_shortened && !path.is_empty() {
+    if is_shortened && let Some(end) = path.last() {
         let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-        let Shortened { path: shortened, time_s } = shortcut(&problem, &path, settings)?;
-        path = shortened;
-        shortening = Some(Shortening { attempts: settings.attempts, time_s });
+        // The hand holds the object as it stands where the path ends: another configuration would hold it otherwise.
+        let to_end = Goal::Configurations(vec![end.clone()]);
+        let shortened = match &task {
+            Some(_) => shortcut(&problem.with_goal(to_end)?, &path, settings)?,
+            None => shortcut(&problem, &path, settings)?,
+        };
+        path = shortened.path;
+        shortening = Some(Shortening { attempts: settings.attempts, time_s: shortened.time_s });
     }
     // 3.
-    let audit = if path.is_empty() { None } else { Some(audit_with(&problem, &path, request.audit)?) };
+    let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
+    if let Some(task) = &mut task {
+        segments.extend(task.onward.take().into_iter().flatten());
+        task.tell_failures(&problem, &mut failures);
+    }
+    let carrier = task.as_ref().map(|task| &task.carrier);
+    let audit = match &segments[..] {
+        [] => None,
+        segments => Some(audit_segments(&problem, carrier, segments, request.audit)?),
+    };
+    if let Some(audit) = &audit {
+        let mut clearances = audit.clearances_per_edge_m.iter();
+        for segment in &mut segments {
+            let edges = segment.waypoints.len().max(2) - 1;
+            segment.clearances_m = clearances.by_ref().take(edges).copied().collect();
+        }
+    }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
         Some(timing) if holds => {
             let begin = Instant::now();
-            let trajectory = timing.of(&problem, &path)?;
+            let trajectory = timing.of(&problem, &joined(&segments))?;
             trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() })
         }
         _ => None,
     };
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
-    let clearances_m = audit.as_ref().map(|audit| audit.clearances_per_edge_m.clone()).unwrap_or_default();
-    let segments = if path.is_empty() { Vec::new() } else { vec![Segment { waypoints: path, clearances_m }] };
     Ok(Answer {
         planner: planner.name().to_owned(),
         settings: planner.settings(),
@@ -93,6 +125,32 @@ pub fn solve(
         failures,
         not_checked,
     })
+}
+
+/// Judges segments that follow each other, whoever made them: the way to a grasp alone, or with the two that carry the
+/// object off.
+///
+/// # Errors
+/// [`SolveError::Request`] for segments that are no such task, and those of the judge.
+pub fn audit_segments(
+    problem: &Problem,
+    carrier: Option<&Carrier>,
+    segments: &[Segment],
+    settings: AuditSettings,
+) -> Result<Audit, SolveError> {
+    let modes: Vec<Mode> = segments.iter().map(|segment| segment.mode).collect();
+    match (segments, &modes[..], carrier) {
+        ([reach], [Mode::Reach], _) => Ok(audit_with(problem, &reach.waypoints, settings)?),
+        ([reach, lift_off, carry], [Mode::Reach, Mode::LiftOff, Mode::Carry], Some(carrier)) => {
+            let path =
+                TaskPath { reach: &reach.waypoints, lift_off: &lift_off.waypoints, carry: &carry.waypoints };
+            Ok(audit_task(problem, carrier, path, settings)?)
+        }
+        _ => Err(SolveError::Request {
+            field: "segments",
+            problem: "a task is a reach, or a reach, a lift-off and a carry".to_owned(),
+        }),
+    }
 }
 
 impl Timing {

@@ -1,0 +1,234 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Closing, Motion, Resting, Scratch};
+use cranny_robot::{Hold, IkSettings, IkSolver};
+use cranny_spatial::{Pose, Rotation, Vector};
+
+use crate::{FailureReason, Goal, PlanError, Problem};
+
+/// How an object leaves what it rests on.
+///
+/// Of each body that it touches at rest it stays, until the end of the lift-off, no nearer than at rest, but for
+/// `slack_m`; there it is `clear_m` off all of them, and from there on they are obstacles like any other. Everything else
+/// is an obstacle all the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftOffSettings {
+    /// How far the object goes at most, in metres.
+    pub most_m: f64,
+    /// How far it is off what it rested on in the end, at least, in metres; more where the margin is.
+    pub clear_m: f64,
+    /// How much nearer than at rest it may come to what it touches, in metres: joint values are rounded, and straight
+    /// lines in joint space are none in space.
+    pub slack_m: f64,
+}
+
+impl Default for LiftOffSettings {
+    fn default() -> Self {
+        Self { most_m: 0.03, clear_m: 0.002, slack_m: 1e-4 }
+    }
+}
+
+/// Between two configurations of a lift-off, in metres.
+const RUNG_M: f64 = 0.005;
+/// A joint that moves by more between them jumps (m, rad).
+const JUMP: f64 = 0.1;
+
+/// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
+#[derive(Clone, Debug)]
+pub struct Carrier {
+    problem: Problem,
+    settings: LiftOffSettings,
+    target: usize,
+    world_from_target: Pose,
+    resting: Resting,
+    /// The object in the hand: while it is lifted off, and from then on.
+    lifting: Cell,
+    carrying: Cell,
+}
+
+/// An object in the hand that has closed on it.
+#[derive(Clone, Debug)]
+pub struct Grip {
+    /// How the hand holds it.
+    pub hold: Hold,
+    /// How far the fingers are apart, in metres.
+    pub opening_m: f64,
+    /// How much farther the finger that touches last has to go than the first, in metres.
+    pub uneven_m: f64,
+    /// Robot, object and world while the object is lifted off, and from then on.
+    lifting: Arc<Cell>,
+    carrying: Arc<Cell>,
+}
+
+impl Carrier {
+    /// Of a problem under `exact` whose target is to be carried.
+    ///
+    /// # Errors
+    /// [`PlanError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
+    /// close; [`PlanError::Collision`] for a target that has no end or rests in a hollow.
+    pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
+        let nothing = |needs| PlanError::NothingToCarry { needs };
+        let target = problem.target().ok_or_else(|| nothing("a target"))?;
+        let cell = problem.cell().ok_or_else(|| nothing("the exact criterion"))?;
+        if problem.robot().hand().is_none_or(|hand| hand.fingers.is_empty()) {
+            return Err(nothing("a hand that can close (a hand.yaml beside the URDF names its fingers)"));
+        }
+        let clear_m = settings.clear_m.max(cell.margins().margin_m);
+        let resting = cell.resting(target, clear_m)?;
+        let nowhere = Hold { tip_from_held: Pose::identity(), closing: 0.0 };
+        let thing = &cell.world().bodies()[target];
+        let world_from_target = thing.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
+        Ok(Self {
+            lifting: cell.holding(target, &resting.parts(), nowhere)?,
+            carrying: cell.holding(target, &[], nowhere)?,
+            settings: LiftOffSettings { clear_m, ..settings },
+            problem: problem.clone(),
+            target,
+            world_from_target,
+            resting,
+        })
+    }
+
+    /// What the object is called.
+    pub fn object(&self) -> &str {
+        &self.lifting.world().bodies()[self.target].name
+    }
+
+    /// Closes the hand at a configuration: the fingers, until the first touches the object as it then stands in the hand.
+    ///
+    /// # Errors
+    /// Why it does not hold the object then: a finger touches nothing, or meets something else on its way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn close(&self, q: &[f64]) -> Result<Grip, FailureReason> {
+        let robot = self.problem.robot();
+        let tip_from_held = robot.frames_at(q).link(robot.tip()).inverse() * self.world_from_target;
+        let held = |cell: &Cell, closing| cell.with_hold(Hold { tip_from_held, closing });
+        let nothing = FailureReason::ClosesOnNothing;
+        let open = held(&self.lifting, 0.0).map_err(|_| nothing.clone())?;
+        let Closing { closing, uneven_m } = open.close_on_held().ok_or_else(|| nothing.clone())?;
+        let (lifting, carrying) = match (held(&self.lifting, closing), held(&self.carrying, closing)) {
+            (Ok(lifting), Ok(carrying)) => (Arc::new(lifting), Arc::new(carrying)),
+            _ => return Err(nothing),
+        };
+        if let Some(contact) = lifting.closing_contact(q, &mut lifting.scratch()) {
+            let [first, second] = contact.names(&lifting);
+            return Err(FailureReason::ClosingCollides { first, second });
+        }
+        let opening_m = robot.hand().map_or(0.0, |hand| hand.description.opening_m * (1.0 - closing));
+        Ok(Grip { hold: Hold { tip_from_held, closing }, opening_m, uneven_m, lifting, carrying })
+    }
+
+    /// The way of a held object off what it rests on, from where the hand closed on it: up, or up and away from what it
+    /// touches, in straight pieces that are proven each.
+    ///
+    /// # Errors
+    /// What is in the way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn lift_off(&self, grip: &Grip, q: &[f64]) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let mut scratch = grip.lifting.scratch();
+        if let Some(contact) = grip.lifting.first_contact(q, &mut scratch) {
+            let [first, second] = contact.names(&grip.lifting);
+            return Err(FailureReason::LiftOffBlocked { first, second });
+        }
+        let mut reason = FailureReason::LiftOffOutOfReach;
+        for way in self.resting.ways_off() {
+            match self.lifted(grip, q, &way, &mut scratch) {
+                Ok(path) => return Ok(path),
+                Err(Some([first, second])) => reason = FailureReason::LiftOffBlocked { first, second },
+                Err(None) => {}
+            }
+        }
+        Err(reason)
+    }
+
+    /// The way off in one direction, as short as it can be; what stops it, if that is known.
+    fn lifted(
+        &self,
+        grip: &Grip,
+        q: &[f64],
+        way: &Vector,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
+        let robot = self.problem.robot();
+        let world_from_tip = *robot.frames_at(q).link(robot.tip());
+        // What is left of the tolerance of an answer is for the straight lines between.
+        let settings = IkSettings {
+            translation_tolerance_m: 1e-6,
+            rotation_tolerance_rad: 1e-5,
+            ..IkSettings::default()
+        };
+        let mut solver = IkSolver::new(robot, settings);
+        let (mut path, mut gone_m, mut above) = (vec![q.to_vec()], 0.0, grip.carrying.scratch());
+        loop {
+            let last = &path[path.len() - 1];
+            if gone_m > 0.0 && self.is_off(grip, last, &mut above) && grip.carrying.is_free(last, &mut above)
+            {
+                return Ok(path);
+            }
+            if gone_m >= self.settings.most_m - 1e-9 {
+                let contact = grip.carrying.first_contact(last, &mut above);
+                return Err(contact.map(|contact| contact.names(&grip.carrying)));
+            }
+            gone_m = (gone_m + RUNG_M).min(self.settings.most_m);
+            let target = Pose::from_parts((way * gone_m).into(), Rotation::identity()) * world_from_tip;
+            let next = solver.solve_from(&target, last).ok_or(None)?.q;
+            if next.iter().zip(last).any(|(a, b)| (a - b).abs() > JUMP) {
+                return Err(None);
+            }
+            match grip.lifting.motion_is_free(last, &next, scratch) {
+                Motion::Proven => {}
+                Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
+                    return Err(Some(contact.names(&grip.lifting)));
+                }
+                Motion::OutOfLimits { .. } => return Err(None),
+            }
+            if let Err((_, body)) = self.stays_off(grip, last, &next, scratch) {
+                return Err(Some([self.object().to_owned(), self.body_name(body)]));
+            }
+            path.push(next);
+        }
+    }
+
+    /// Whether the object is as far off what it rested on as it must be at the end of a lift-off.
+    pub(crate) fn is_off(&self, grip: &Grip, q: &[f64], scratch: &mut Scratch) -> bool {
+        grip.carrying.lifted_m(&self.resting, q, scratch) >= self.settings.clear_m
+    }
+
+    /// Whether an edge of a lift-off is proven not to bring the object nearer to what it rested on; else where, and to
+    /// which body.
+    pub(crate) fn stays_off(
+        &self,
+        grip: &Grip,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), (f64, usize)> {
+        grip.lifting.stays_off(&self.resting, self.settings.slack_m, a, b, scratch)
+    }
+
+    pub(crate) fn body_name(&self, body: usize) -> String {
+        self.lifting.world().bodies()[body].name.clone()
+    }
+}
+
+impl Grip {
+    /// The problem of moving the object on the way off what it rests on.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
+    pub fn lifting(&self, from: &[f64], to: &[f64]) -> Result<Problem, PlanError> {
+        Problem::in_cell(self.lifting.clone(), from.to_vec(), Goal::Configurations(vec![to.to_vec()]))
+    }
+
+    /// The problem of carrying it on from there to any of these configurations.
+    ///
+    /// # Errors
+    /// As [`Self::lifting`].
+    pub fn carrying(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
+        Problem::in_cell(self.carrying.clone(), from.to_vec(), Goal::Configurations(to))
+    }
+}
