@@ -9,7 +9,7 @@ pub enum FileKind {
     Trajectory,
     /// One configuration a line, comma-separated.
     Waypoints,
-    /// A line of 16 to 18 numbers for each grasp, mostly below a header.
+    /// A line of 16 to 20 numbers for each grasp, mostly below a header.
     Grasps,
     /// A picture that does not move, or one that does.
     Png,
@@ -85,7 +85,7 @@ impl FileKind {
             Self::Plan => is_object_with(&["scenario", "planner"]),
             Self::Trajectory => text.starts_with("time_s,"),
             Self::Waypoints => numbers(text) > 0,
-            Self::Grasps => text.starts_with("t00,t01,") || (16..=18).contains(&numbers(text)),
+            Self::Grasps => text.starts_with("t00,t01,") || (16..=20).contains(&numbers(text)),
             Self::Png => head.starts_with(b"\x89PNG\r\n\x1a\n"),
             Self::Gif => head.starts_with(b"GIF8"),
             Self::Svg => (text.starts_with("<svg") || text.starts_with("<?xml")) && text.contains("<svg"),

@@ -33,6 +33,7 @@ pub enum SimulateCommand {
   cranny simulate grasps 031 --support-only --friction 0.5 --json
   cranny simulate grasps 041 --grasp 7 --record grasp7.glb    or .gif, to be looked at
   cranny simulate grasps 011 --trials 32                       a robust score: slightly wrong grasps too
+  cranny simulate grasps 011 --trials 32 -o scored.csv         the grasps with it, beside the geometric score
   cranny simulate grasps mug --grasps mug.csv --pose 0         an object on the ground
 
 The object comes to rest; the open hand stands at the grasp, closes with its closing force, lifts 100 mm and shakes
@@ -52,6 +53,9 @@ pub struct SimulateGraspsArguments {
     /// Seed of the trials
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
+    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
     /// Write what moved where: .glb or .gif (with --grasp)
     #[arg(long, value_name = "FILE", requires = "grasp")]
     pub record: Option<PathBuf>,

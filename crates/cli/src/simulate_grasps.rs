@@ -1,10 +1,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use cranny_bench::statistics::wilson;
 use cranny_collision::Body;
+use cranny_grasp::{Grasp, GraspSet, csv_text};
+use cranny_scenario::ScenarioError;
 use cranny_sim::{Disturbance, GraspOutcome, GraspRow, RecordedBody, Recording};
 use cranny_view::{Animation, MovingBody, PictureSettings, Scene, StandardView};
 use serde::Serialize;
@@ -30,6 +32,9 @@ struct Simulated {
     wilson_interval: Option<[f64; 2]>,
     /// Whether Ctrl-C left grasps over.
     stopped: bool,
+    /// Where the grasps with their robust scores stand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<PathBuf>,
     rows: Vec<Row>,
 }
 
@@ -48,7 +53,14 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let Subject { name, hand, test, grasps } = Subject::open(&arguments.subject, output)?;
+    if let Some(file) = &arguments.output {
+        if arguments.trials == 0 {
+            let problem = "a robust score needs --trials, say --trials 32".to_owned();
+            return Err(flag("output", problem));
+        }
+        output_file::check(file, FileKind::Grasps, output)?;
+    }
+    let Subject { name, hand, test, grasps, given } = Subject::open(&arguments.subject, output)?;
     let grasps = grasps.grasps();
     let chosen: Vec<usize> = match arguments.grasp {
         None => (0..grasps.len()).collect(),
@@ -61,6 +73,12 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     let is_stopped = || stop.load(Ordering::Relaxed);
     let rows = test.rows(grasps, &chosen, trials, &|| progress.inc(1), &is_stopped);
     progress.finish_and_clear();
+    // Grasps of which only a part was tried are no file, and what stood there before stays.
+    let written = arguments.output.as_ref().filter(|_| !is_stopped());
+    if let Some(file) = written {
+        let set = with_robust_scores(&given, &rows)?;
+        output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+    }
     let held = rows.iter().filter(|row| row.outcome == GraspOutcome::Held).count();
     let with_interval = |row: GraspRow| {
         let robust_interval = row.robust.and_then(|robust| interval(robust.held, robust.trials));
@@ -74,6 +92,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
         success_rate: held as f64 / rows.len().max(1) as f64,
         wilson_interval: interval(held, rows.len()),
         stopped: is_stopped(),
+        file: written.cloned(),
         rows: rows.into_iter().map(with_interval).collect(),
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
@@ -106,7 +125,7 @@ impl Simulated {
         for (outcome, count) in outcomes {
             let _ = writeln!(page, "  {count:>5}  {outcome}");
         }
-        let robust = self.rows.iter().filter_map(|Row { row, .. }| Some((row, row.robust?.score)));
+        let robust = self.rows.iter().filter_map(|Row { row, .. }| Some((row, row.robust?.score())));
         let mut robust: Vec<(&GraspRow, f64)> = robust.collect();
         robust.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (row, score) in robust.into_iter().take(MOST_SHOWN) {
@@ -123,8 +142,20 @@ impl Simulated {
                 "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {force_n:.1} N"
             );
         }
+        if let Some(file) = &self.file {
+            let _ = writeln!(page, "  written to {}", file.display());
+        }
         page
     }
+}
+
+/// The grasps with what was found of those that were tried; of the others what was known before.
+fn with_robust_scores(given: &GraspSet, rows: &[GraspRow]) -> Result<GraspSet, Failure> {
+    let mut grasps: Vec<Grasp> = given.grasps().to_vec();
+    for row in rows {
+        grasps[row.grasp].robust = row.robust;
+    }
+    Ok(GraspSet::new(grasps).map_err(ScenarioError::from)?)
 }
 
 /// The best of the robust scores that a person is shown.

@@ -63,6 +63,26 @@ fn grasps_of_an_object_stand_in_a_file() {
     // Heavy as lead in the same grasp.
     let heavy = ["grasps", "sugar_box", "--grasps", "box.csv", "--mass", "40", "--pose", "0"];
     assert_eq!(answer(folder, &heavy).1["held"], 0);
+    // Robust scores come beside what the file says, whose poses stay in the frame of the object.
+    let scored =
+        ["grasps", "sugar_box", "--grasps", "box.csv", "--pose", "0", "--trials", "2", "--grasp", "1"];
+    let (_, document) = answer(folder, &[&scored[..], &["-o", "scored.csv"]].concat());
+    assert_eq!(document["file"], "scored.csv");
+    let read = |name: &str| cranny_grasp::read_csv(&folder.join(name)).expect("grasps");
+    let (before, after) = (read("box.csv"), read("scored.csv"));
+    let robust = &document["rows"][0]["robust"];
+    let known = after.grasps()[1].robust.expect("a robust score");
+    assert_eq!((known.trials, &known.held.into()), (2, &robust["held"]));
+    assert_eq!(after.grasps()[0].robust, None);
+    for (before, after) in before.grasps().iter().zip(after.grasps()) {
+        assert_eq!((before.score, before.width_m), (after.score, after.width_m));
+        assert!(before.difference(&after.world_from_gripper).translation_m < 1e-12);
+    }
+    // Written again, what is known of the others stays.
+    let zero = ["grasps", "sugar_box", "--grasps", "scored.csv", "--trials", "1", "--grasp", "0"];
+    answer(folder, &[&zero[..], &["-o", "scored.csv"]].concat());
+    let trials = |grasp: &cranny_grasp::Grasp| grasp.robust.map(|robust| robust.trials);
+    assert_eq!(read("scored.csv").grasps().iter().map(trials).collect::<Vec<_>>(), [Some(1), Some(2)]);
     refused(folder, &["grasps", "sugar_box"], &["--grasps", "cranny grasps sample sugar_box"]);
     refused(
         folder,
@@ -79,6 +99,7 @@ fn bad_input_is_refused_in_one_line() {
     refused(folder, &["grasps", "021", "--grasp", "999"], &["--grasp", "200 grasps"]);
     refused(folder, &["grasps", "021", "--grasp", "0", "--record", "a.mp4"], &["--record", ".glb"]);
     refused(folder, &["grasps", "021", "--record", "a.glb"], &["--grasp"]);
+    refused(folder, &["grasps", "021", "--grasp", "0", "-o", "a.csv"], &["--output", "--trials"]);
     refused(folder, &["grasps", "021", "--friction", "-1"], &["--friction", "positive"]);
     refused(folder, &["grasps", "nothing_there"], &["nothing_there"]);
     // A scenario whose target nobody has weighed.

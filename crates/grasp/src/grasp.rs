@@ -1,6 +1,6 @@
 use cranny_spatial::{Pose, PoseDifference, Rotation};
 
-use crate::GraspError;
+use crate::{GraspError, RobustScore};
 
 /// One way to hold the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Grasp {
     pub score: Option<f64>,
     /// Width of the object between the fingers, in metres, where known.
     pub width_m: Option<f64>,
+    /// How it does in physics when everything is a little wrong, where that was tried.
+    pub robust: Option<RobustScore>,
 }
 
 impl Grasp {
@@ -36,6 +38,13 @@ impl Grasp {
         if let Some(width_m) = self.width_m.filter(|w| !(w.is_finite() && *w >= 0.0)) {
             return Err(GraspError::Width { grasp: place, width_m });
         }
+        if let Some(RobustScore { trials, held }) = self.robust.filter(|robust| !robust.is_sound()) {
+            return Err(GraspError::Robust {
+                grasp: place,
+                score: held as f64 / trials as f64,
+                trials: trials as f64,
+            });
+        }
         Ok(self)
     }
 
@@ -58,7 +67,7 @@ impl GraspSet {
     ///
     /// # Errors
     /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside
-    /// [0, 1], [`GraspError::Width`] for a negative width.
+    /// [0, 1], [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more held than tried.
     pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
         for (grasp, g) in grasps.iter().enumerate() {
             g.checked(grasp)?;
@@ -119,7 +128,7 @@ mod tests {
 
     fn grasp(score: Option<f64>) -> Grasp {
         let pose = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.1, 0.9));
-        Grasp { world_from_gripper: pose, score, width_m: None }
+        Grasp { world_from_gripper: pose, score, width_m: None, robust: None }
     }
 
     #[test]
