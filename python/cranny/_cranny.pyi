@@ -375,6 +375,7 @@ def plan(
     score_weight: float = 1.0,
     jerk_limited: bool = False,
     blend: bool = False,
+    score: str = "geometric",
 ) -> Plan: ...
 def verify_path(
     scenario: Scenario | MoveItProblem,

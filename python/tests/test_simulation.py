@@ -47,6 +47,17 @@ def test_robust_scores_stand_beside_the_geometric_ones(tmp_path: Path) -> None:
         np.testing.assert_array_equal(known.robust_trials, [2, 2, np.nan])
 
 
+def test_physics_counts_where_a_plan_is_asked_so() -> None:
+    scenario = cranny.Scenario("021")
+    grasps = scenario.grasps
+    held = np.where(np.arange(len(grasps)) == 139, 4, 1) / 4
+    robust = cranny.Grasps(grasps.poses, grasps.scores, grasps.widths, held, np.full(len(grasps), 4))
+    plan = cranny.plan(scenario.with_grasps(robust), "ik-rrt", iterations=3000, score="physics")
+    assert (plan.grasp, plan.report["score"]) == (139, "physics")
+    with pytest.raises(ValueError, match="'geometric' or 'physics'"):
+        cranny.plan(scenario, score="best")
+
+
 def test_what_weighs_too_much_is_not_held() -> None:
     scenario = cranny.Scenario("021")
     (row,) = cranny.simulate_grasps(scenario, first_grasps(scenario, 1), mass_kg=50.0)

@@ -37,10 +37,12 @@ impl PageTask {
         let files =
             request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
+        let grasps_of = |plan: &PlanFile| plan.grasps.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: None,
             robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
+            grasps: files.iter().flatten().find_map(grasps_of),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;

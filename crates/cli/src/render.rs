@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
-use cranny_scenario::{OpenOptions, Scenario, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
@@ -350,11 +350,14 @@ fn scene(
     output: Output,
 ) -> Result<Scene, Failure> {
     let read = plan.map(read_plan).transpose()?.flatten();
-    let of_plan = read.as_ref().and_then(|plan| plan.robot.as_ref()).map(PathBuf::from);
+    let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
+        read.as_ref().and_then(|plan| file(plan).as_ref()).map(PathBuf::from)
+    };
     let options = OpenOptions {
         criterion: None,
-        robot: arguments.robot.clone().or(of_plan),
+        robot: arguments.robot.clone().or(of_plan(|plan| &plan.robot)),
         geometry: arguments.geometry.map(Into::into),
+        grasps: of_plan(|plan| &plan.grasps),
     };
     let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {

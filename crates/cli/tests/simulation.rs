@@ -93,6 +93,42 @@ fn grasps_of_an_object_stand_in_a_file() {
 }
 
 #[test]
+fn physics_counts_where_a_plan_is_asked_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let plan = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).args(["plan", "021", "--iterations", "3000"]).args(arguments);
+        command.output().expect("it runs")
+    };
+    let read = |name: &str| cranny_scenario::PlanFile::read(&folder.join(name)).expect("a plan");
+    // By geometry the first grasp that is tried is another one.
+    assert!(plan(&["--planner", "ik-rrt", "-o", "geometric.json"]).status.success());
+    let (scenario, best) = (cranny_scenario::Scenario::open("021", &Default::default()).expect("open"), 139);
+    assert_ne!(read("geometric.json").grasp, Some(best));
+    let robust =
+        |grasp| Some(cranny_grasp::RobustScore { trials: 4, held: if grasp == best { 4 } else { 1 } });
+    let grasps = scenario.grasps.grasps().iter().enumerate();
+    let scored =
+        grasps.map(|(index, grasp)| cranny_grasp::Grasp { robust: robust(index), ..*grasp }).collect();
+    let scored = cranny_grasp::GraspSet::new(scored).expect("grasps");
+    cranny_grasp::write_csv(&folder.join("scored.csv"), &scored).expect("written");
+    let by_physics =
+        ["--planner", "ik-rrt", "--grasps", "scored.csv", "--score", "physics", "-o", "p.plan.json"];
+    let output = plan(&by_physics);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("139 of 200 (robust score 1.00)"), "{output:?}");
+    let planned = read("p.plan.json");
+    assert_eq!((planned.grasp, planned.score), (Some(best), cranny_grasp::ScoreKind::Physics));
+    assert_eq!(planned.grasps.as_deref(), Some("scored.csv"));
+    assert_eq!(planned.request().score, cranny_grasp::ScoreKind::Physics);
+    // Nothing is made up where nobody tried.
+    let refused = plan(&["--score", "physics"]);
+    let error = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error.contains("--score: grasp 0 has no robust score") && error.contains("--trials"), "{error}");
+}
+
+#[test]
 fn bad_input_is_refused_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

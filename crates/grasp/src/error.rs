@@ -65,6 +65,14 @@ pub enum GraspError {
         /// The number of trials that it is said to be of.
         trials: f64,
     },
+    /// A grasp has no robust score, where it counts.
+    #[error(
+        "grasp {grasp} has no robust score (`cranny simulate grasps ID --trials 32 -o FILE` writes the grasps with theirs)"
+    )]
+    NoRobustScore {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+    },
     /// A line has a robust score without its number of trials, or the other way round.
     #[error(
         "of robust score and robust trials (numbers 19 and 20) there is only one; give both, or leave both empty"

@@ -1,6 +1,6 @@
 use cranny_spatial::{Pose, PoseDifference, Rotation};
 
-use crate::{GraspError, RobustScore};
+use crate::{GraspError, RobustScore, ScoreKind};
 
 /// One way to hold the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +103,20 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
+    /// The same grasps, each with the score of this kind as its [`score`](Grasp::score).
+    ///
+    /// # Errors
+    /// [`GraspError::NoRobustScore`] for the first grasp that has none.
+    pub fn scored_by(&self, kind: ScoreKind) -> Result<Self, GraspError> {
+        let scored = |(index, grasp): (usize, &Grasp)| match (kind, grasp.robust) {
+            (ScoreKind::Geometric, _) => Ok(*grasp),
+            (ScoreKind::Physics, Some(robust)) => Ok(Grasp { score: Some(robust.score()), ..*grasp }),
+            (ScoreKind::Physics, None) => Err(GraspError::NoRobustScore { grasp: index }),
+        };
+        let grasps = self.grasps.iter().enumerate().map(scored).collect::<Result<_, _>>()?;
+        Ok(Self { grasps })
+    }
+
     /// Indices from the highest score down; unscored grasps follow in the order of the file.
     pub fn by_score(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.grasps.len()).collect();
@@ -145,6 +159,26 @@ mod tests {
     fn unscored_grasps_rank_after_scored_ones_in_file_order() {
         let set = GraspSet::new([None, Some(0.2), None, Some(0.9), Some(0.0)].map(grasp).to_vec()).unwrap();
         assert_eq!(set.by_score(), [3, 1, 4, 0, 2]);
+    }
+
+    #[test]
+    fn physics_counts_where_every_grasp_has_a_robust_score() {
+        let robust = |held| Grasp { robust: Some(RobustScore { trials: 4, held }), ..grasp(Some(0.5)) };
+        let set = GraspSet::new(vec![robust(1), robust(3)]).unwrap();
+        assert_eq!(set.scored_by(ScoreKind::Geometric).unwrap(), set);
+        let scores = |set: &GraspSet| set.grasps().iter().map(|grasp| grasp.score).collect::<Vec<_>>();
+        assert_eq!(scores(&set.scored_by(ScoreKind::Physics).unwrap()), [Some(0.25), Some(0.75)]);
+        let set = GraspSet::new(vec![robust(1), grasp(Some(0.5))]).unwrap();
+        let fault = set.scored_by(ScoreKind::Physics).unwrap_err();
+        assert!(matches!(fault, GraspError::NoRobustScore { grasp: 1 }));
+    }
+
+    #[test]
+    fn a_count_of_more_held_than_tried_is_refused() {
+        for robust in [RobustScore { trials: 0, held: 0 }, RobustScore { trials: 2, held: 3 }] {
+            let set = GraspSet::new(vec![Grasp { robust: Some(robust), ..grasp(None) }]);
+            assert!(matches!(set, Err(GraspError::Robust { grasp: 0, .. })));
+        }
     }
 
     #[test]
