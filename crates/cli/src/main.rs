@@ -31,6 +31,7 @@ mod simulate;
 mod simulate_export;
 mod simulate_grasps;
 mod simulate_plan;
+mod simulate_results;
 mod simulate_settle;
 mod simulate_subject;
 mod start;

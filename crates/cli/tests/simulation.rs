@@ -129,6 +129,49 @@ fn physics_counts_where_a_plan_is_asked_so() {
 }
 
 #[test]
+fn the_grasps_of_a_campaign_are_tried_once_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let cranny = |words: &str| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).args(words.split_whitespace()).output().expect("it runs")
+    };
+    let example = |name: &str| {
+        let entry = cranny_scenario::catalogue().iter().find(|entry| entry.id == "021").expect("built in");
+        std::fs::create_dir_all(folder.join(name)).expect("a folder");
+        let (scenario, grasps) = entry.files();
+        std::fs::write(folder.join(name).join("scenario.yaml"), scenario).expect("written");
+        std::fs::write(folder.join(name).join("grasps.csv"), grasps).expect("written");
+    };
+    example("mine");
+    assert!(cranny("bench run --scenarios ./mine --planners reach --runs 3 -o results.db").status.success());
+    let words = ["results", "results.db", "--support-only", "--trials", "1"];
+    let (code, document) = answer(folder, &words);
+    let planner = &document["planners"][0];
+    assert_eq!((code, &document["scenarios"], &planner["solved"]), (0, &1.into(), &3.into()));
+    assert_eq!((&planner["planner"], &planner["criterion"]), (&"reach".into(), &"exact".into()));
+    assert!(planner["robust_score"].is_f64() && planner["held"].as_u64().is_some_and(|held| held <= 3));
+    assert_eq!(answer(folder, &words).1, document);
+    let rows = || -> u64 {
+        let results = rusqlite::Connection::open(folder.join("results.db")).expect("a database");
+        results.query_row("SELECT count(*) FROM simulated_grasps", [], |row| row.get(0)).expect("a count")
+    };
+    assert_eq!(document["grasps"], rows());
+    // The campaign is as it was, and goes on.
+    assert!(cranny("bench report results.db -o report.json").status.success());
+    assert!(cranny("bench run --scenarios ./mine --planners reach --runs 4 -o results.db").status.success());
+    std::fs::write(folder.join("mine/grasps.csv"), "1,0,0,2,0,1,0,2,0,0,1,0.5,0,0,0,1\n").expect("written");
+    refused(folder, &["results", "results.db"], &["results.db", "scenario mine", "changed", "mine"]);
+    // Where nothing is solved there is no grasp.
+    let none = "bench run --scenarios 021 --planners ik-rrt --runs 1 --iterations 0 -o none.db";
+    assert!(cranny(none).status.success());
+    refused(folder, &["results", "none.db"], &["none.db", "no trial is solved"]);
+    std::fs::write(folder.join("text.db"), "no database\n").expect("written");
+    refused(folder, &["results", "text.db"], &["text.db", "cranny bench run"]);
+    refused(folder, &["results", "nothing.db"], &["nothing.db", "cranny bench run"]);
+}
+
+#[test]
 fn bad_input_is_refused_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
