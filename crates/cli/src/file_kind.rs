@@ -35,6 +35,8 @@ pub enum FileKind {
     OmplLog,
     /// A scenario in one file.
     Archive,
+    /// `cranny simulate grasps --record`: trajectories of bodies.
+    Recording,
     /// `cranny simulate export`.
     Experiment,
     /// The model of one, as MuJoCo reads it.
@@ -64,6 +66,7 @@ impl FileKind {
             Self::CsvTable => "CSV table of a benchmark report",
             Self::OmplLog => "OMPL benchmark log",
             Self::Archive => "packed scenario",
+            Self::Recording => "recording",
             Self::Experiment => "simulated experiment",
             Self::Mjcf => "MJCF model",
         }
@@ -96,6 +99,7 @@ impl FileKind {
             Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
             Self::MarkdownTable => text.starts_with("| scenario |"),
             Self::CsvTable => text.starts_with("criterion,scenario,goals,"),
+            Self::Recording => is_object_with(&["format"]) && text.contains("\"cranny-recording/"),
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
             // `OMPL version 1.7`, or of another library, then the experiment.

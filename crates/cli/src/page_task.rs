@@ -11,8 +11,8 @@ use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::{self, stop_on_interrupt};
-use crate::search_replay;
 use crate::task::open_scenario;
+use crate::{recording, search_replay};
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
@@ -34,6 +34,9 @@ pub struct PageTask {
 
 impl PageTask {
     pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
+        if recording::file_of(request.id).is_some() {
+            return Err(recording::no_page(request.id));
+        }
         let files =
             request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);

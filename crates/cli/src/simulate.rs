@@ -34,6 +34,7 @@ pub enum SimulateCommand {
   cranny simulate grasps 021
   cranny simulate grasps 031 --support-only --friction 0.5 --json
   cranny simulate grasps 041 --grasp 7 --record grasp7.glb    or .gif, to be looked at
+  cranny simulate grasps 041 --grasp 7 --record grasp7.json   for `cranny render grasp7.json -o grasp7.gif`
   cranny simulate grasps 011 --trials 32                       a robust score: slightly wrong grasps too
   cranny simulate grasps 011 --trials 32 -o scored.csv         the grasps with it, beside the geometric score
   cranny simulate grasps mug --grasps mug.csv --pose 0         an object on the ground
@@ -58,7 +59,7 @@ pub struct SimulateGraspsArguments {
     /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials)
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Write what moved where: .glb or .gif (with --grasp)
+    /// Write what moved where (with --grasp): .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE", requires = "grasp")]
     pub record: Option<PathBuf>,
 }

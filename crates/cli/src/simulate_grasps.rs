@@ -1,14 +1,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use cranny_bench::statistics::wilson;
-use cranny_collision::Body;
 use cranny_grasp::{Grasp, GraspSet, csv_text};
 use cranny_scenario::ScenarioError;
-use cranny_sim::{Disturbance, GraspOutcome, GraspRow, RecordedBody, Recording};
-use cranny_view::{Animation, MovingBody, PictureSettings, Scene, StandardView};
+use cranny_sim::{Disturbance, GraspOutcome, GraspRow};
 use serde::Serialize;
 
 use crate::Answer;
@@ -18,7 +16,7 @@ use crate::file_kind::FileKind;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::simulate::SimulateGraspsArguments;
 use crate::simulate_subject::{Subject, flag};
-use crate::{output_file, text};
+use crate::{output_file, recording, text};
 
 /// What `simulate grasps --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -48,8 +46,11 @@ struct Row {
 }
 
 pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer, Failure> {
-    let recorded =
-        arguments.record.as_deref().map(|file| kind_of(file).map(|kind| (file, kind))).transpose()?;
+    let recorded = arguments
+        .record
+        .as_deref()
+        .map(|file| recording::kind_of(file).map(|kind| (file, kind)))
+        .transpose()?;
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
@@ -97,8 +98,9 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
         let run = test.run(&grasps[*grasp].world_from_gripper, &Disturbance::default(), true);
-        let scene = scene(&simulated.subject, test.surroundings(), &run.recording.unwrap_or_default());
-        write(&scene, file, kind, output)?;
+        let recording =
+            recording::of_run(&simulated.subject, test.surroundings(), &run.recording.unwrap_or_default());
+        recording::write(&recording, file, kind, output)?;
     }
     text::answer(&simulated, || simulated.page(), output)?;
     Ok(if held > 0 && !simulated.stopped { Answer::Done } else { Answer::No })
@@ -163,51 +165,4 @@ const MOST_SHOWN: usize = 10;
 
 fn interval(held: usize, trials: usize) -> Option<[f64; 2]> {
     wilson(held, trials).map(|interval| [interval.low, interval.high])
-}
-
-/// What the ending of the file of a recording asks for.
-pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
-    match file.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("glb") => Ok(FileKind::Glb),
-        Some("gif") => Ok(FileKind::Gif),
-        _ => Err(flag("record", "the file's ending says what to write: .glb or .gif".to_owned())),
-    }
-}
-
-/// What is seen of a recorded simulation.
-pub fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
-    let body = |(index, body): (usize, &RecordedBody)| MovingBody {
-        name: body.name.clone(),
-        surface: body.surface(),
-        is_grasped: index == 0,
-        world_from_body: body.world_from_body.clone(),
-    };
-    let moving: Vec<MovingBody> = recording.bodies.iter().enumerate().map(body).collect();
-    Scene::of_moving_bodies(name, surroundings, &moving, recording.times_s.clone())
-}
-
-/// Pictures a second of a GIF, at most those of a recording.
-const GIF_RATE_HZ: u16 = 25;
-
-/// Writes a recorded simulation.
-pub fn write(scene: &Scene, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
-    if kind == FileKind::Glb {
-        return Ok(scene.write_glb(file)?);
-    }
-    let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
-    let period_s = 1.0 / f64::from(GIF_RATE_HZ);
-    let mut frames: Vec<usize> = Vec::new();
-    for (frame, &time_s) in times_s.iter().enumerate() {
-        if time_s + 1e-9 >= frames.len() as f64 * period_s {
-            frames.push(frame);
-        }
-    }
-    let settings = PictureSettings { width: 640, height: 480, ghosts: 0, ..PictureSettings::default() };
-    let bar = bar(frames.len() as u64, output.quiet);
-    let pictures = Animation::draw(scene, StandardView::ThreeQuarter, &settings, &frames, |_, picture| {
-        bar.inc(1);
-        Ok(picture)
-    })?;
-    bar.finish_and_clear();
-    Ok(Animation { pictures, rate_hz: GIF_RATE_HZ }.write_gif(file)?)
 }

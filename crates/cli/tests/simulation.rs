@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use cranny_scenario::{OpenOptions, Scenario};
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("cranny").expect("the program");
@@ -45,6 +46,37 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
     }
     assert_eq!(row["robust"]["trials"], 4);
     assert_eq!(&std::fs::read(folder.join("three.glb")).expect("written")[..4], b"glTF");
+    // As trajectories it is drawn later, without physics.
+    answer(folder, &["grasps", "021", "--grasp", "3", "--support-only", "--record", "three.json"]);
+    let recording = cranny_view::BodyRecording::read(&folder.join("three.json")).expect("a recording");
+    assert!(recording.bodies.iter().any(|body| body.is_grasped) && recording.times_s.len() > 10);
+    let render = |words: &str| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        let command = command.current_dir(folder).args(["render", "three.json", "--size", "32x24"]);
+        command.args(words.split_whitespace()).output().expect("it runs")
+    };
+    for (words, file, head) in [
+        ("-o a.gif --rate 5", "a.gif", &b"GIF8"[..]),
+        ("-o a.png --time 0.1", "a.png", b"\x89PNG"),
+        ("-o frames/ --rate 1", "frames/0001.png", b"\x89PNG"),
+    ] {
+        let output = render(words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(std::fs::read(folder.join(file)).expect("written").starts_with(head), "{words}");
+    }
+    // The model is the same as if it had been written at once.
+    assert!(render("-o again.glb").status.success());
+    let model = |name: &str| std::fs::read(folder.join(name)).expect("written");
+    assert_eq!(model("again.glb"), model("three.glb"));
+    for (words, said) in [
+        ("-o a.html", "three.json: a recording is no scenario"),
+        ("three.json -o a.png", "complete in itself"),
+        ("-o a.png --time 1000", "after the end of the motion"),
+    ] {
+        let output = render(words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(said), "{words}: {error}");
+    }
     // Nothing holds what is too heavy, and that is an honest no.
     let (code, document) = answer(folder, &["grasps", "021", "--grasp", "3", "--mass", "50"]);
     assert_eq!((code, &document["held"]), (1, &0.into()));
@@ -104,7 +136,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
     let read = |name: &str| cranny_scenario::PlanFile::read(&folder.join(name)).expect("a plan");
     // By geometry the first grasp that is tried is another one.
     assert!(plan(&["--planner", "ik-rrt", "-o", "geometric.json"]).status.success());
-    let (scenario, best) = (cranny_scenario::Scenario::open("021", &Default::default()).expect("open"), 139);
+    let (scenario, best) = (Scenario::open("021", &OpenOptions::default()).expect("a scenario"), 139);
     assert_ne!(read("geometric.json").grasp, Some(best));
     let robust =
         |grasp| Some(cranny_grasp::RobustScore { trials: 4, held: if grasp == best { 4 } else { 1 } });

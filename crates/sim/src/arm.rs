@@ -146,8 +146,7 @@ impl ArmModel {
             }
             let rigid = world.insert_body(rigid);
             self.insert_colliders(body, rigid, world);
-            let parent_from_body =
-                frames.link(self.bodies[parent].link).inverse() * frames.link(body.link);
+            let parent_from_body = frames.link(self.bodies[parent].link).inverse() * frames.link(body.link);
             let data = self.joint(robot, joint, &parent_from_body);
             let handle = world.insert_multibody_joint(arm.bodies[parent], rigid, data);
             arm.joints[joint] = handle.map(|handle| (handle, axis_of(robot.joints()[joint].kind)));

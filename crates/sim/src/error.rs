@@ -41,7 +41,9 @@ pub enum SimError {
         link: String,
     },
     /// A joint of the arm follows another.
-    #[error("joint '{joint}' of robot '{robot}' is followed by another one (mimic), which the simulated arm cannot do")]
+    #[error(
+        "joint '{joint}' of robot '{robot}' is followed by another one (mimic), which the simulated arm cannot do"
+    )]
     Mimic {
         /// The robot.
         robot: String,

@@ -129,8 +129,7 @@ impl<'a> Gripper<'a> {
     ) -> Self {
         let world_from_hand = engine::to_pose(world.bodies[on].position()) * on_from_hand;
         let palm = RigidBodyBuilder::dynamic();
-        let mut hand =
-            Self::with_palm(model, physics, model.closing_force_n, palm, &world_from_hand, world);
+        let mut hand = Self::with_palm(model, physics, model.closing_force_n, palm, &world_from_hand, world);
         let joint = FixedJointBuilder::new().local_frame1(engine::pose(on_from_hand)).contacts_enabled(false);
         world.insert_multibody_joint(on, hand.palm, joint.build());
         for finger in &model.fingers {
@@ -222,7 +221,8 @@ impl<'a> Gripper<'a> {
                 .clamp(-self.closing_force_n, self.closing_force_n);
             let coupling_n =
                 model.stroke_m * (drive_stiffness * (share - own_share) + drive_damping * (rate - own_rate));
-            let force = world.bodies[self.palm].position().rotation * engine::vector(&model.axis)
+            let force = world.bodies[self.palm].position().rotation
+                * engine::vector(&model.axis)
                 * (drive_n + coupling_n);
             let body = &mut world.bodies[*finger];
             body.reset_forces(true);

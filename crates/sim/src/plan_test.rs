@@ -68,8 +68,7 @@ impl PlanTest {
         let on_the_way = executed.follow(motion, reach_s);
         let at_the_end = executed.tracking_error(&end);
         let resting = executed.trial.test.object.center;
-        let pushed_m =
-            (executed.trial.world_from_object() * resting - world_from_resting * resting).norm();
+        let pushed_m = (executed.trial.world_from_object() * resting - world_from_resting * resting).norm();
         let lift = Lift::new(&self.robot, &end, lift_m);
         let Execution { trial, arm, mut contacts, began_steps, .. } = executed;
         let lift_s = self.test.course.lift_s;
@@ -112,21 +111,13 @@ impl<'a> Execution<'a> {
         let test = &plan.test;
         let (mut world, object) = test.world(&Disturbance::default());
         let arm = plan.arm.insert(&plan.robot, start, &mut world);
-        let gripper =
-            Gripper::mount(&test.hand, &test.physics, arm.tip(), &arm.tip_from_gripper, &mut world);
+        let gripper = Gripper::mount(&test.hand, &test.physics, arm.tip(), &arm.tip_from_gripper, &mut world);
         let recorded = is_recorded.then(|| {
             let bodies = plan.arm.shapes().map(|(name, pieces)| RecordedBody::new(name, pieces));
             bodies.zip(arm.bodies.iter().copied()).collect()
         });
         let trial = GraspTrial::with(test, world, gripper, object, recorded);
-        Self {
-            test: plan,
-            trial,
-            arm,
-            contacts: Vec::new(),
-            began_steps: 0,
-            frames: plan.robot.frames(),
-        }
+        Self { test: plan, trial, arm, contacts: Vec::new(), began_steps: 0, frames: plan.robot.frames() }
     }
 
     /// Stands still. The object then sleeps until it is touched: without a resistance to rolling a ball wanders off.

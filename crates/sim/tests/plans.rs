@@ -19,7 +19,8 @@ const TABLE_M: f64 = 0.3;
 const HALF_M: f64 = 0.02;
 
 fn robot(urdf: &str) -> Arc<Robot> {
-    let text = |name: &str, text: &str| cranny_robot::TextSource::Text { name: name.into(), text: text.into() };
+    let text =
+        |name: &str, text: &str| cranny_robot::TextSource::Text { name: name.into(), text: text.into() };
     let options = RobotOptions {
         srdf: Some(text("panda.srdf", SRDF)),
         known_hands: vec![HandDescription::parse(HAND, "hand.yaml").unwrap()],
@@ -125,9 +126,8 @@ fn a_plan_into_the_table_is_seen_to_touch_it() {
 
 #[test]
 fn arms_that_cannot_be_simulated_are_refused() {
-    let refused = |urdf: &str, drives: DriveSettings| {
-        PlanTest::new(test(0.2, 0.5), robot(urdf), drives).unwrap_err()
-    };
+    let refused =
+        |urdf: &str, drives: DriveSettings| PlanTest::new(test(0.2, 0.5), robot(urdf), drives).unwrap_err();
     let drives = DriveSettings::default();
     let weightless = URDF.replace("<mass value=\"2.08\"/>", "<mass value=\"0\"/>");
     assert!(matches!(refused(&weightless, drives), SimError::NoMass { link, .. } if link == "panda_link4"));
