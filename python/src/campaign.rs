@@ -10,6 +10,7 @@ use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results, RunInformation,
     TrialRecord, WorkerProgram,
 };
+use cranny_grasp::ScoreKind;
 use pyo3::prelude::*;
 
 use crate::fault::{bad_type, bad_value, fault};
@@ -112,7 +113,11 @@ fn campaign_planner(
     (name, call, settings): &(String, Bound<'_, PyAny>, Option<Bound<'_, PyAny>>),
 ) -> PyResult<CampaignPlanner> {
     let call = if let Ok(planner) = call.extract::<String>() {
-        PlannerCall::BuiltIn { planner, settings: settings_of(settings.as_ref())? }
+        PlannerCall::BuiltIn {
+            planner,
+            settings: settings_of(settings.as_ref())?,
+            score: ScoreKind::default(),
+        }
     } else {
         let command = call.extract::<Vec<String>>().map_err(|_| {
             bad_type(format!(

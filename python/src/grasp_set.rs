@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use cranny_grasp::{COVERAGE_THRESHOLD, Grasp, GraspSet, coverage, read_csv, write_csv};
+use cranny_grasp::{
+    COVERAGE_THRESHOLD, Grasp, GraspError, GraspSet, RobustScore, coverage, read_csv, write_csv,
+};
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
 use numpy::PyArrayDyn;
@@ -25,25 +27,31 @@ pub struct PyGrasps {
 #[pymethods]
 impl PyGrasps {
     /// Grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all:
-    /// not known.
+    /// not known. `robust_scores` (N,) in [0, 1] are the shares of `robust_trials` (N,) in which a grasp was held in
+    /// physics, with everything a little wrong (`simulate_grasps`); both or neither is known of a grasp.
     #[new]
-    #[pyo3(signature = (poses, scores=None, widths=None))]
+    #[pyo3(signature = (poses, scores=None, widths=None, robust_scores=None, robust_trials=None))]
     fn new(
         poses: &Bound<'_, PyAny>,
         scores: Option<&Bound<'_, PyAny>>,
         widths: Option<&Bound<'_, PyAny>>,
+        robust_scores: Option<&Bound<'_, PyAny>>,
+        robust_trials: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (_, poses) = array::poses(poses, "poses")?;
         let scores = known(scores, "scores", poses.len())?;
         let widths = known(widths, "widths", poses.len())?;
-        let grasps = poses.into_iter().zip(scores).zip(widths);
-        let grasps = grasps
-            .map(|((world_from_gripper, score), width_m)| Grasp { world_from_gripper, score, width_m })
-            .collect();
+        let robust_scores = known(robust_scores, "robust_scores", poses.len())?;
+        let robust_trials = known(robust_trials, "robust_trials", poses.len())?;
+        let mut grasps = Vec::new();
+        for (index, world_from_gripper) in poses.into_iter().enumerate() {
+            let robust = robust(index, robust_scores[index], robust_trials[index])?;
+            grasps.push(Grasp { world_from_gripper, score: scores[index], width_m: widths[index], robust });
+        }
         Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
     }
 
-    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width in each line.
+    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width, robust score and robust trials in each line.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         Ok(Self { set: read_csv(&path).map_err(fault)? })
@@ -70,6 +78,18 @@ impl PyGrasps {
     #[getter]
     fn widths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.width_m)
+    }
+
+    /// The share of its trials in which each was held in physics, (N,), in [0, 1]; NaN where that was not tried.
+    #[getter]
+    fn robust_scores<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each(py, |grasp| grasp.robust.map(|robust| robust.score()))
+    }
+
+    /// How many trials each robust score is of, (N,); NaN where it has none.
+    #[getter]
+    fn robust_trials<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each(py, |grasp| grasp.robust.map(|robust| robust.trials as f64))
     }
 
     /// Indices (N,) from the highest score down; unscored grasps come last.
@@ -106,7 +126,8 @@ impl PyGrasps {
         let numbers = set.grasps().iter().flat_map(|grasp| {
             let Pose { translation, rotation } = &grasp.world_from_gripper;
             let unknown = |value: Option<f64>| value.unwrap_or(f64::NAN);
-            let known = [unknown(grasp.score), unknown(grasp.width_m)];
+            let robust = grasp.robust.map(|robust| (robust.score(), robust.trials as f64)).unzip();
+            let known = [grasp.score, grasp.width_m, robust.0, robust.1].map(unknown);
             translation.vector.iter().chain(rotation.coords.iter()).copied().chain(known).collect::<Vec<_>>()
         });
         let rows = shaped(py, numbers.collect(), &[set.len(), ROW])?;
@@ -118,26 +139,28 @@ impl PyGrasps {
     }
 }
 
-/// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width.
-const ROW: usize = 9;
+/// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width, robust score and its trials.
+const ROW: usize = 11;
 
 /// Grasps as they were pickled.
 #[pyfunction]
 #[pyo3(name = "_restored_grasps")]
 pub fn restored_grasps(rows: &Bound<'_, PyAny>) -> PyResult<PyGrasps> {
     let numbers = Numbers::read(rows, "rows")?;
-    let [_, ROW] = *numbers.shape() else { return Err(numbers.wrong_shape("(N, 9)")) };
-    let grasps =
-        numbers.values()?.as_chunks::<ROW>().0.iter().map(|&[x, y, z, i, j, k, w, score, width_m]| {
-            let rotation = Rotation::new_unchecked(Quaternion::new(w, i, j, k));
-            let known = |value: f64| Some(value).filter(|value| !value.is_nan());
-            Grasp {
-                world_from_gripper: Pose::from_parts(Vector::new(x, y, z).into(), rotation),
-                score: known(score),
-                width_m: known(width_m),
-            }
+    let [_, ROW] = *numbers.shape() else { return Err(numbers.wrong_shape("(N, 11)")) };
+    let mut grasps = Vec::new();
+    for (index, row) in numbers.values()?.as_chunks::<ROW>().0.iter().enumerate() {
+        let &[x, y, z, i, j, k, w, ref figures @ ..] = row;
+        let rotation = Rotation::new_unchecked(Quaternion::new(w, i, j, k));
+        let [score, width_m, robust_score, robust_trials] = figures.map(known_number);
+        grasps.push(Grasp {
+            world_from_gripper: Pose::from_parts(Vector::new(x, y, z).into(), rotation),
+            score,
+            width_m,
+            robust: robust(index, robust_score, robust_trials)?,
         });
-    Ok(PyGrasps { set: GraspSet::new(grasps.collect()).map_err(fault)? })
+    }
+    Ok(PyGrasps { set: GraspSet::new(grasps).map_err(fault)? })
 }
 
 impl PyGrasps {
@@ -158,5 +181,19 @@ fn known(value: Option<&Bound<'_, PyAny>>, what: &str, count: usize) -> PyResult
     if *numbers.shape() != [count] {
         return Err(numbers.wrong_shape(&format!("({count},) for the {count} poses")));
     }
-    Ok(numbers.values()?.iter().map(|value| Some(*value).filter(|value| !value.is_nan())).collect())
+    Ok(numbers.values()?.iter().copied().map(known_number).collect())
+}
+
+fn known_number(value: f64) -> Option<f64> {
+    Some(value).filter(|value| !value.is_nan())
+}
+
+fn robust(grasp: usize, score: Option<f64>, trials: Option<f64>) -> PyResult<Option<RobustScore>> {
+    match (score, trials) {
+        (None, None) => Ok(None),
+        (Some(score), Some(trials)) => RobustScore::of_share(score, trials)
+            .map(Some)
+            .ok_or_else(|| fault(GraspError::Robust { grasp, score, trials })),
+        _ => Err(bad_value(format!("of robust_scores and robust_trials of grasp {grasp} only one is known"))),
+    }
 }

@@ -145,7 +145,9 @@ fn fingerprint(thing: &Bound<'_, PyAny>) -> u64 {
         scenario.ik.iter().for_each(|q| print.numbers(q));
         for grasp in scenario.grasps.grasps() {
             print.pose(&grasp.world_from_gripper);
-            print.numbers(&[grasp.score.unwrap_or(f64::NAN), grasp.width_m.unwrap_or(f64::NAN)]);
+            let robust = grasp.robust.map(|robust| (robust.score(), robust.trials as f64)).unzip();
+            let known = [grasp.score, grasp.width_m, robust.0, robust.1];
+            print.numbers(&known.map(|value| value.unwrap_or(f64::NAN)));
         }
         if let Some(export) = &scenario.export {
             print.numbers(export.aabb().low().coords.as_slice());

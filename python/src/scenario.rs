@@ -52,7 +52,7 @@ impl PyScenario {
     ) -> PyResult<Self> {
         let criterion = criterion.map(criterion_of).transpose()?;
         let geometry = geometry.map(geometry_of).transpose()?;
-        let options = OpenOptions { criterion, robot: robot.clone(), geometry };
+        let options = OpenOptions { criterion, robot: robot.clone(), geometry, grasps: None };
         let text = what.to_string_lossy().into_owned();
         let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
         // As a built-in one is opened by its id in whatever folder.

@@ -99,6 +99,7 @@ def test_both_name_the_robot_and_the_geometry(tmp_path: Path) -> None:
         (["--goal-threshold", "3"], {"goal_threshold": 3.0}),
         (["--optimise", "1", "--score-weight", "nan"], {"optimise_s": 1.0, "score_weight": float("nan")}),
         (["--planner", "nobody"], {"planner": "nobody"}),
+        (["--score", "physics"], {"score": "physics"}),
     ],
 )
 def test_both_refuse_with_the_same_words(tmp_path: Path, flags: list[str], keywords: dict[str, Any]) -> None:

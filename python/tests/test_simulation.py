@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
+from pathlib import Path
 
 import cranny
+import numpy as np
 import pytest
 from test_front_ends import program
 
@@ -27,6 +30,32 @@ def test_the_package_and_the_command_line_give_the_same_rows() -> None:
     assert (row["outcome"], row["robust"]) == (rows[1]["outcome"], rows[1]["robust"])
     # A pose went through a matrix.
     assert row["translation_error_m"] == pytest.approx(rows[1]["translation_error_m"], abs=1e-5)
+
+
+def test_robust_scores_stand_beside_the_geometric_ones(tmp_path: Path) -> None:
+    scenario = cranny.Scenario("021")
+    some = first_grasps(scenario, 3)
+    assert np.isnan(some.robust_scores).all()
+    assert np.isnan(some.robust_trials).all()
+    rows = cranny.simulate_grasps(scenario, some, support_only=True, trials=2)
+    scores = [row["robust"]["score"] for row in rows[:2]] + [np.nan]
+    robust = cranny.Grasps(some.poses, some.scores, None, scores, [2, 2, np.nan])
+    robust.save(tmp_path / "robust.csv")
+    for known in (robust, cranny.Grasps.load(tmp_path / "robust.csv"), pickle.loads(pickle.dumps(robust))):
+        np.testing.assert_array_equal(known.scores, some.scores)
+        np.testing.assert_array_equal(known.robust_scores, scores)
+        np.testing.assert_array_equal(known.robust_trials, [2, 2, np.nan])
+
+
+def test_physics_counts_where_a_plan_is_asked_so() -> None:
+    scenario = cranny.Scenario("021")
+    grasps = scenario.grasps
+    held = np.where(np.arange(len(grasps)) == 139, 4, 1) / 4
+    robust = cranny.Grasps(grasps.poses, grasps.scores, grasps.widths, held, np.full(len(grasps), 4))
+    plan = cranny.plan(scenario.with_grasps(robust), "ik-rrt", iterations=3000, score="physics")
+    assert (plan.grasp, plan.report["score"]) == (139, "physics")
+    with pytest.raises(ValueError, match="'geometric' or 'physics'"):
+        cranny.plan(scenario, score="best")
 
 
 def test_what_weighs_too_much_is_not_held() -> None:

@@ -1,6 +1,7 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
+use cranny_grasp::ScoreKind;
 use cranny_plan::{Budget, Criterion, Goal, Problem, Unobserved};
 use cranny_scenario::Recipe;
 
@@ -119,7 +120,8 @@ impl Campaign {
     pub fn paper() -> Result<Self, BenchError> {
         let call = |planner: &str, settings: serde_json::Value| {
             let settings = settings.as_object().cloned().unwrap_or_default();
-            PlannerCall::BuiltIn { planner: planner.to_owned(), settings }.checked()
+            PlannerCall::BuiltIn { planner: planner.to_owned(), settings, score: ScoreKind::default() }
+                .checked()
         };
         let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
         /// More than any time limit allows.
@@ -246,7 +248,7 @@ impl Campaign {
 
     /// Asks a planner for a search of no iterations: what it has against a scenario it says at once.
     fn ask(&self, planner: &CampaignPlanner, opened: &OpenedScenario) -> Result<(), BenchError> {
-        let PlannerCall::BuiltIn { planner: name, settings } = &planner.call else {
+        let PlannerCall::BuiltIn { planner: name, settings, score } = &planner.call else {
             // It is given the scenario as files.
             return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
         };
@@ -259,6 +261,7 @@ impl Campaign {
         } else {
             &opened.problem
         };
+        cranny_solve::Request { score: *score, ..cranny_solve::Request::default() }.check(problem)?;
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
         let planner = cranny_plan::planner_with(name, settings)?;
         Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)

@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use cranny_grasp::ScoreKind;
 use cranny_plan::Criterion;
 use cranny_scenario::catalogue;
 use serde::Deserialize;
@@ -44,6 +45,8 @@ struct PlannerEntry {
     planner: Option<String>,
     #[serde(default)]
     settings: Map<String, Value>,
+    #[serde(default)]
+    score: Option<ScoreKind>,
     #[serde(default)]
     exec: Option<Vec<String>>,
     #[serde(default)]
@@ -124,11 +127,18 @@ impl Campaign {
 
 impl PlannerEntry {
     fn read(self, folder: &Path) -> Result<CampaignPlanner, String> {
-        let Self { name, planner, settings, exec, released, each_goal, runs, time_limit_s } = self;
+        let Self { name, planner, settings, score, exec, released, each_goal, runs, time_limit_s } = self;
         let words = |words: Vec<String>| words.iter().map(|word| beside(folder, word)).collect::<Vec<_>>();
         let has_settings = !settings.is_empty();
         let call = match (planner, exec, released) {
-            (Some(planner), None, None) => PlannerCall::BuiltIn { planner, settings },
+            (Some(planner), None, None) => {
+                PlannerCall::BuiltIn { planner, settings, score: score.unwrap_or_default() }
+            }
+            (None, Some(_), None) | (None, None, Some(_)) if score.is_some() => {
+                return Err(
+                    "`score` is for a built-in `planner`; a program is given the geometric one".to_owned()
+                );
+            }
             (None, Some(_), None) | (None, None, Some(_)) if has_settings => {
                 return Err(
                     "`settings` are those of a built-in `planner`; give a program arguments".to_owned()

@@ -19,7 +19,7 @@ pub enum BenchError {
     },
     /// A file says that it is results, but its tables are not those of results.
     #[error(
-        "{}: '{name}' is not as `cranny bench run` makes it; the file is damaged, or no results of Cranny's",
+        "{}: '{name}' is not as Cranny makes it; the file is damaged, or not Cranny's",
         path.display()
     )]
     OtherTable {

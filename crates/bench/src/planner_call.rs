@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cranny_grasp::ScoreKind;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
@@ -17,6 +18,9 @@ pub enum PlannerCall {
         planner: String,
         /// What differs from its default settings.
         settings: Map<String, Value>,
+        /// Which score of the grasps counts.
+        #[serde(default, skip_serializing_if = "is_geometric")]
+        score: ScoreKind,
     },
     /// Anybody's program, which speaks the protocol of `docs/exec_protocol.md`.
     Exec {
@@ -46,7 +50,9 @@ impl PlannerCall {
                 let mut words = words(command).into_iter();
                 Self::Released { program: words.next().unwrap_or_default(), arguments: words.collect() }
             }
-            _ => Self::BuiltIn { planner: text.to_owned(), settings: Map::new() },
+            _ => {
+                Self::BuiltIn { planner: text.to_owned(), settings: Map::new(), score: ScoreKind::default() }
+            }
         };
         call.checked()
     }
@@ -72,9 +78,9 @@ impl PlannerCall {
             if Path::new(&word).is_file() { absolute(&word).unwrap_or(word) } else { word }
         };
         Ok(match self {
-            Self::BuiltIn { planner, settings } => {
+            Self::BuiltIn { planner, settings, score } => {
                 cranny_plan::planner_with(&planner, &settings)?;
-                Self::BuiltIn { planner, settings }
+                Self::BuiltIn { planner, settings, score }
             }
             Self::Exec { command } => {
                 let mut words = command.into_iter();
@@ -112,10 +118,14 @@ impl PlannerCall {
             Value::Object(files.map(|word| (file_name(word).to_owned(), checksum(word).into())).collect())
         };
         let settings = match self {
-            Self::BuiltIn { planner, settings } => {
+            Self::BuiltIn { planner, settings, score } => {
                 let mut all = cranny_plan::planner_with(planner, settings)
                     .map_or(Value::Object(settings.clone()), |planner| planner.settings());
                 all["planner"] = planner.clone().into();
+                // Trials by the usual score are the same as before there was another.
+                if !is_geometric(score) {
+                    all["score"] = score.name().into();
+                }
                 all
             }
             Self::Exec { command } => json!({"exec": words(command), "files": files(command)}),
@@ -126,6 +136,12 @@ impl PlannerCall {
         };
         sorted(&settings).to_string()
     }
+}
+
+// As serde wants it.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_geometric(score: &ScoreKind) -> bool {
+    *score == ScoreKind::Geometric
 }
 
 /// With the keys of every object in order, whatever the features of the JSON library.

@@ -78,8 +78,12 @@ fn is_lost(stored: &StoredTrial) -> bool {
     matches!(stored.record.outcome, Crashed | Hung | OutOfMemory)
 }
 
-/// Where the scenario of a trial is, its content checked.
-fn source_of(results: &Results, trial: &Trial, given: Option<&str>) -> Result<String, BenchError> {
+/// What the scenario of a trial is opened by, its content checked: `given`, else where the results say that it was,
+/// else its id.
+///
+/// # Errors
+/// [`BenchError::OtherScenario`] where the scenario is not what it was; [`BenchError::Database`].
+pub fn source_of(results: &Results, trial: &Trial, given: Option<&str>) -> Result<String, BenchError> {
     let is_it =
         |source: &str| Identity::of(source).is_ok_and(|identity| identity.sha256 == trial.scenario_hash);
     let noted = results

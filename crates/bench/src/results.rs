@@ -11,8 +11,8 @@ use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
 /// program, at most the trial under way is lost. A [`Trial`] can be there but once.
 #[derive(Debug)]
 pub struct Results {
-    connection: Connection,
-    path: PathBuf,
+    pub(crate) connection: Connection,
+    pub(crate) path: PathBuf,
 }
 
 /// A run of a campaign, as the results keep it: the same campaign begun again is another run.
@@ -317,7 +317,7 @@ impl Results {
         results_row::read(rows, &self.path)
     }
 
-    fn done<T>(&self, result: rusqlite::Result<T>) -> Result<T, BenchError> {
+    pub(crate) fn done<T>(&self, result: rusqlite::Result<T>) -> Result<T, BenchError> {
         result.map_err(|reason| BenchError::Database { path: self.path.clone(), reason })
     }
 }

@@ -47,13 +47,14 @@ pub fn run(
             tell(&Message::Planned)?;
             (record, path, None)
         }
-        (PlannerCall::BuiltIn { planner, settings: planner_settings }, None) => {
+        (PlannerCall::BuiltIn { planner, settings: planner_settings, score }, None) => {
             // A path to one goal is judged as one to any grasp.
             let aimed =
                 goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
             let asked = cranny_solve::Request {
                 planner: Some(planner.clone()),
                 settings: planner_settings.clone(),
+                score: *score,
                 budget: Budget {
                     iterations: trial.iteration_limit.unwrap_or(u64::MAX),
                     time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),

@@ -56,6 +56,24 @@ fn a_campaign_file_says_everything_that_a_campaign_has() {
 }
 
 #[test]
+fn the_score_that_counts_is_a_setting_of_a_built_in_planner() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("planner.sh"), "exit 0\n").expect("written");
+    let campaign = |planner: &str| {
+        read(folder.path(), &format!("scenarios: ['021']\nplanners: [{{{planner}}}]\nruns: 1\n"))
+    };
+    let settings = |planner: &str| campaign(planner).expect("a campaign").planners[0].call.settings();
+    assert_eq!(settings("planner: reach"), settings("planner: reach, score: geometric"));
+    assert!(settings("planner: reach, score: physics").contains("\"score\":\"physics\""));
+    let fault = campaign("exec: [sh, planner.sh], score: physics").expect_err("a fault").to_string();
+    assert!(fault.contains("campaign.yaml:2: `score` is for a built-in `planner`"), "{fault}");
+    // Said before the first trial: nobody has tried the grasps of a built-in scenario.
+    let schedule = campaign("planner: reach, score: physics").expect("a campaign").schedule();
+    let fault = schedule.expect_err("a fault").to_string();
+    assert!(fault.contains("021") && fault.contains("grasp 0 has no robust score"), "{fault}");
+}
+
+#[test]
 fn words_are_paths_from_the_folder_of_the_file_unless_they_are_ids() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for name in ["021", "mine"] {

@@ -38,7 +38,7 @@ fn a_view_in_the_place_of_a_table_is_refused_before_anything_is_asked_of_it() {
         let before = std::fs::read(&path).expect("the file");
         for opened in [Results::open(&path), Results::create(&path)] {
             let message = opened.expect_err("a fault").to_string();
-            assert!(message.contains("is not as `cranny bench run` makes it"), "{name}: {message}");
+            assert!(message.contains("is not as Cranny makes it"), "{name}: {message}");
         }
         let into = folder.path().join("into.db");
         let merged = Results::merged(&into, std::slice::from_ref(&path));

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use crate::fixture::{information, record, trial};
-use cranny_bench::{BenchError, Merged, Results, ScenarioSource, Trial, TrialOutcome, TrialRecord};
+use cranny_bench::{
+    BenchError, Merged, Results, ScenarioSource, SimulatedGrasp, Trial, TrialOutcome, TrialRecord,
+};
 use cranny_plan::Criterion;
 use strum::VariantArray as _;
 
@@ -48,6 +50,52 @@ fn a_trial_is_read_back_bit_by_bit() {
     let runs = read.runs().expect("runs");
     assert_eq!(runs[0].information, information("a"));
     assert!(runs[0].began.ends_with('Z') && runs[0].ended.is_some());
+}
+
+#[test]
+fn what_is_found_of_grasps_replaces_what_was_found_under_the_same_settings() {
+    let folder = folder();
+    let path = folder.path().join("results.db");
+    let mut results = results(&path, "a", 0..2);
+    let before = results.records().expect("records");
+    let found = |grasp: usize, robust| SimulatedGrasp {
+        scenario: "021".into(),
+        scenario_hash: "ab".repeat(32),
+        grasp,
+        outcome: "held".into(),
+        translation_error_m: 1.0 / 3.0,
+        rotation_error_rad: 0.0,
+        held_s: 1.8,
+        contact_force_n: 70.0,
+        robust,
+    };
+    let mut keep = |settings: &str, grasps: &[SimulatedGrasp]| {
+        results.keep_simulated_grasps(settings, grasps).expect("kept");
+    };
+    keep("a", &[found(1, None), found(2, None)]);
+    keep("b", &[found(1, Some((3, 4)))]);
+    keep("a", &[found(3, None)]);
+    let other = rusqlite::Connection::open(&path).expect("a database");
+    let sql = "SELECT settings, grasp, translation_error_m, robust_held, robust_trials FROM simulated_grasps \
+               ORDER BY settings, grasp";
+    let mut rows = other.prepare(sql).expect("a table");
+    type Row = (String, usize, f64, Option<usize>, Option<usize>);
+    let row = |row: &rusqlite::Row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?));
+    let rows: Vec<Row> = rows.query_map([], row).and_then(Iterator::collect).expect("rows");
+    let third = 1.0 / 3.0;
+    assert_eq!(rows, [("a".into(), 3, third, None, None), ("b".into(), 1, third, Some(3), Some(4))]);
+    assert_eq!(Results::open(&path).expect("results").records().expect("records"), before);
+    // All or nothing: a grasp twice is a mistake.
+    let twice = results.keep_simulated_grasps("b", &[found(5, None), found(5, None)]);
+    assert!(matches!(twice, Err(BenchError::Database { .. })), "{twice:?}");
+    let count = |sql: &str| other.query_row(sql, [], |row| row.get::<_, usize>(0)).expect("a count");
+    assert_eq!(count("SELECT count(*) FROM simulated_grasps WHERE settings = 'b' AND grasp = 1"), 1);
+    // A table of somebody else's of that name is let be.
+    other
+        .execute_batch("DROP TABLE simulated_grasps; CREATE TABLE simulated_grasps (mine)")
+        .expect("changed");
+    let refused = results.keep_simulated_grasps("a", &[found(1, None)]).expect_err("a fault").to_string();
+    assert!(refused.contains("'simulated_grasps' is not as Cranny makes it"), "{refused}");
 }
 
 #[test]

@@ -3,6 +3,7 @@ use std::time::Duration;
 
 use clap::builder::ArgPredicate;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::Geometry;
 
@@ -115,6 +116,9 @@ pub struct TaskArguments {
     /// [default: scene under exact, export under paper]
     #[arg(long, value_enum)]
     pub geometry: Option<GeometryArgument>,
+    /// File of grasps in the planning frame [default: the scenario's own]
+    #[arg(long, value_name = "FILE")]
+    pub grasps: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -125,6 +129,7 @@ pub struct TaskArguments {
   cranny plan 021 --margin 5 --grasp-margin 1
   cranny plan 021 --rate 100 --jerk-limited
   cranny plan 021 --optimise 5
+  cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
     .required(false)
@@ -138,7 +143,7 @@ pub struct PlanArguments {
         long,
         num_args = 2,
         value_names = ["SCENE", "REQUEST"],
-        conflicts_with_all = ["id", "criterion", "grasp_margin", "geometry", "goal_threshold"],
+        conflicts_with_all = ["id", "criterion", "grasp_margin", "geometry", "grasps", "score", "goal_threshold"],
         help = "Plan a MoveIt scene and request (YAML) in place of a scenario, for the robot of the scene's \
                 model, whose URDF and SRDF lie beside the scene or in the folder above, or for --robot"
     )]
@@ -146,6 +151,9 @@ pub struct PlanArguments {
     /// Which planner (see `cranny list`) [default: reach under exact, ik-rrt under paper]
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
+    /// Which score of the grasps counts, wherever one is better than another
+    #[arg(long, value_enum, default_value_t = ScoreArgument::Geometric)]
+    pub score: ScoreArgument,
     /// Seed of all randomness: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
@@ -211,7 +219,7 @@ pub struct VerifyArguments {
         long,
         num_args = 2,
         value_names = ["SCENE", "REQUEST"],
-        conflicts_with_all = ["criterion", "grasp_margin", "geometry"],
+        conflicts_with_all = ["criterion", "grasp_margin", "geometry", "grasps"],
         help = "Judge PLAN, then the only argument, against a MoveIt scene and request (YAML) in place of a \
                 scenario, as `cranny plan --moveit` takes them"
     )]
@@ -264,6 +272,23 @@ impl From<CriterionArgument> for Criterion {
         match argument {
             CriterionArgument::Exact => Self::Exact,
             CriterionArgument::Paper => Self::Paper,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ScoreArgument {
+    /// Of the contacts: how little friction they need
+    Geometric,
+    /// The robust score, which every grasp must then have: how often it is held in physics, everything a little wrong
+    Physics,
+}
+
+impl From<ScoreArgument> for ScoreKind {
+    fn from(argument: ScoreArgument) -> Self {
+        match argument {
+            ScoreArgument::Geometric => Self::Geometric,
+            ScoreArgument::Physics => Self::Physics,
         }
     }
 }

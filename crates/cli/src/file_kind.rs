@@ -9,7 +9,7 @@ pub enum FileKind {
     Trajectory,
     /// One configuration a line, comma-separated.
     Waypoints,
-    /// A line of 16 to 18 numbers for each grasp, mostly below a header.
+    /// A line of 16 to 20 numbers for each grasp, mostly below a header.
     Grasps,
     /// A picture that does not move, or one that does.
     Png,
@@ -35,6 +35,8 @@ pub enum FileKind {
     OmplLog,
     /// A scenario in one file.
     Archive,
+    /// `cranny simulate grasps --record`: trajectories of bodies.
+    Recording,
     /// `cranny simulate export`.
     Experiment,
     /// The model of one, as MuJoCo reads it.
@@ -64,6 +66,7 @@ impl FileKind {
             Self::CsvTable => "CSV table of a benchmark report",
             Self::OmplLog => "OMPL benchmark log",
             Self::Archive => "packed scenario",
+            Self::Recording => "recording",
             Self::Experiment => "simulated experiment",
             Self::Mjcf => "MJCF model",
         }
@@ -85,7 +88,7 @@ impl FileKind {
             Self::Plan => is_object_with(&["scenario", "planner"]),
             Self::Trajectory => text.starts_with("time_s,"),
             Self::Waypoints => numbers(text) > 0,
-            Self::Grasps => text.starts_with("t00,t01,") || (16..=18).contains(&numbers(text)),
+            Self::Grasps => text.starts_with("t00,t01,") || (16..=20).contains(&numbers(text)),
             Self::Png => head.starts_with(b"\x89PNG\r\n\x1a\n"),
             Self::Gif => head.starts_with(b"GIF8"),
             Self::Svg => (text.starts_with("<svg") || text.starts_with("<?xml")) && text.contains("<svg"),
@@ -96,6 +99,7 @@ impl FileKind {
             Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
             Self::MarkdownTable => text.starts_with("| scenario |"),
             Self::CsvTable => text.starts_with("criterion,scenario,goals,"),
+            Self::Recording => is_object_with(&["format"]) && text.contains("\"cranny-recording/"),
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
             // `OMPL version 1.7`, or of another library, then the experiment.

@@ -51,7 +51,8 @@ pub enum GraspsCommand {
   cranny grasps sample my_shelf -o my_shelf/grasps.csv
 
 Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
-them: the 16 numbers of each row by row, score, width. The score is 1 for contacts that need no friction and 0
+them: the 16 numbers of each row by row, score, width (and robust score with the number of its trials, where
+`cranny simulate grasps -o` wrote them). The score is 1 for contacts that need no friction and 0
 for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
 the grasp and on the way.")]
 pub struct SampleArguments {

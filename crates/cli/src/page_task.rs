@@ -11,8 +11,8 @@ use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::{self, stop_on_interrupt};
-use crate::search_replay;
 use crate::task::open_scenario;
+use crate::{recording, search_replay};
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
@@ -34,13 +34,18 @@ pub struct PageTask {
 
 impl PageTask {
     pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
+        if recording::file_of(request.id).is_some() {
+            return Err(recording::no_page(request.id));
+        }
         let files =
             request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
+        let grasps_of = |plan: &PlanFile| plan.grasps.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: None,
             robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
+            grasps: files.iter().flatten().find_map(grasps_of),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;

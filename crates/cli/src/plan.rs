@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cranny_collision::Margins;
-use cranny_grasp::GraspSet;
+use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{AuditSettings, Budget, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
 use cranny_scenario::{PlanFile, write_trajectory_csv};
 use cranny_solve::{Request, Timing, solve};
@@ -99,6 +99,7 @@ fn request(arguments: &PlanArguments) -> Request {
         settings: serde_json::Map::default(),
         budget: Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit },
         seed: arguments.seed,
+        score: arguments.score.into(),
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
         optimise: arguments
@@ -154,8 +155,12 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         (plan.grasp, plan.translation_error_m, plan.rotation_error_rad)
     {
         let count = grasps.len();
-        let score = text::score(grasps.grasps()[grasp].score);
-        line("grasp", format!("{grasp} of {count} (score {score})"));
+        let ends_at = &grasps.grasps()[grasp];
+        let (name, score) = match plan.score {
+            ScoreKind::Geometric => ("score", ends_at.score),
+            ScoreKind::Physics => ("robust score", ends_at.robust.map(|robust| robust.score())),
+        };
+        line("grasp", format!("{grasp} of {count} ({name} {})", text::score(score)));
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
     }
     if let Some(clearance) = plan.clearance_m {

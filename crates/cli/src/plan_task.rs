@@ -43,6 +43,7 @@ impl PlanTask {
             scenario: scenario.id,
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
+            grasps: arguments.grasps.clone(),
             margins,
         };
         Ok(Self { source, grasps: scenario.grasps, problem })
@@ -64,8 +65,12 @@ impl PlanTask {
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
-        let source =
-            PlanSource { scenario: opened.id, robot: arguments.robot.clone(), geometry: None, margins };
+        let source = PlanSource {
+            scenario: opened.id,
+            robot: arguments.robot.clone(),
+            margins,
+            ..PlanSource::default()
+        };
         Ok(Self { source, grasps: GraspSet::default(), problem })
     }
 }

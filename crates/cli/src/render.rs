@@ -2,11 +2,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
-use cranny_scenario::{OpenOptions, Scenario, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
-    Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
-    StandardView,
+    Animation, BodyRecording, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough,
+    ShownPath, StandardView,
 };
 use serde::Serialize;
 use strum::VariantArray as _;
@@ -18,6 +18,8 @@ use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
 use crate::plan_task::read_plan;
+use crate::recording;
+use crate::render_format::Format;
 use crate::task::open_scenario;
 use crate::{progress, text};
 
@@ -31,12 +33,13 @@ use crate::{progress, text};
   cranny render 021 021.plan.json -o 021.glb                 animated glTF, for three.js or Blender
   cranny render 021 021.plan.json -o 021.html                what `cranny view` shows, in one file to send
   cranny render --all -o sheet.png                           all built-in scenarios on one sheet
+  cranny render run.json -o run.gif                          a recording of `cranny simulate … --record`
 
 What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
 the same bytes on any machine.")]
 pub struct RenderArguments {
-    /// Built-in scenario, or the folder of one
-    #[arg(value_name = "ID", required_unless_present = "all")]
+    /// Built-in scenario, or the folder of one; or a recording (.json)
+    #[arg(value_name = "ID|RECORDING", required_unless_present = "all")]
     pub id: Option<String>,
     /// A plan file (.plan.json) or way points (.csv, .try), for .html several; with --all a folder of plan files
     /// ID.plan.json
@@ -116,30 +119,6 @@ impl ViewArgument {
     }
 }
 
-/// What a file's ending asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Png,
-    Gif,
-    Apng,
-    Glb,
-    Html,
-    Folder,
-}
-
-impl Format {
-    /// Nothing for a folder, which is no file.
-    fn kind(self) -> Option<FileKind> {
-        match self {
-            Self::Png | Self::Apng => Some(FileKind::Png),
-            Self::Gif => Some(FileKind::Gif),
-            Self::Glb => Some(FileKind::Glb),
-            Self::Html => Some(FileKind::ViewerPage),
-            Self::Folder => None,
-        }
-    }
-}
-
 /// What is printed with `--json`.
 #[derive(Default, Serialize)]
 struct Rendered {
@@ -169,7 +148,7 @@ const MOST_PICTURES: usize = 10_000;
 const MOST_MOVING_POINTS: usize = 500_000_000;
 
 pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
-    let format = format_of(&arguments.output)?;
+    let format = Format::of(&arguments.output)?;
     // So that nobody waits for a picture that cannot be written; places in a folder are looked at when their
     // names are known.
     if let Some(kind) = format.kind() {
@@ -202,10 +181,14 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
 }
 
 fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) -> Result<Rendered, Failure> {
-    let is_moving = matches!(format, Format::Gif | Format::Apng | Format::Folder);
+    let is_moving = format.is_moving();
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
     let plan = arguments.plans.first().map(PathBuf::as_path);
-    let scene = scene(id, plan, arguments, rate_hz, output)?;
+    let scene = match recording::file_of(id) {
+        Some(_) if format == Format::Html => return Err(recording::no_page(id)),
+        Some(file) => recorded(file, arguments, is_moving.then_some(rate_hz))?,
+        None => scene(id, plan, arguments, rate_hz, output)?,
+    };
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
     let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
@@ -342,6 +325,24 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
     Ok(Rendered { files, pictures: 1, width: sheet.width(), height: sheet.height(), triangles })
 }
 
+/// What is seen of a recording, with as many instants a second as pictures.
+fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
+    let others = [
+        ("robot", arguments.robot.is_some()),
+        ("geometry", arguments.geometry.is_some()),
+        ("output", !arguments.plans.is_empty()),
+    ];
+    if let Some((name, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(flag(
+            name,
+            "a recording is complete in itself: give its file alone, without plan or robot",
+        ));
+    }
+    let recording = BodyRecording::read(file)?;
+    let recording = rate_hz.map_or_else(|| recording.clone(), |rate_hz| recording.thinned(rate_hz));
+    Ok(Scene::of_moving_bodies(&recording))
+}
+
 fn scene(
     id: &str,
     plan: Option<&Path>,
@@ -350,11 +351,14 @@ fn scene(
     output: Output,
 ) -> Result<Scene, Failure> {
     let read = plan.map(read_plan).transpose()?.flatten();
-    let of_plan = read.as_ref().and_then(|plan| plan.robot.as_ref()).map(PathBuf::from);
+    let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
+        read.as_ref().and_then(|plan| file(plan).as_ref()).map(PathBuf::from)
+    };
     let options = OpenOptions {
         criterion: None,
-        robot: arguments.robot.clone().or(of_plan),
+        robot: arguments.robot.clone().or(of_plan(|plan| &plan.robot)),
         geometry: arguments.geometry.map(Into::into),
+        grasps: of_plan(|plan| &plan.grasps),
     };
     let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {
@@ -430,25 +434,6 @@ fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Res
         return Err(Failure::Flag { flag: "size", problem });
     }
     Ok(())
-}
-
-fn format_of(file: &Path) -> Result<Format, Failure> {
-    if output_file::is_folder(file) {
-        return Ok(Format::Folder);
-    }
-    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match ending.as_str() {
-        "png" => Ok(Format::Png),
-        "gif" => Ok(Format::Gif),
-        "apng" => Ok(Format::Apng),
-        "glb" => Ok(Format::Glb),
-        "html" => Ok(Format::Html),
-        _ => {
-            let text = file.display();
-            let problem = format!("'{text}' ends in none of .png, .gif, .apng, .glb, .html and / (a folder)");
-            Err(Failure::Flag { flag: "output", problem })
-        }
-    }
 }
 
 fn flag(flag: &'static str, problem: &str) -> Failure {

@@ -7,7 +7,7 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::{positive, whole};
 use crate::simulate_plan::SimulatePlanArguments;
-use crate::{simulate_export, simulate_grasps, simulate_plan, simulate_settle};
+use crate::{simulate_export, simulate_grasps, simulate_plan, simulate_results, simulate_settle};
 
 #[derive(Clone, Debug, Args)]
 pub struct SimulateArguments {
@@ -21,6 +21,8 @@ pub enum SimulateCommand {
     Grasps(Box<SimulateGraspsArguments>),
     /// Execute a plan in physics: the arm follows it, the hand closes, the arm lifts
     Plan(Box<SimulatePlanArguments>),
+    /// Try the grasps at which the solved trials of a campaign end
+    Results(SimulateResultsArguments),
     /// Write the same tests for another engine, MuJoCo
     Export(Box<SimulateExportArguments>),
     /// Drop an object at random: how often does it come to rest in which of its stable poses?
@@ -32,7 +34,9 @@ pub enum SimulateCommand {
   cranny simulate grasps 021
   cranny simulate grasps 031 --support-only --friction 0.5 --json
   cranny simulate grasps 041 --grasp 7 --record grasp7.glb    or .gif, to be looked at
+  cranny simulate grasps 041 --grasp 7 --record grasp7.json   for `cranny render grasp7.json -o grasp7.gif`
   cranny simulate grasps 011 --trials 32                       a robust score: slightly wrong grasps too
+  cranny simulate grasps 011 --trials 32 -o scored.csv         the grasps with it, beside the geometric score
   cranny simulate grasps mug --grasps mug.csv --pose 0         an object on the ground
 
 The object comes to rest; the open hand stands at the grasp, closes with its closing force, lifts 100 mm and shakes
@@ -52,7 +56,10 @@ pub struct SimulateGraspsArguments {
     /// Seed of the trials
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Write what moved where: .glb or .gif (with --grasp)
+    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Write what moved where (with --grasp): .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE", requires = "grasp")]
     pub record: Option<PathBuf>,
 }
@@ -84,6 +91,29 @@ pub struct SubjectArguments {
     /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
     #[arg(long, value_name = "FILE")]
     pub gripper: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate results results.db
+  cranny simulate results results.db --trials 32 --json
+
+Each grasp at which a solved trial ends is tried once, as `cranny simulate grasps` does it: the hand alone, in the
+scenario of the trial. What came of it is kept in the same file, in a table simulated_grasps, in the place of what was
+kept there under the same settings; trials stay as they are.")]
+pub struct SimulateResultsArguments {
+    /// Results of campaigns, as `cranny bench run` wrote them
+    #[arg(value_name = "RESULTS")]
+    pub results: PathBuf,
+    /// Only what the target stands on, not all that stands around; the hand may then be where obstacles are
+    #[arg(long)]
+    pub support_only: bool,
+    /// Try each grasp so many times more, everything a little wrong, for its robust score
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
+    pub trials: usize,
+    /// Seed of these trials
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -126,6 +156,7 @@ pub fn run(arguments: &SimulateArguments, output: Output) -> Result<Answer, Fail
     match &arguments.command {
         SimulateCommand::Grasps(arguments) => simulate_grasps::run(arguments, output),
         SimulateCommand::Plan(arguments) => simulate_plan::run(arguments, output),
+        SimulateCommand::Results(arguments) => simulate_results::run(arguments, output),
         SimulateCommand::Export(arguments) => simulate_export::run(arguments, output),
         SimulateCommand::Settle(arguments) => simulate_settle::run(arguments, output),
     }

@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use cranny_bench::statistics::wilson;
-use cranny_collision::Body;
-use cranny_sim::{Disturbance, GraspOutcome, GraspRow, RecordedBody, Recording};
-use cranny_view::{Animation, MovingBody, PictureSettings, Scene, StandardView};
+use cranny_grasp::{Grasp, GraspSet, csv_text};
+use cranny_scenario::ScenarioError;
+use cranny_sim::{Disturbance, GraspOutcome, GraspRow};
 use serde::Serialize;
 
 use crate::Answer;
@@ -16,7 +16,7 @@ use crate::file_kind::FileKind;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::simulate::SimulateGraspsArguments;
 use crate::simulate_subject::{Subject, flag};
-use crate::{output_file, text};
+use crate::{output_file, recording, text};
 
 /// What `simulate grasps --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -30,6 +30,9 @@ struct Simulated {
     wilson_interval: Option<[f64; 2]>,
     /// Whether Ctrl-C left grasps over.
     stopped: bool,
+    /// Where the grasps with their robust scores stand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<PathBuf>,
     rows: Vec<Row>,
 }
 
@@ -43,12 +46,22 @@ struct Row {
 }
 
 pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer, Failure> {
-    let recorded =
-        arguments.record.as_deref().map(|file| kind_of(file).map(|kind| (file, kind))).transpose()?;
+    let recorded = arguments
+        .record
+        .as_deref()
+        .map(|file| recording::kind_of(file).map(|kind| (file, kind)))
+        .transpose()?;
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let Subject { name, hand, test, grasps } = Subject::open(&arguments.subject, output)?;
+    if let Some(file) = &arguments.output {
+        if arguments.trials == 0 {
+            let problem = "a robust score needs --trials, say --trials 32".to_owned();
+            return Err(flag("output", problem));
+        }
+        output_file::check(file, FileKind::Grasps, output)?;
+    }
+    let Subject { name, hand, test, grasps, given } = Subject::open(&arguments.subject, output)?;
     let grasps = grasps.grasps();
     let chosen: Vec<usize> = match arguments.grasp {
         None => (0..grasps.len()).collect(),
@@ -61,6 +74,12 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     let is_stopped = || stop.load(Ordering::Relaxed);
     let rows = test.rows(grasps, &chosen, trials, &|| progress.inc(1), &is_stopped);
     progress.finish_and_clear();
+    // Grasps of which only a part was tried are no file, and what stood there before stays.
+    let written = arguments.output.as_ref().filter(|_| !is_stopped());
+    if let Some(file) = written {
+        let set = with_robust_scores(&given, &rows)?;
+        output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+    }
     let held = rows.iter().filter(|row| row.outcome == GraspOutcome::Held).count();
     let with_interval = |row: GraspRow| {
         let robust_interval = row.robust.and_then(|robust| interval(robust.held, robust.trials));
@@ -74,12 +93,14 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
         success_rate: held as f64 / rows.len().max(1) as f64,
         wilson_interval: interval(held, rows.len()),
         stopped: is_stopped(),
+        file: written.cloned(),
         rows: rows.into_iter().map(with_interval).collect(),
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
         let run = test.run(&grasps[*grasp].world_from_gripper, &Disturbance::default(), true);
-        let scene = scene(&simulated.subject, test.surroundings(), &run.recording.unwrap_or_default());
-        write(&scene, file, kind, output)?;
+        let recording =
+            recording::of_run(&simulated.subject, test.surroundings(), &run.recording.unwrap_or_default());
+        recording::write(&recording, file, kind, output)?;
     }
     text::answer(&simulated, || simulated.page(), output)?;
     Ok(if held > 0 && !simulated.stopped { Answer::Done } else { Answer::No })
@@ -106,7 +127,7 @@ impl Simulated {
         for (outcome, count) in outcomes {
             let _ = writeln!(page, "  {count:>5}  {outcome}");
         }
-        let robust = self.rows.iter().filter_map(|Row { row, .. }| Some((row, row.robust?.score)));
+        let robust = self.rows.iter().filter_map(|Row { row, .. }| Some((row, row.robust?.score())));
         let mut robust: Vec<(&GraspRow, f64)> = robust.collect();
         robust.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (row, score) in robust.into_iter().take(MOST_SHOWN) {
@@ -123,8 +144,20 @@ impl Simulated {
                 "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {force_n:.1} N"
             );
         }
+        if let Some(file) = &self.file {
+            let _ = writeln!(page, "  written to {}", file.display());
+        }
         page
     }
+}
+
+/// The grasps with what was found of those that were tried; of the others what was known before.
+fn with_robust_scores(given: &GraspSet, rows: &[GraspRow]) -> Result<GraspSet, Failure> {
+    let mut grasps: Vec<Grasp> = given.grasps().to_vec();
+    for row in rows {
+        grasps[row.grasp].robust = row.robust;
+    }
+    Ok(GraspSet::new(grasps).map_err(ScenarioError::from)?)
 }
 
 /// The best of the robust scores that a person is shown.
@@ -132,51 +165,4 @@ const MOST_SHOWN: usize = 10;
 
 fn interval(held: usize, trials: usize) -> Option<[f64; 2]> {
     wilson(held, trials).map(|interval| [interval.low, interval.high])
-}
-
-/// What the ending of the file of a recording asks for.
-pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
-    match file.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("glb") => Ok(FileKind::Glb),
-        Some("gif") => Ok(FileKind::Gif),
-        _ => Err(flag("record", "the file's ending says what to write: .glb or .gif".to_owned())),
-    }
-}
-
-/// What is seen of a recorded simulation.
-pub fn scene(name: &str, surroundings: &[Body], recording: &Recording) -> Scene {
-    let body = |(index, body): (usize, &RecordedBody)| MovingBody {
-        name: body.name.clone(),
-        surface: body.surface(),
-        is_grasped: index == 0,
-        world_from_body: body.world_from_body.clone(),
-    };
-    let moving: Vec<MovingBody> = recording.bodies.iter().enumerate().map(body).collect();
-    Scene::of_moving_bodies(name, surroundings, &moving, recording.times_s.clone())
-}
-
-/// Pictures a second of a GIF, at most those of a recording.
-const GIF_RATE_HZ: u16 = 25;
-
-/// Writes a recorded simulation.
-pub fn write(scene: &Scene, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
-    if kind == FileKind::Glb {
-        return Ok(scene.write_glb(file)?);
-    }
-    let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
-    let period_s = 1.0 / f64::from(GIF_RATE_HZ);
-    let mut frames: Vec<usize> = Vec::new();
-    for (frame, &time_s) in times_s.iter().enumerate() {
-        if time_s + 1e-9 >= frames.len() as f64 * period_s {
-            frames.push(frame);
-        }
-    }
-    let settings = PictureSettings { width: 640, height: 480, ghosts: 0, ..PictureSettings::default() };
-    let bar = bar(frames.len() as u64, output.quiet);
-    let pictures = Animation::draw(scene, StandardView::ThreeQuarter, &settings, &frames, |_, picture| {
-        bar.inc(1);
-        Ok(picture)
-    })?;
-    bar.finish_and_clear();
-    Ok(Animation { pictures, rate_hz: GIF_RATE_HZ }.write_gif(file)?)
 }

@@ -12,12 +12,11 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::positive;
-use crate::output_file;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
-use crate::simulate_grasps::{kind_of, scene, write};
 use crate::task::{metres, open_scenario};
 use crate::text::{self, degrees, millimetres};
+use crate::{output_file, recording};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -50,7 +49,7 @@ pub struct SimulatePlanArguments {
     /// Another robot's URDF (with limits.yaml and hand.yaml beside it) instead of the plan's or the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Write what moved where: .glb or .gif
+    /// Write what moved where: .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
 }
@@ -80,7 +79,7 @@ struct Executed {
 }
 
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
-    let recorded = arguments.record.as_deref().map(|file| kind_of(file).map(|kind| (file, kind)));
+    let recorded = arguments.record.as_deref().map(|file| recording::kind_of(file).map(|kind| (file, kind)));
     let recorded = recorded.transpose()?;
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
@@ -92,6 +91,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let options = OpenOptions {
         criterion: plan.as_ref().map(|plan| plan.criterion),
         robot: arguments.robot.clone().or_else(of_plan),
+        grasps: plan.as_ref().and_then(|plan| plan.grasps.clone()).map(PathBuf::from),
         ..OpenOptions::default()
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;
@@ -129,8 +129,8 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let mut run = test.run(&motion, trajectory.duration_s(), lift_m, recorded.is_some())?;
     waiting.finish_and_clear();
     if let Some((file, kind)) = recorded {
-        let recording = run.grasp.recording.take().unwrap_or_default();
-        write(&scene(&scenario.id, &surroundings, &recording), file, kind, output)?;
+        let run = run.grasp.recording.take().unwrap_or_default();
+        recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
     }
     let is_held = run.grasp.outcome == GraspOutcome::Held;
     let executed = Executed::of(scenario.id, run);

@@ -16,6 +16,8 @@ pub struct Subject {
     pub test: GraspTest,
     /// In the planning frame.
     pub grasps: GraspSet,
+    /// The same as they were given: those of an object are in its frame.
+    pub given: GraspSet,
 }
 
 impl Subject {
@@ -34,7 +36,8 @@ impl Subject {
             let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
             let hand = with_force(given.unwrap_or_else(|| robot_hand(&scenario.robot)));
             let test = GraspTest::of_scenario(&scenario, &hand, &instead, arguments.support_only)?;
-            return Ok(Self { name: scenario.id, hand, test, grasps: grasps.unwrap_or(scenario.grasps) });
+            let grasps = grasps.unwrap_or(scenario.grasps);
+            return Ok(Self { name: scenario.id, hand, test, given: grasps.clone(), grasps });
         }
         if arguments.support_only {
             return Err(flag(
@@ -46,7 +49,7 @@ impl Subject {
         let (mass_kg, friction) =
             (instead.mass_kg.unwrap_or(object.mass_kg), instead.friction.unwrap_or(object.friction));
         let object = object.with_mass_and_friction(mass_kg, friction)?;
-        let Some(grasps) = grasps else {
+        let Some(file) = grasps else {
             let name = &arguments.subject;
             let problem = format!(
                 "grasps of an object stand in a file; make one: cranny grasps sample {name} -o {name}.csv"
@@ -56,8 +59,8 @@ impl Subject {
         let hand = with_force(given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?);
         let test = GraspTest::of_object(&object, &hand, arguments.pose)?;
         let world_from_object = arguments.pose.map(|pose| object.stable_poses[pose].ground_from_body);
-        let grasps = grasps.moved(&world_from_object.unwrap_or_default());
-        Ok(Self { name: object.name, hand, test, grasps })
+        let grasps = file.moved(&world_from_object.unwrap_or_default());
+        Ok(Self { name: object.name, hand, test, grasps, given: file })
     }
 }
 

@@ -27,6 +27,7 @@ impl Task {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
+            grasps: arguments.grasps.clone(),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
         let margins = Margins {

@@ -65,6 +65,8 @@ fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_k
         ("grasps sample banana --count 5", "grasps.csv"),
         ("grasps sample banana --count 5 -o c.csv", "c.csv"),
         ("grasps filter 021 -o d.csv", "d.csv"),
+        ("simulate grasps 021 --support-only --grasp 3 --trials 1 -o l.csv", "l.csv"),
+        ("simulate grasps 021 --support-only --grasp 3 --record m.json", "m.json"),
         ("object show tennis_ball --picture e.png", "e.png"),
         ("render 021 --size 16x16 --samples 1 -o f.png", "f.png"),
         ("render 021 reach.plan.json --size 16x16 --samples 1 --rate 1 -o g.gif", "g.gif"),

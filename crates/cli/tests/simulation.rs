@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use cranny_scenario::{OpenOptions, Scenario};
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("cranny").expect("the program");
@@ -45,6 +46,37 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
     }
     assert_eq!(row["robust"]["trials"], 4);
     assert_eq!(&std::fs::read(folder.join("three.glb")).expect("written")[..4], b"glTF");
+    // As trajectories it is drawn later, without physics.
+    answer(folder, &["grasps", "021", "--grasp", "3", "--support-only", "--record", "three.json"]);
+    let recording = cranny_view::BodyRecording::read(&folder.join("three.json")).expect("a recording");
+    assert!(recording.bodies.iter().any(|body| body.is_grasped) && recording.times_s.len() > 10);
+    let render = |words: &str| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        let command = command.current_dir(folder).args(["render", "three.json", "--size", "32x24"]);
+        command.args(words.split_whitespace()).output().expect("it runs")
+    };
+    for (words, file, head) in [
+        ("-o a.gif --rate 5", "a.gif", &b"GIF8"[..]),
+        ("-o a.png --time 0.1", "a.png", b"\x89PNG"),
+        ("-o frames/ --rate 1", "frames/0001.png", b"\x89PNG"),
+    ] {
+        let output = render(words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(std::fs::read(folder.join(file)).expect("written").starts_with(head), "{words}");
+    }
+    // The model is the same as if it had been written at once.
+    assert!(render("-o again.glb").status.success());
+    let model = |name: &str| std::fs::read(folder.join(name)).expect("written");
+    assert_eq!(model("again.glb"), model("three.glb"));
+    for (words, said) in [
+        ("-o a.html", "three.json: a recording is no scenario"),
+        ("three.json -o a.png", "complete in itself"),
+        ("-o a.png --time 1000", "after the end of the motion"),
+    ] {
+        let output = render(words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(said), "{words}: {error}");
+    }
     // Nothing holds what is too heavy, and that is an honest no.
     let (code, document) = answer(folder, &["grasps", "021", "--grasp", "3", "--mass", "50"]);
     assert_eq!((code, &document["held"]), (1, &0.into()));
@@ -63,6 +95,26 @@ fn grasps_of_an_object_stand_in_a_file() {
     // Heavy as lead in the same grasp.
     let heavy = ["grasps", "sugar_box", "--grasps", "box.csv", "--mass", "40", "--pose", "0"];
     assert_eq!(answer(folder, &heavy).1["held"], 0);
+    // Robust scores come beside what the file says, whose poses stay in the frame of the object.
+    let scored =
+        ["grasps", "sugar_box", "--grasps", "box.csv", "--pose", "0", "--trials", "2", "--grasp", "1"];
+    let (_, document) = answer(folder, &[&scored[..], &["-o", "scored.csv"]].concat());
+    assert_eq!(document["file"], "scored.csv");
+    let read = |name: &str| cranny_grasp::read_csv(&folder.join(name)).expect("grasps");
+    let (before, after) = (read("box.csv"), read("scored.csv"));
+    let robust = &document["rows"][0]["robust"];
+    let known = after.grasps()[1].robust.expect("a robust score");
+    assert_eq!((known.trials, &known.held.into()), (2, &robust["held"]));
+    assert_eq!(after.grasps()[0].robust, None);
+    for (before, after) in before.grasps().iter().zip(after.grasps()) {
+        assert_eq!((before.score, before.width_m), (after.score, after.width_m));
+        assert!(before.difference(&after.world_from_gripper).translation_m < 1e-12);
+    }
+    // Written again, what is known of the others stays.
+    let zero = ["grasps", "sugar_box", "--grasps", "scored.csv", "--trials", "1", "--grasp", "0"];
+    answer(folder, &[&zero[..], &["-o", "scored.csv"]].concat());
+    let trials = |grasp: &cranny_grasp::Grasp| grasp.robust.map(|robust| robust.trials);
+    assert_eq!(read("scored.csv").grasps().iter().map(trials).collect::<Vec<_>>(), [Some(1), Some(2)]);
     refused(folder, &["grasps", "sugar_box"], &["--grasps", "cranny grasps sample sugar_box"]);
     refused(
         folder,
@@ -73,12 +125,92 @@ fn grasps_of_an_object_stand_in_a_file() {
 }
 
 #[test]
+fn physics_counts_where_a_plan_is_asked_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let plan = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).args(["plan", "021", "--iterations", "3000"]).args(arguments);
+        command.output().expect("it runs")
+    };
+    let read = |name: &str| cranny_scenario::PlanFile::read(&folder.join(name)).expect("a plan");
+    // By geometry the first grasp that is tried is another one.
+    assert!(plan(&["--planner", "ik-rrt", "-o", "geometric.json"]).status.success());
+    let (scenario, best) = (Scenario::open("021", &OpenOptions::default()).expect("a scenario"), 139);
+    assert_ne!(read("geometric.json").grasp, Some(best));
+    let robust =
+        |grasp| Some(cranny_grasp::RobustScore { trials: 4, held: if grasp == best { 4 } else { 1 } });
+    let grasps = scenario.grasps.grasps().iter().enumerate();
+    let scored =
+        grasps.map(|(index, grasp)| cranny_grasp::Grasp { robust: robust(index), ..*grasp }).collect();
+    let scored = cranny_grasp::GraspSet::new(scored).expect("grasps");
+    cranny_grasp::write_csv(&folder.join("scored.csv"), &scored).expect("written");
+    let by_physics =
+        ["--planner", "ik-rrt", "--grasps", "scored.csv", "--score", "physics", "-o", "p.plan.json"];
+    let output = plan(&by_physics);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("139 of 200 (robust score 1.00)"), "{output:?}");
+    let planned = read("p.plan.json");
+    assert_eq!((planned.grasp, planned.score), (Some(best), cranny_grasp::ScoreKind::Physics));
+    assert_eq!(planned.grasps.as_deref(), Some("scored.csv"));
+    assert_eq!(planned.request().score, cranny_grasp::ScoreKind::Physics);
+    // Nothing is made up where nobody tried.
+    let refused = plan(&["--score", "physics"]);
+    let error = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error.contains("--score: grasp 0 has no robust score") && error.contains("--trials"), "{error}");
+}
+
+#[test]
+fn the_grasps_of_a_campaign_are_tried_once_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let cranny = |words: &str| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).args(words.split_whitespace()).output().expect("it runs")
+    };
+    let example = |name: &str| {
+        let entry = cranny_scenario::catalogue().iter().find(|entry| entry.id == "021").expect("built in");
+        std::fs::create_dir_all(folder.join(name)).expect("a folder");
+        let (scenario, grasps) = entry.files();
+        std::fs::write(folder.join(name).join("scenario.yaml"), scenario).expect("written");
+        std::fs::write(folder.join(name).join("grasps.csv"), grasps).expect("written");
+    };
+    example("mine");
+    assert!(cranny("bench run --scenarios ./mine --planners reach --runs 3 -o results.db").status.success());
+    let words = ["results", "results.db", "--support-only", "--trials", "1"];
+    let (code, document) = answer(folder, &words);
+    let planner = &document["planners"][0];
+    assert_eq!((code, &document["scenarios"], &planner["solved"]), (0, &1.into(), &3.into()));
+    assert_eq!((&planner["planner"], &planner["criterion"]), (&"reach".into(), &"exact".into()));
+    assert!(planner["robust_score"].is_f64() && planner["held"].as_u64().is_some_and(|held| held <= 3));
+    assert_eq!(answer(folder, &words).1, document);
+    let rows = || -> u64 {
+        let results = rusqlite::Connection::open(folder.join("results.db")).expect("a database");
+        results.query_row("SELECT count(*) FROM simulated_grasps", [], |row| row.get(0)).expect("a count")
+    };
+    assert_eq!(document["grasps"], rows());
+    // The campaign is as it was, and goes on.
+    assert!(cranny("bench report results.db -o report.json").status.success());
+    assert!(cranny("bench run --scenarios ./mine --planners reach --runs 4 -o results.db").status.success());
+    std::fs::write(folder.join("mine/grasps.csv"), "1,0,0,2,0,1,0,2,0,0,1,0.5,0,0,0,1\n").expect("written");
+    refused(folder, &["results", "results.db"], &["results.db", "scenario mine", "changed", "mine"]);
+    // Where nothing is solved there is no grasp.
+    let none = "bench run --scenarios 021 --planners ik-rrt --runs 1 --iterations 0 -o none.db";
+    assert!(cranny(none).status.success());
+    refused(folder, &["results", "none.db"], &["none.db", "no trial is solved"]);
+    std::fs::write(folder.join("text.db"), "no database\n").expect("written");
+    refused(folder, &["results", "text.db"], &["text.db", "cranny bench run"]);
+    refused(folder, &["results", "nothing.db"], &["nothing.db", "cranny bench run"]);
+}
+
+#[test]
 fn bad_input_is_refused_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     refused(folder, &["grasps", "021", "--grasp", "999"], &["--grasp", "200 grasps"]);
     refused(folder, &["grasps", "021", "--grasp", "0", "--record", "a.mp4"], &["--record", ".glb"]);
     refused(folder, &["grasps", "021", "--record", "a.glb"], &["--grasp"]);
+    refused(folder, &["grasps", "021", "--grasp", "0", "-o", "a.csv"], &["--output", "--trials"]);
     refused(folder, &["grasps", "021", "--friction", "-1"], &["--friction", "positive"]);
     refused(folder, &["grasps", "nothing_there"], &["nothing_there"]);
     // A scenario whose target nobody has weighed.

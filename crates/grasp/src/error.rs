@@ -52,8 +52,37 @@ pub enum GraspError {
         /// The offending value, in metres.
         width_m: f64,
     },
+    /// A robust score is no share of its trials.
+    #[error(
+        "the robust score of grasp {grasp} is {score} of {trials} trials, but it is the share that held, in [0, 1], of \
+         a whole number of them"
+    )]
+    Robust {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+        /// The offending score.
+        score: f64,
+        /// The number of trials that it is said to be of.
+        trials: f64,
+    },
+    /// A grasp has no robust score, where it counts.
+    #[error(
+        "grasp {grasp} has no robust score (`cranny simulate grasps ID --trials 32 -o FILE` writes the grasps with theirs)"
+    )]
+    NoRobustScore {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+    },
+    /// A line has a robust score without its number of trials, or the other way round.
+    #[error(
+        "of robust score and robust trials (numbers 19 and 20) there is only one; give both, or leave both empty"
+    )]
+    HalfRobust,
     /// A line holds too few or too many numbers.
-    #[error("{actual} numbers instead of 16 (the pose, row by row; a score and a width may follow)")]
+    #[error(
+        "{actual} numbers instead of 16 (the pose, row by row; score, width, robust score and robust trials may \
+         follow)"
+    )]
     NumberCount {
         /// How many there are.
         actual: usize,

@@ -3,11 +3,11 @@ use std::fs;
 use std::path::Path;
 
 use crate::homogeneous::{pose_of_rows, rows_of_pose};
-use crate::{Grasp, GraspError, GraspSet};
+use crate::{Grasp, GraspError, GraspSet, RobustScore};
 
 /// The grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row
-/// (metres), then score and width (m). Score and width may be empty or absent, as in the files of the
-/// paper's release; a first line that holds no number at all is a header.
+/// (metres), then score and width (m), then robust score and the number of its trials. All after the pose may be
+/// empty or absent, as in the files of the paper's release; a first line that holds no number at all is a header.
 ///
 /// # Errors
 /// [`GraspError::Line`] with file and line for what is no grasp, [`GraspError::Empty`] for a file without
@@ -42,7 +42,7 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
         }
         // Faults of a single grasp call it by its place in the file.
         let place = sound.len() + faults.len();
-        let checked = parse(line).and_then(|grasp| grasp.checked(place));
+        let checked = parse(line, place).and_then(|grasp| grasp.checked(place));
         match checked {
             Ok(grasp) => sound.push(grasp),
             Err(fault) => {
@@ -57,7 +57,8 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     (GraspSet::of_checked(sound), faults)
 }
 
-/// Writes what [`read_csv`] reads, with a header; what is not known stays empty.
+/// Writes what [`read_csv`] reads, with a header; what is not known stays empty, and where no grasp has a robust
+/// score there are no columns for it.
 ///
 /// # Errors
 /// [`GraspError::Unwritable`].
@@ -74,13 +75,23 @@ pub fn csv_text(grasps: &GraspSet) -> String {
             let _ = write!(text, "t{row}{column},");
         }
     }
-    text.push_str("score,width_m\n");
+    text.push_str("score,width_m");
+    let is_robust = grasps.grasps().iter().any(|grasp| grasp.robust.is_some());
+    text.push_str(if is_robust { ",robust_score,robust_trials\n" } else { "\n" });
     for grasp in grasps.grasps() {
         for number in rows_of_pose(&grasp.world_from_gripper) {
             let _ = write!(text, "{number},");
         }
         let or_empty = |value: Option<f64>| value.map_or_else(String::new, |x| x.to_string());
-        let _ = writeln!(text, "{},{}", or_empty(grasp.score), or_empty(grasp.width_m));
+        let _ = write!(text, "{},{}", or_empty(grasp.score), or_empty(grasp.width_m));
+        match grasp.robust {
+            Some(robust) => {
+                let _ = write!(text, ",{},{}", robust.score(), robust.trials);
+            }
+            None if is_robust => text.push_str(",,"),
+            None => {}
+        }
+        text.push('\n');
     }
     text
 }
@@ -90,10 +101,10 @@ fn is_header(line: &str) -> bool {
     fields().all(|field| field.parse::<f64>().is_err()) && fields().any(|field| !field.is_empty())
 }
 
-fn parse(line: &str) -> Result<Grasp, GraspError> {
+fn parse(line: &str, place: usize) -> Result<Grasp, GraspError> {
     // Counted before they are kept: a line may have any number of them.
     let actual = line.split(',').count();
-    if !(16..=18).contains(&actual) {
+    if !(16..=20).contains(&actual) {
         return Err(GraspError::NumberCount { actual });
     }
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
@@ -113,7 +124,20 @@ fn parse(line: &str) -> Result<Grasp, GraspError> {
     for (index, entry) in rows.iter_mut().enumerate() {
         *entry = number(index)?;
     }
-    Ok(Grasp { world_from_gripper: pose_of_rows(&rows)?, score: optional(0)?, width_m: optional(1)? })
+    let world_from_gripper = pose_of_rows(&rows)?;
+    let (score, width_m) = (optional(0)?, optional(1)?);
+    let robust = match (optional(2)?, optional(3)?) {
+        (None, None) => None,
+        (Some(score), Some(trials)) => {
+            Some(RobustScore::of_share(score, trials).ok_or(GraspError::Robust {
+                grasp: place,
+                score,
+                trials,
+            })?)
+        }
+        _ => return Err(GraspError::HalfRobust),
+    };
+    Ok(Grasp { world_from_gripper, score, width_m, robust })
 }
 
 #[cfg(test)]
@@ -145,6 +169,7 @@ mod tests {
                 ),
                 score: (index % 3 > 0).then(|| random.uniform()),
                 width_m: (index % 2 > 0).then_some(0.0647),
+                robust: (index % 5 > 0).then_some(RobustScore { trials: 32, held: index % 33 }),
             })
             .collect();
         let written = GraspSet::new(grasps).unwrap();
@@ -154,7 +179,7 @@ mod tests {
         let read = read_csv(&path).unwrap();
         assert_eq!(read.len(), 50);
         for (a, b) in written.grasps().iter().zip(read.grasps()) {
-            assert_eq!((a.score, a.width_m), (b.score, b.width_m));
+            assert_eq!((a.score, a.width_m, a.robust), (b.score, b.width_m, b.robust));
             let difference = PoseDifference::between(&a.world_from_gripper, &b.world_from_gripper);
             assert!(difference.translation_m == 0.0 && difference.rotation_rad < 1e-14);
         }
@@ -166,6 +191,21 @@ mod tests {
         let found: Vec<_> = set.grasps().iter().map(|g| (g.score, g.width_m)).collect();
         assert_eq!(found, [(None, None), (None, None), (Some(0.5), None), (None, Some(0.02))]);
         assert_eq!(set.grasps()[0].world_from_gripper, Pose::translation(0.1, 0.2, 0.3));
+    }
+
+    #[test]
+    fn a_file_has_columns_for_robust_scores_only_where_there_are_any() {
+        let without = read(&format!("{IDENTITY},0.5,0.02\n{IDENTITY}\n")).unwrap();
+        let lines = |set: &GraspSet| csv_text(set).lines().map(str::to_owned).collect::<Vec<_>>();
+        assert!(lines(&without)[0].ends_with(",t33,score,width_m"));
+        assert!(
+            lines(&without)[1..].iter().zip([",1,0.5,0.02", ",1,,"]).all(|(line, end)| line.ends_with(end))
+        );
+        let with = read(&format!("{IDENTITY},0.5,0.02,0.97,32\n{IDENTITY},,,,\n")).unwrap();
+        assert_eq!(with.grasps()[0].robust, Some(RobustScore { trials: 32, held: 31 }));
+        assert!(lines(&with)[0].ends_with(",score,width_m,robust_score,robust_trials"));
+        let ends = [",1,0.5,0.02,0.96875,32", ",1,,,,"];
+        assert!(lines(&with)[1..].iter().zip(ends).all(|(line, end)| line.ends_with(end)));
     }
 
     #[test]
@@ -184,7 +224,14 @@ mod tests {
         assert!(after_one(&format!("{IDENTITY},1.5")).contains("grasps.csv:2: the score of grasp 1 is 1.5"));
         assert!(after_one(&format!("{IDENTITY},,-1")).contains("grasps.csv:2: the width of grasp 1"));
         assert!(after_one(&format!("{IDENTITY},nan")).contains("number 17"));
-        assert!(after_one(&format!("{IDENTITY},0,0,0")).contains("19 numbers instead of 16"));
+        let robust = after_one(&format!("{IDENTITY},,,1.5,32"));
+        assert!(robust.contains("grasps.csv:2: the robust score of grasp 1 is 1.5 of 32 trials"), "{robust}");
+        assert!(after_one(&format!("{IDENTITY},,,0.5,0")).contains("is 0.5 of 0 trials"));
+        assert!(after_one(&format!("{IDENTITY},,,0.5,3")).contains("the share that held"));
+        assert!(after_one(&format!("{IDENTITY},,,NaN,32")).contains("number 19 is 'NaN'"));
+        assert!(after_one(&format!("{IDENTITY},,,0.5")).contains("there is only one; give both"));
+        assert!(after_one(&format!("{IDENTITY},,,,32")).contains("there is only one; give both"));
+        assert!(after_one(&format!("{IDENTITY},0,0,0,1,0")).contains("21 numbers instead of 16"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 use cranny_spatial::{Pose, PoseDifference, Rotation};
 
-use crate::GraspError;
+use crate::{GraspError, RobustScore, ScoreKind};
 
 /// One way to hold the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Grasp {
     pub score: Option<f64>,
     /// Width of the object between the fingers, in metres, where known.
     pub width_m: Option<f64>,
+    /// How it does in physics when everything is a little wrong, where that was tried.
+    pub robust: Option<RobustScore>,
 }
 
 impl Grasp {
@@ -36,6 +38,13 @@ impl Grasp {
         if let Some(width_m) = self.width_m.filter(|w| !(w.is_finite() && *w >= 0.0)) {
             return Err(GraspError::Width { grasp: place, width_m });
         }
+        if let Some(RobustScore { trials, held }) = self.robust.filter(|robust| !robust.is_sound()) {
+            return Err(GraspError::Robust {
+                grasp: place,
+                score: held as f64 / trials as f64,
+                trials: trials as f64,
+            });
+        }
         Ok(self)
     }
 
@@ -58,7 +67,7 @@ impl GraspSet {
     ///
     /// # Errors
     /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside
-    /// [0, 1], [`GraspError::Width`] for a negative width.
+    /// [0, 1], [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more held than tried.
     pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
         for (grasp, g) in grasps.iter().enumerate() {
             g.checked(grasp)?;
@@ -94,6 +103,20 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
+    /// The same grasps, each with the score of this kind as its [`score`](Grasp::score).
+    ///
+    /// # Errors
+    /// [`GraspError::NoRobustScore`] for the first grasp that has none.
+    pub fn scored_by(&self, kind: ScoreKind) -> Result<Self, GraspError> {
+        let scored = |(index, grasp): (usize, &Grasp)| match (kind, grasp.robust) {
+            (ScoreKind::Geometric, _) => Ok(*grasp),
+            (ScoreKind::Physics, Some(robust)) => Ok(Grasp { score: Some(robust.score()), ..*grasp }),
+            (ScoreKind::Physics, None) => Err(GraspError::NoRobustScore { grasp: index }),
+        };
+        let grasps = self.grasps.iter().enumerate().map(scored).collect::<Result<_, _>>()?;
+        Ok(Self { grasps })
+    }
+
     /// Indices from the highest score down; unscored grasps follow in the order of the file.
     pub fn by_score(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.grasps.len()).collect();
@@ -119,7 +142,7 @@ mod tests {
 
     fn grasp(score: Option<f64>) -> Grasp {
         let pose = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.1, 0.9));
-        Grasp { world_from_gripper: pose, score, width_m: None }
+        Grasp { world_from_gripper: pose, score, width_m: None, robust: None }
     }
 
     #[test]
@@ -136,6 +159,26 @@ mod tests {
     fn unscored_grasps_rank_after_scored_ones_in_file_order() {
         let set = GraspSet::new([None, Some(0.2), None, Some(0.9), Some(0.0)].map(grasp).to_vec()).unwrap();
         assert_eq!(set.by_score(), [3, 1, 4, 0, 2]);
+    }
+
+    #[test]
+    fn physics_counts_where_every_grasp_has_a_robust_score() {
+        let robust = |held| Grasp { robust: Some(RobustScore { trials: 4, held }), ..grasp(Some(0.5)) };
+        let set = GraspSet::new(vec![robust(1), robust(3)]).unwrap();
+        assert_eq!(set.scored_by(ScoreKind::Geometric).unwrap(), set);
+        let scores = |set: &GraspSet| set.grasps().iter().map(|grasp| grasp.score).collect::<Vec<_>>();
+        assert_eq!(scores(&set.scored_by(ScoreKind::Physics).unwrap()), [Some(0.25), Some(0.75)]);
+        let set = GraspSet::new(vec![robust(1), grasp(Some(0.5))]).unwrap();
+        let fault = set.scored_by(ScoreKind::Physics).unwrap_err();
+        assert!(matches!(fault, GraspError::NoRobustScore { grasp: 1 }));
+    }
+
+    #[test]
+    fn a_count_of_more_held_than_tried_is_refused() {
+        for robust in [RobustScore { trials: 0, held: 0 }, RobustScore { trials: 2, held: 3 }] {
+            let set = GraspSet::new(vec![Grasp { robust: Some(robust), ..grasp(None) }]);
+            assert!(matches!(set, Err(GraspError::Robust { grasp: 0, .. })));
+        }
     }
 
     #[test]

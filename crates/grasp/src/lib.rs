@@ -16,7 +16,9 @@ mod grasp;
 mod hand;
 mod homogeneous;
 mod metric;
+mod robust_score;
 mod sampler;
+mod score_kind;
 mod subset;
 mod twins;
 
@@ -27,5 +29,7 @@ pub use grasp::{Grasp, GraspSet};
 pub use hand::{BoxHand, Finger, Hand};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};
+pub use robust_score::RobustScore;
 pub use sampler::{FirstApproach, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
+pub use score_kind::ScoreKind;
 pub use subset::{covering_subset, farthest_subset, random_subset};

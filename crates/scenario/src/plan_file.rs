@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use cranny_collision::Margins;
+use cranny_grasp::ScoreKind;
 use cranny_plan::{
     AuditSettings, Budget, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
     Trajectory, path_length,
@@ -28,12 +29,18 @@ pub struct PlanFile {
     pub robot: Option<String>,
     /// The geometry of a released scenario, where it was asked for.
     pub geometry: Option<String>,
+    /// The file of grasps that was given instead of the scenario's own.
+    #[serde(default)]
+    pub grasps: Option<String>,
     /// Name of the planner.
     pub planner: String,
     /// The planner's settings.
     pub settings: serde_json::Value,
     /// What counted as solved.
     pub criterion: Criterion,
+    /// Which score of the grasps counted.
+    #[serde(default)]
+    pub score: ScoreKind,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
     /// What the random numbers were drawn from.
@@ -114,6 +121,8 @@ pub struct PlanSource {
     pub robot: Option<PathBuf>,
     /// The geometry of a released scenario, where it was asked for.
     pub geometry: Option<Geometry>,
+    /// The file of grasps that was given instead of the scenario's own.
+    pub grasps: Option<PathBuf>,
     /// The clearance that was demanded.
     pub margins: Margins,
 }
@@ -168,9 +177,11 @@ impl PlanFile {
             scenario: source.scenario.clone(),
             robot: source.robot.as_ref().map(|file| file.display().to_string()),
             geometry: source.geometry.map(|geometry| geometry.name().to_owned()),
+            grasps: source.grasps.as_ref().map(|file| file.display().to_string()),
             planner: answer.planner.clone(),
             settings: answer.settings.clone(),
             criterion: answer.criterion,
+            score: answer.score,
             goal_threshold: answer.goal_threshold,
             seed: answer.seed,
             version: Self::VERSION.to_owned(),
@@ -203,6 +214,7 @@ impl PlanFile {
             settings: self.settings.as_object().cloned().unwrap_or_default(),
             budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
             seed: self.seed,
+            score: self.score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
             // How far the same path is from everything stands in the plan.
@@ -310,8 +322,10 @@ mod tests {
             scenario: "021".into(),
             robot: None,
             geometry: None,
+            grasps: None,
             planner: "ik-rrt".into(),
             settings: serde_json::json!({"p_goal": 0.01}),
+            score: ScoreKind::Physics,
             goal_threshold: None,
             criterion: Criterion::Exact,
             seed: u64::MAX,

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, ReleasedCheck, World};
-use cranny_grasp::GraspSet;
+use cranny_grasp::{GraspSet, read_csv};
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_robot::Robot;
 use cranny_shape::{Surface, TriangleSoup};
@@ -51,6 +51,8 @@ pub struct OpenOptions {
     /// The geometry of a scenario in the released layout; others have but one. Default:
     /// [`Geometry::Scene`] under `exact`, [`Geometry::Export`] under `paper`.
     pub geometry: Option<Geometry>,
+    /// A file of grasps in the planning frame. Default: the scenario's own. Known IK solutions are then left out.
+    pub grasps: Option<PathBuf>,
 }
 
 /// The two geometries that a released scenario comes with.
@@ -87,6 +89,15 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`], with file and line where there is one.
     pub fn open(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
+        let scenario = Self::open_own(what, options)?;
+        match &options.grasps {
+            Some(file) => Ok(scenario.with_grasps(read_csv(file)?)),
+            None => Ok(scenario),
+        }
+    }
+
+    /// The scenario with the grasps that it comes with.
+    fn open_own(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
         let folder = Path::new(what);
         if let Some(scenario) = catalogue::open(what, options) {
             scenario

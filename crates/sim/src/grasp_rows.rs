@@ -1,5 +1,5 @@
 use cranny_collision::Body;
-use cranny_grasp::{Grasp, Hand};
+use cranny_grasp::{Grasp, Hand, RobustScore};
 use cranny_scenario::{ObjectType, Scenario, TargetObject, TargetPhysics};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
@@ -27,17 +27,6 @@ pub struct GraspRow {
     /// How it does when everything is a little wrong, if that was tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<RobustScore>,
-}
-
-/// How often a grasp holds under [`Disturbance`]s.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct RobustScore {
-    /// How often it was tried.
-    pub trials: usize,
-    /// How often it held.
-    pub held: usize,
-    /// The share.
-    pub score: f64,
 }
 
 impl GraspTest {
@@ -107,7 +96,6 @@ impl GraspTest {
             let runs = runs.iter().map(Option::as_ref).collect::<Option<Vec<&GraspRun>>>()?;
             let (first, others) = runs.split_first()?;
             let held = others.iter().filter(|run| run.outcome == GraspOutcome::Held).count();
-            let robust = RobustScore { trials, held, score: held as f64 / trials.max(1) as f64 };
             Some(GraspRow {
                 grasp,
                 outcome: first.outcome,
@@ -116,7 +104,7 @@ impl GraspTest {
                 held_s: first.held_s,
                 contact_force_n: first.contact_force_n,
                 score: grasps[grasp].score,
-                robust: Some(robust).filter(|_| trials > 0),
+                robust: (trials > 0).then_some(RobustScore { trials, held }),
             })
         };
         chosen.iter().zip(runs.chunks(1 + trials)).filter_map(row).collect()

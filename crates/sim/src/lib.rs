@@ -31,7 +31,7 @@ pub use crate::course::Course;
 pub use crate::disturbance::{Disturbance, Uncertainty};
 pub use crate::error::SimError;
 pub use crate::experiment::{Experiment, ExperimentPose};
-pub use crate::grasp_rows::{GraspRow, RobustScore};
+pub use crate::grasp_rows::GraspRow;
 pub use crate::grasp_run::{GraspOutcome, GraspRun};
 pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;

@@ -1,3 +1,4 @@
+use cranny_grasp::ScoreKind;
 use cranny_plan::{
     Audit, Budget, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome, Statistics,
     Trajectory,
@@ -13,6 +14,8 @@ pub struct Answer {
     pub settings: serde_json::Value,
     /// What counted as solved.
     pub criterion: Criterion,
+    /// Which score of the grasps counted.
+    pub score: ScoreKind,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
     /// What the search was allowed to spend.

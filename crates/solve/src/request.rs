@@ -1,5 +1,6 @@
+use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, Criterion, MotionLimits, OptimiseSettings, Planner, Problem, TimingMethod,
+    AuditSettings, Budget, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem, TimingMethod,
     default_planner, planner_with,
 };
 use serde_json::{Map, Value};
@@ -18,6 +19,8 @@ pub struct Request {
     pub budget: Budget,
     /// What all randomness is drawn from.
     pub seed: u64,
+    /// Which score of the grasps counts, wherever one is better than another. Default: the geometric one.
+    pub score: ScoreKind,
     /// Under `paper`: arrived where ½·mm + ½·deg is below this, at least 0. Default: what the problem says.
     pub goal_threshold: Option<f64>,
     /// Whether a proven path is left as the planner found it, and not shortened.
@@ -52,6 +55,7 @@ impl Request {
     /// demanded of a robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         self.planner_for(problem.criterion())?;
+        self.scored(problem)?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
         let is_paper = problem.criterion() == Criterion::Paper;
         match self.goal_threshold {
@@ -113,6 +117,19 @@ impl Request {
             MotionLimits::of(problem.robot(), method)?;
         }
         Ok(())
+    }
+
+    /// The problem, its grasps with the score that counts.
+    pub(crate) fn scored(&self, problem: &Problem) -> Result<Problem, SolveError> {
+        if self.score == ScoreKind::default() {
+            return Ok(problem.clone());
+        }
+        let refuse = |problem| SolveError::Request { field: "score", problem };
+        let grasps = problem
+            .grasps()
+            .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
+        let grasps = grasps.scored_by(self.score).map_err(|fault| refuse(fault.to_string()))?;
+        Ok(problem.with_goal(Goal::Grasps(grasps))?)
     }
 
     pub(crate) fn planner_for(&self, criterion: Criterion) -> Result<Box<dyn Planner>, SolveError> {

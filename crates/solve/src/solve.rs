@@ -28,7 +28,7 @@ pub fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
     request.check(problem)?;
-    let mut problem = problem.clone();
+    let mut problem = request.scored(problem)?;
     if let Some(threshold) = request.goal_threshold {
         problem = problem.with_goal_threshold(threshold);
     }
@@ -110,6 +110,7 @@ pub fn solve(
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
+        score: request.score,
         goal_threshold: problem.goal_threshold(),
         budget: request.budget,
         seed,

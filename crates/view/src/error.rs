@@ -51,8 +51,16 @@ pub enum ViewError {
         /// What the encoder says.
         reason: String,
     },
-    /// What a page is told cannot be written as JSON.
-    #[error("what the page shows cannot be written as JSON: {reason}")]
+    /// A recording says what cannot be.
+    #[error("{}: {problem}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and what would fit.
+        problem: String,
+    },
+    /// What a page is told, or a recording, cannot be written as JSON.
+    #[error("what is shown cannot be written as JSON: {reason}")]
     PageData {
         /// What the encoder says.
         reason: serde_json::Error,

@@ -128,7 +128,9 @@ impl Scene {
     /// gripper, from the start on.
     pub(crate) fn ghost_frames(&self, frame: Option<usize>, count: usize) -> Vec<usize> {
         let (Some(motion), Some(frame)) = (&self.motion, frame) else { return Vec::new() };
-        let steps = motion.gripper_path[..=frame].windows(2).map(|pair| (pair[1] - pair[0]).norm());
+        // Bodies that move without a hand have no such way.
+        let Some(way) = motion.gripper_path.get(..=frame) else { return Vec::new() };
+        let steps = way.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         let mut travelled = vec![0.0];
         for step in steps {
             travelled.push(travelled.last().copied().unwrap_or(0.0) + step);

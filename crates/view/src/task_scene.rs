@@ -1,5 +1,6 @@
 use cranny_collision::Body;
 use cranny_scenario::{ObjectType, Scenario};
+use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose};
 
 use crate::colour::of_score;
@@ -120,31 +121,38 @@ impl Scene {
         let mut kinds: Vec<&str> = Vec::new();
         for (index, body) in bodies.iter().enumerate() {
             let is_target = target == Some(index);
-            let kind = kind_of(&body.name);
-            let turn = kinds.iter().position(|known| *known == kind).unwrap_or(kinds.len());
-            let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);
-            let mut is_solid = false;
             for part in &body.parts {
                 let Some(soup) = part.solid.tessellation() else {
                     self.world_from_floor = Some(part.world_from_solid);
                     continue;
                 };
-                is_solid = true;
                 let (pieces, role) = if is_target {
                     (painted(&body.name, &soup, self), Role::Target)
                 } else {
-                    let material = Material { roughness: 0.75, ..Material::matt(&body.name, colour) };
-                    let material = self.material(material);
-                    (vec![MeshPiece::of_soup(&soup, material)], Role::Obstacle(index))
+                    (self.obstacle(&body.name, &soup, &mut kinds), Role::Obstacle(index))
                 };
                 let mesh = Some(self.mesh(body.name.clone(), pieces));
                 let parent_from_node = part.world_from_solid;
                 self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
             }
-            if is_solid && !is_target && turn == kinds.len() {
-                kinds.push(kind);
-            }
         }
+    }
+
+    /// What an obstacle looks like; those of one kind have one colour, `kinds` being those that there are so far.
+    pub(crate) fn obstacle<'a>(
+        &mut self,
+        name: &'a str,
+        soup: &TriangleSoup,
+        kinds: &mut Vec<&'a str>,
+    ) -> Vec<MeshPiece> {
+        let kind = kind_of(name);
+        let turn = kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
+            kinds.push(kind);
+            kinds.len() - 1
+        });
+        let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);
+        let material = self.material(Material { roughness: 0.75, ..Material::matt(name, colour) });
+        vec![MeshPiece::of_soup(soup, material)]
     }
 
     fn add_grasps(&mut self, scenario: &Scenario, chosen: Option<usize>, shown: usize) {

@@ -17,6 +17,7 @@ use cranny_scenario::{
 };
 use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
+use cranny_view::{BodyRecording, Scene};
 
 /// A reader of one kind of file.
 pub struct FileReader {
@@ -33,7 +34,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All of them.
-pub const FILE_READERS: [FileReader; 26] = [
+pub const FILE_READERS: [FileReader; 27] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
@@ -56,6 +57,11 @@ pub const FILE_READERS: [FileReader; 26] = [
     reader("moveit_request", "moveit/request.yaml", read_moveit),
     reader("plan", "plan.json", |folder| {
         let _ = read_waypoints(&folder.join("plan.json"), 9);
+    }),
+    reader("recording", "recording.json", |folder| {
+        if let Ok(recording) = BodyRecording::read(&folder.join("recording.json")) {
+            let _ = Scene::of_moving_bodies(&recording.thinned(20.0));
+        }
     }),
     reader("waypoints", "waypoints.csv", |folder| {
         let _ = read_waypoints(&folder.join("waypoints.csv"), 2);

@@ -1,0 +1,80 @@
+//! Recordings of what moved where: made of a simulation, written, found again.
+
+use std::path::Path;
+
+use cranny_collision::Body;
+use cranny_sim::{RecordedBody, Recording};
+use cranny_view::{Animation, BodyRecording, MovingBody, PictureSettings, Scene, StandardView};
+
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::output_file;
+use crate::progress::bar;
+
+/// Pictures a second of a GIF, at most those of a recording.
+const GIF_RATE_HZ: u16 = 25;
+
+/// The file of a recording, if that is what was given in the place of a scenario.
+pub fn file_of(what: &str) -> Option<&Path> {
+    let path = Path::new(what);
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")).then_some(path)
+}
+
+/// The page is one of scenarios.
+pub fn no_page(file: &str) -> Failure {
+    let problem =
+        "a recording is no scenario, which the page shows; draw it: cranny render RECORDING -o FILE, with a \
+                   name that ends in .gif, .apng, .png or .glb"
+            .to_owned();
+    Failure::File { path: file.into(), problem }
+}
+
+/// What `--record` is to write.
+pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
+    match file.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("glb") => Ok(FileKind::Glb),
+        Some("gif") => Ok(FileKind::Gif),
+        Some("json") => Ok(FileKind::Recording),
+        _ => {
+            let problem = "the file's ending says what to write: .glb, .gif or .json".to_owned();
+            Err(Failure::Flag { flag: "record", problem })
+        }
+    }
+}
+
+/// What is seen of a simulation.
+pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecording {
+    let body = |(index, body): (usize, &RecordedBody)| MovingBody {
+        name: body.name.clone(),
+        surface: body.surface(),
+        is_grasped: index == 0,
+        world_from_body: body.world_from_body.clone(),
+    };
+    let mut recording = BodyRecording {
+        name: name.to_owned(),
+        times_s: run.times_s.clone(),
+        bodies: run.bodies.iter().enumerate().map(body).collect(),
+        ..BodyRecording::default()
+    };
+    recording.add_still(surroundings);
+    recording
+}
+
+pub fn write(recording: &BodyRecording, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
+    match kind {
+        FileKind::Recording => return output_file::write(file, kind, recording.json()?.as_bytes(), output),
+        FileKind::Glb => return Ok(Scene::of_moving_bodies(recording).write_glb(file)?),
+        _ => {}
+    }
+    let scene = Scene::of_moving_bodies(&recording.thinned(GIF_RATE_HZ.into()));
+    let frames: Vec<usize> = (0..=scene.last_frame().unwrap_or(0)).collect();
+    let settings = PictureSettings { width: 640, height: 480, ghosts: 0, ..PictureSettings::default() };
+    let bar = bar(frames.len() as u64, output.quiet);
+    let pictures = Animation::draw(&scene, StandardView::ThreeQuarter, &settings, &frames, |_, picture| {
+        bar.inc(1);
+        Ok(picture)
+    })?;
+    bar.finish_and_clear();
+    Ok(Animation { pictures, rate_hz: GIF_RATE_HZ }.write_gif(file)?)
+}

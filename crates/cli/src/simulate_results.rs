@@ -1,0 +1,230 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use cranny_bench::statistics::wilson;
+use cranny_bench::{BenchError, Results, SimulatedGrasp, StoredTrial, source_of};
+use cranny_plan::robot_hand;
+use cranny_scenario::{OpenOptions, TargetPhysics};
+use cranny_sim::{GraspOutcome, GraspRow, GraspTest};
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::progress::{bar, stop_on_interrupt};
+use crate::simulate::SimulateResultsArguments;
+use crate::task::open_scenario;
+use crate::text;
+
+/// What `simulate results --json` prints; the keys stay.
+#[derive(Serialize)]
+struct Simulated {
+    results: PathBuf,
+    /// How the grasps were tried: what their rows in the table are told by.
+    settings: Settings,
+    scenarios: usize,
+    grasps: usize,
+    held: usize,
+    /// Whether Ctrl-C left grasps over; then nothing is written.
+    stopped: bool,
+    planners: Vec<PlannerGrasps>,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct Settings {
+    support_only: bool,
+    trials: usize,
+    seed: u64,
+}
+
+/// The grasps that a planner's solved trials end at.
+#[derive(Serialize)]
+struct PlannerGrasps {
+    planner: String,
+    settings: String,
+    criterion: &'static str,
+    /// Solved trials.
+    solved: usize,
+    /// Those of them whose grasp is held.
+    held: usize,
+    held_rate: f64,
+    /// Of that rate, 95 %.
+    wilson_interval: Option<[f64; 2]>,
+    /// The mean over the solved trials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robust_score: Option<f64>,
+}
+
+/// A scenario by its id and its content.
+type ScenarioKey = (String, String);
+
+/// What came of each grasp of a scenario.
+type Rows = BTreeMap<(ScenarioKey, usize), GraspRow>;
+
+pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answer, Failure> {
+    let file = &arguments.results;
+    let results = Results::open(file)?;
+    let mut solved = results.trials()?;
+    solved.retain(|trial| trial.record.is_solved() && trial.record.grasp.is_some());
+    if solved.is_empty() {
+        let problem = "no trial is solved at a grasp, so there is nothing to simulate".to_owned();
+        return Err(Failure::File { path: file.clone(), problem });
+    }
+    let mut wanted: BTreeMap<ScenarioKey, (&StoredTrial, BTreeSet<usize>)> = BTreeMap::new();
+    for trial in &solved {
+        let entry = wanted.entry(scenario_of(trial)).or_insert_with(|| (trial, BTreeSet::new()));
+        entry.1.extend(trial.record.grasp);
+    }
+    // All of them are opened before the first is simulated: what is wrong is said at once.
+    let mut tests = Vec::new();
+    for (key, (trial, chosen)) in wanted {
+        let source = source_of(&results, &trial.record.trial, None).map_err(|fault| match fault {
+            BenchError::OtherScenario { scenario, source_name } => {
+                let problem = format!(
+                    "scenario {scenario} is not the one of its trials: its content has changed, or it is not where it \
+                     was; put what it was to {source_name}"
+                );
+                Failure::File { path: file.clone(), problem }
+            }
+            other => other.into(),
+        })?;
+        let scenario = open_scenario(&source, &OpenOptions::default(), output)?;
+        let (last, count) = (chosen.last().copied().unwrap_or(0), scenario.grasps.len());
+        if last >= count {
+            let problem =
+                format!("a trial ends at grasp {last} of {}, which has {count} grasps", scenario.id);
+            return Err(Failure::File { path: file.clone(), problem });
+        }
+        let hand = robot_hand(&scenario.robot);
+        let test =
+            GraspTest::of_scenario(&scenario, &hand, &TargetPhysics::default(), arguments.support_only)?;
+        tests.push((key, test, scenario.grasps, chosen.into_iter().collect::<Vec<_>>()));
+    }
+    drop(results);
+
+    let stop = stop_on_interrupt()?;
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    let runs: usize = tests.iter().map(|(_, _, _, chosen)| chosen.len() * (1 + arguments.trials)).sum();
+    let progress = bar(runs as u64, output.quiet);
+    let scenarios = tests.len();
+    let mut rows = Rows::new();
+    for (key, test, grasps, chosen) in tests {
+        let trials = (arguments.trials, arguments.seed);
+        let found = test.rows(grasps.grasps(), &chosen, trials, &|| progress.inc(1), &is_stopped);
+        rows.extend(found.into_iter().map(|row| ((key.clone(), row.grasp), row)));
+    }
+    progress.finish_and_clear();
+
+    let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
+    let settings = Settings { support_only, trials, seed };
+    let stopped = is_stopped();
+    if !stopped {
+        let kept: Vec<SimulatedGrasp> = rows.iter().map(kept).collect();
+        let settings = serde_json::to_string(&settings).map_err(std::io::Error::other)?;
+        Results::create(file)?.keep_simulated_grasps(&settings, &kept)?;
+    }
+    let simulated = Simulated {
+        results: file.clone(),
+        settings,
+        scenarios,
+        grasps: rows.len(),
+        held: rows.values().filter(|row| is_held(row)).count(),
+        stopped,
+        planners: of_planners(&solved, &rows),
+    };
+    text::answer(&simulated, || simulated.page(), output)?;
+    Ok(if stopped { Answer::No } else { Answer::Done })
+}
+
+fn scenario_of(trial: &StoredTrial) -> ScenarioKey {
+    let trial = &trial.record.trial;
+    (trial.scenario.clone(), trial.scenario_hash.clone())
+}
+
+fn is_held(row: &GraspRow) -> bool {
+    row.outcome == GraspOutcome::Held
+}
+
+/// A row of the table.
+fn kept((((scenario, scenario_hash), _), row): (&(ScenarioKey, usize), &GraspRow)) -> SimulatedGrasp {
+    SimulatedGrasp {
+        scenario: scenario.clone(),
+        scenario_hash: scenario_hash.clone(),
+        grasp: row.grasp,
+        outcome: row.outcome.name().to_owned(),
+        translation_error_m: row.translation_error_m,
+        rotation_error_rad: row.rotation_error_rad,
+        held_s: row.held_s,
+        contact_force_n: row.contact_force_n,
+        robust: row.robust.map(|robust| (robust.held, robust.trials)),
+    }
+}
+
+/// How each planner's grasps do, under each criterion.
+fn of_planners(solved: &[StoredTrial], rows: &Rows) -> Vec<PlannerGrasps> {
+    let mut of_planner: BTreeMap<(&str, &str, &'static str), Vec<&GraspRow>> = BTreeMap::new();
+    for stored in solved {
+        let trial = &stored.record.trial;
+        let row = stored.record.grasp.and_then(|grasp| rows.get(&(scenario_of(stored), grasp)));
+        let key = (trial.planner.as_str(), trial.settings.as_str(), trial.criterion.name());
+        of_planner.entry(key).or_default().extend(row);
+    }
+    let planner = |((planner, settings, criterion), rows): ((&str, &str, _), Vec<&GraspRow>)| {
+        let (solved, held) = (rows.len(), rows.iter().filter(|row| is_held(row)).count());
+        let robust: Option<Vec<f64>> =
+            rows.iter().map(|row| row.robust.map(|robust| robust.score())).collect();
+        PlannerGrasps {
+            planner: planner.to_owned(),
+            settings: settings.to_owned(),
+            criterion,
+            solved,
+            held,
+            held_rate: held as f64 / solved.max(1) as f64,
+            wilson_interval: wilson(held, solved).map(|interval| [interval.low, interval.high]),
+            robust_score: robust.map(|scores| scores.iter().sum::<f64>() / solved.max(1) as f64),
+        }
+    };
+    of_planner.into_iter().map(planner).collect()
+}
+
+impl Simulated {
+    fn page(&self) -> String {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let Self { results, grasps, held, scenarios, .. } = self;
+        let results = results.display();
+        let mut page = format!(
+            "{results}: {held} of {grasps} grasps in {scenarios} scenarios are held; solved trials:\n"
+        );
+        for PlannerGrasps {
+            planner,
+            criterion,
+            solved,
+            held,
+            held_rate,
+            wilson_interval,
+            robust_score,
+            ..
+        } in &self.planners
+        {
+            let sure = wilson_interval.map_or_else(String::new, |[low, high]| {
+                format!(", {} to {} at 95 %", percent(low), percent(high))
+            });
+            let robust = robust_score
+                .map_or_else(String::new, |score| format!(", robust score {score:.2} on average"));
+            let share = percent(*held_rate);
+            let _ = writeln!(
+                page,
+                "  {planner:<14}{criterion:<6} {held} of {solved} end at a grasp that is held ({share}{sure}){robust}"
+            );
+        }
+        let end = if self.stopped {
+            "stopped before the end, so nothing is kept"
+        } else {
+            "kept in its table simulated_grasps"
+        };
+        let _ = writeln!(page, "  {end}");
+        page
+    }
+}

@@ -1,0 +1,85 @@
+use serde::ser::SerializeStruct as _;
+use serde::{Serialize, Serializer};
+
+/// How often a grasp holds in physics when everything is a little wrong: the share of its trials is the robust score.
+///
+/// It is written with the keys `trials`, `held` and `score`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RobustScore {
+    /// How often the grasp was tried, at least once.
+    pub trials: usize,
+    /// How often it held, at most `trials`.
+    pub held: usize,
+}
+
+impl RobustScore {
+    /// The share of the trials that held, in [0, 1].
+    pub fn score(&self) -> f64 {
+        self.held as f64 / self.trials.max(1) as f64
+    }
+
+    /// From the share of a number of trials, `of_share(r.score(), r.trials) = r`; `None` for what is none: a share
+    /// outside [0, 1], no whole number of trials, or a share that no count of them makes to two decimals.
+    pub fn of_share(score: f64, trials: f64) -> Option<Self> {
+        if !(0.0..=1.0).contains(&score) || !(1.0..=MOST_TRIALS).contains(&trials) || trials.fract() != 0.0 {
+            return None;
+        }
+        let held = (score * trials).round();
+        // Both are whole, not negative and at most `MOST_TRIALS`.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let found = Self { trials: trials as usize, held: held as usize };
+        ((found.score() - score).abs() <= TWO_DECIMALS).then_some(found)
+    }
+
+    /// Whether it counts what can be counted.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.trials > 0 && self.held <= self.trials
+    }
+}
+
+/// More trials of one grasp nobody has the time for, and a float still holds each count below.
+const MOST_TRIALS: f64 = 1e9;
+
+/// How far a score that a person rounded to two decimals may be from the share that it stands for.
+const TWO_DECIMALS: f64 = 0.005 + 1e-9;
+
+impl Serialize for RobustScore {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("RobustScore", 3)?;
+        fields.serialize_field("trials", &self.trials)?;
+        fields.serialize_field("held", &self.held)?;
+        fields.serialize_field("score", &self.score())?;
+        fields.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_trials_is_the_score_that_it_came_from() {
+        for (trials, held) in [(1, 0), (1, 1), (3, 1), (32, 31), (10_000, 3333)] {
+            let score = RobustScore { trials, held };
+            assert_eq!(RobustScore::of_share(score.score(), trials as f64), Some(score));
+        }
+        assert_eq!(RobustScore::of_share(0.97, 32.0), Some(RobustScore { trials: 32, held: 31 }));
+    }
+
+    #[test]
+    fn what_is_no_share_of_trials_is_none() {
+        for (score, trials) in [
+            (1.01, 32.0),
+            (-0.1, 32.0),
+            (f64::NAN, 32.0),
+            (0.5, 0.0),
+            (0.5, 2.5),
+            (0.5, f64::INFINITY),
+            (0.5, f64::NAN),
+            (0.5, -2.0),
+            (0.5, 3.0),
+        ] {
+            assert_eq!(RobustScore::of_share(score, trials), None, "{score} of {trials}");
+        }
+    }
+}
