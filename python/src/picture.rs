@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::Trajectory;
+use cranny_plan::{AuditSettings, Trajectory};
 use cranny_scenario::Scenario;
 use cranny_solve::ik_statuses;
 use cranny_view::{
@@ -104,7 +104,8 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
         let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
         let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
             let trajectory = trajectory_in(shown, plan)?;
-            let verification = plan.file.audit(&plan.task.problem).map_err(fault)?;
+            let verification =
+                plan.file.audit(&plan.task.problem, AuditSettings::default()).map_err(fault)?;
             PagePlan::of_file("plan", &plan.file, &shown.robot, trajectory.as_ref(), verification)
                 .map_err(fault)
         };

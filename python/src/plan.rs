@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{Outcome, PlanError, Trajectory, audit};
+use cranny_plan::{AuditSettings, Outcome, PlanError, Trajectory, audit};
 use cranny_scenario::{PlanFile, write_trajectory_csv};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -178,7 +178,12 @@ impl PyPlan {
             let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
             return Err(bad_value(format!("the plan is for joints {found}, but the robot has {expected}")));
         }
-        let judged = || Ok::<_, PlanError>((file.audit(&task.problem)?, file.trajectory(&task.problem)?));
+        let judged = || {
+            Ok::<_, PlanError>((
+                file.audit(&task.problem, AuditSettings::default())?,
+                file.trajectory(&task.problem)?,
+            ))
+        };
         let (audit, trajectory) = py.detach(judged).map_err(fault)?;
         let is_valid = audit.is_some_and(|audit| audit.valid);
         let trajectory = trajectory.filter(|_| file.timing.is_some()).map(Arc::new);

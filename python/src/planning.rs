@@ -92,6 +92,7 @@ pub fn plan(
             blend,
             is_demanded: false,
         }),
+        carry: None,
         audit: AuditSettings::default(),
     };
     let mut observer = InterruptObserver::new();

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Criterion, PlanError, Problem, audit};
+use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, audit};
 use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints};
 use cranny_solve::{Timing, ik_statuses};
 use cranny_view::{PageData, PagePlan, PageSettings};
@@ -69,7 +69,8 @@ impl PageTask {
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-            let (trajectory, verification) = (plan.trajectory(&problem)?, plan.audit(&problem)?);
+            let (trajectory, verification) =
+                (plan.trajectory(&problem)?, plan.audit(&problem, AuditSettings::default())?);
             let mut shown_plan = PagePlan::of_file(name, plan, robot, trajectory.as_ref(), verification)?;
             if let Some(stop) = &stop {
                 shown_plan.search_tree = Some(search_replay::replay(file, plan, &problem, stop, output)?);

@@ -5,8 +5,8 @@ use std::time::Instant;
 use cranny_collision::Margins;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{AuditSettings, Budget, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
-use cranny_scenario::{PlanFile, write_trajectory_csv};
-use cranny_solve::{Request, Timing, solve};
+use cranny_scenario::{PlanFile, read_waypoints, write_trajectory_csv};
+use cranny_solve::{Carry, CarryEnd, Request, Timing, solve};
 use serde::Serialize;
 
 use crate::Answer;
@@ -45,7 +45,7 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     let PlanTask { source, grasps, problem } =
         PlanTask::open(&arguments.task, &arguments.moveit, None, Margins::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let request = request(arguments);
+    let request = request(arguments, carry(arguments, problem.robot().dof())?);
     request.check(&problem)?;
     // Better now than after the search.
     let file = destination(arguments, &source.scenario, output)?;
@@ -92,8 +92,26 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 
+/// Where `--carry` leads.
+fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Failure> {
+    let Some(given) = arguments.carry.as_deref() else { return Ok(None) };
+    if given == "home" {
+        return Ok(Some(Carry::default()));
+    }
+    let values: Option<Vec<f64>> = given.split(',').map(|value| value.trim().parse().ok()).collect();
+    let ends = match values {
+        Some(values) if values.len() == joints => vec![values],
+        Some(values) => {
+            let problem = format!("{} values, but the robot has {joints} joints", values.len());
+            return Err(Failure::Flag { flag: "carry", problem });
+        }
+        None => read_waypoints(Path::new(given), joints)?,
+    };
+    Ok(Some(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }))
+}
+
 /// What the flags ask for.
-fn request(arguments: &PlanArguments) -> Request {
+fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
     Request {
         planner: arguments.planner.clone(),
         settings: serde_json::Map::default(),
@@ -105,7 +123,7 @@ fn request(arguments: &PlanArguments) -> Request {
         optimise: arguments
             .optimise
             .map(|time| OptimiseSettings { time, score_weight: arguments.score_weight }),
-        carry: None,
+        carry,
         timing: Some(Timing {
             method: if arguments.jerk_limited {
                 TimingMethod::JerkLimited
@@ -175,6 +193,13 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     if !plan.waypoints.is_empty() {
         line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));
+    }
+    if let [_, lift_off, carry] = &plan.segments[..] {
+        let (object, opening) = (lift_off.attached.as_deref().unwrap_or("target"), lift_off.opening_m);
+        let opening =
+            opening.map_or_else(String::new, |metres| format!(", fingers {} apart", millimetres(metres)));
+        let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
+        line("carries", format!("{object}{opening}: {off} way points to lift it off, {on} to where it goes"));
     }
     line(
         "search",

@@ -19,13 +19,17 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     if let Some(plan) = &plan {
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
     }
+    let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
+    let carried = plan.as_ref().filter(|plan| plan.segments.len() > 1).cloned();
     // A pipe can be read once only.
     let path = match plan {
         Some(plan) => plan.into_waypoints(file, problem.robot().dof())?,
         None => read_waypoints(file, problem.robot().dof())?,
     };
-    let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let audit = audit_with(&problem, &path, settings)?;
+    let audit = match carried.map(|plan| plan.audit(&problem, settings)).transpose()?.flatten() {
+        Some(audit) => audit,
+        None => audit_with(&problem, &path, settings)?,
+    };
     text::answer(&audit, || page(&audit, path.len()), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }

@@ -26,6 +26,9 @@ pub enum PlanError {
         /// What it lacks.
         needs: &'static str,
     },
+    /// The segments of a path are no task.
+    #[error("a task is a reach, or a reach, a lift-off and a carry")]
+    Segments,
     /// There is nothing to reach for.
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
     NoGoal,

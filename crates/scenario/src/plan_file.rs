@@ -7,11 +7,11 @@ use cranny_plan::{
     AuditSettings, Budget, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
     Trajectory, path_length,
 };
-use cranny_solve::{Answer, Request};
+use cranny_solve::{Answer, Carry, CarryEnd, Request};
 use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
-use crate::plan_segment::{check_format, check_segments, segments_of};
+use crate::plan_segment::{check_format, check_segments};
 use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
@@ -89,6 +89,9 @@ pub struct PlanFile {
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
+    /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carry_to: Option<Vec<Vec<f64>>>,
 }
 
 /// What is read of a plan before the rest.
@@ -195,7 +198,7 @@ impl PlanFile {
             clearance_m: answer.audit.as_ref().and_then(|audit| audit.clearance_m),
             not_checked: answer.not_checked.clone(),
             path_length: path_length(&waypoints),
-            segments: segments_of(&waypoints, &clearances_m),
+            segments: answer.segments.iter().map(PlanSegment::of).collect(),
             clearances_per_edge_m: clearances_m,
             waypoints,
             timing: answer.timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory)),
@@ -203,6 +206,7 @@ impl PlanFile {
             shortening: answer.shortening.as_ref().map(PlanShortening::of),
             optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
             failures: answer.failures.clone(),
+            carry_to: answer.carry_to.clone(),
         }
     }
 
@@ -217,6 +221,10 @@ impl PlanFile {
             score: self.score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
+            carry: self
+                .carry_to
+                .clone()
+                .map(|ends| Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: false, ..AuditSettings::default() },
             ..Request::default()
@@ -288,8 +296,9 @@ impl PlanFile {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
             improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
         });
-        let fields: [(&'static str, Vec<f64>); 12] = [
+        let fields: [(&'static str, Vec<f64>); 13] = [
             ("waypoints", self.waypoints.concat()),
+            ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
             ("goal_threshold", self.goal_threshold.into_iter().collect()),
             ("clearance_m", self.clearance_m.into_iter().collect()),
@@ -313,6 +322,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::plan_segment::segments_of;
 
     fn plan() -> PlanFile {
         let waypoints = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]];
@@ -368,6 +378,7 @@ mod tests {
                 reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
                 attempts: 0,
             }],
+            carry_to: None,
         }
     }
 
@@ -419,7 +430,8 @@ mod tests {
             ("/format", "cranny-plan/2".into(), "'cranny-plan/2', but this version reads 'cranny-plan/1'"),
             ("/segments/0/kind", "spline".into(), "segment 0 is of kind 'spline'"),
             ("/segments/0", serde_json::json!({"kind": "arc", "radius_m": 1}), "segment 0 is of kind 'arc'"),
-            ("/segments/0/mode", "carry".into(), "segment 0 is of mode 'carry'"),
+            ("/segments/0/mode", "place".into(), "segment 0 is of mode 'place'"),
+            ("/segments/0/mode", "carry".into(), "its segments are neither a reach nor"),
             ("/segments/0/attached", "ball".into(), "segment 0 carries 'ball'"),
             ("/segments/0/opening_m", 0.04.into(), "segment 0 opens the hand by 0.04 m"),
             ("/segments/0/waypoints/0/0", 0.5.into(), "its segments are not its way points"),

@@ -1,5 +1,7 @@
 use std::path::Path;
+use std::str::FromStr as _;
 
+use cranny_solve::{Mode, Segment};
 use serde::{Deserialize, Serialize};
 
 use crate::{PlanFile, ScenarioError};
@@ -9,7 +11,8 @@ use crate::{PlanFile, ScenarioError};
 pub struct PlanSegment {
     /// What joins the way points: `polyline`, straight lines.
     pub kind: String,
-    /// What the robot does meanwhile: `reach`, the hand open and empty.
+    /// What the robot does meanwhile: `reach`, the hand open and empty; `lift-off`, the object in the closed hand, off what
+    /// it rests on; `carry`, from there on.
     #[serde(default)] // Of a kind that nobody knows the kind is told, not what it lacks.
     pub mode: String,
     /// The object that the hand carries; `None` in `reach`.
@@ -25,26 +28,47 @@ pub struct PlanSegment {
 }
 
 const POLYLINE: &str = "polyline";
-const REACH: &str = "reach";
 
 impl PlanSegment {
-    /// A path of straight lines with the hand open and empty.
-    pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
-        let (kind, mode) = (POLYLINE.to_owned(), REACH.to_owned());
-        Self { kind, mode, attached: None, opening_m: None, waypoints, clearances_m }
+    /// What a file says of a segment of an answer.
+    pub fn of(segment: &Segment) -> Self {
+        let (kind, mode) = (POLYLINE.to_owned(), segment.mode.name().to_owned());
+        let Segment { attached, opening_m, waypoints, clearances_m, .. } = segment.clone();
+        Self { kind, mode, attached, opening_m, waypoints, clearances_m }
+    }
+
+    /// The segment that it stands for.
+    ///
+    /// # Errors
+    /// A sentence: what this version does not know of it.
+    pub fn segment(&self) -> Result<Segment, String> {
+        let known = Mode::from_str(&self.mode).ok().filter(|_| self.kind == POLYLINE);
+        let unknown = match (known, &self.attached, self.opening_m) {
+            (None, _, _) if self.kind != POLYLINE => format!("is of kind '{}'", self.kind),
+            (None, _, _) => format!("is of mode '{}'", self.mode),
+            (Some(Mode::Reach), Some(object), _) => format!("carries '{object}' before anything is grasped"),
+            (Some(Mode::Reach), _, Some(opening_m)) => {
+                format!("opens the hand by {opening_m} m on its way to the grasp")
+            }
+            (Some(mode), attached, opening_m) => {
+                let (attached, opening_m) = (attached.clone(), opening_m);
+                let (waypoints, clearances_m) = (self.waypoints.clone(), self.clearances_m.clone());
+                return Ok(Segment { mode, attached, opening_m, waypoints, clearances_m });
+            }
+        };
+        Err(format!("{unknown}, which this version does not know ({POLYLINE}; reach, lift-off, carry)"))
     }
 
     /// The way points of segments that follow each other: where two meet, one.
     ///
     /// # Errors
-    /// A sentence: what this version does not know of a segment, or that one is empty or does not begin where the one
-    /// before ends.
+    /// A sentence: what this version does not know of a segment, or that one is empty, does not begin where the one before
+    /// ends, or follows one that it cannot follow.
     pub fn joined(segments: &[Self]) -> Result<Vec<Vec<f64>>, String> {
         let mut joined: Vec<Vec<f64>> = Vec::new();
+        let mut modes = Vec::new();
         for (index, segment) in segments.iter().enumerate() {
-            if let Some(unknown) = segment.unknown() {
-                return Err(format!("segment {index} {unknown}"));
-            }
+            modes.push(segment.segment().map_err(|unknown| format!("segment {index} {unknown}"))?.mode);
             let Some(first) = segment.waypoints.first() else {
                 return Err(format!("segment {index} has no way points"));
             };
@@ -53,21 +77,10 @@ impl PlanSegment {
             }
             joined.extend_from_slice(&segment.waypoints);
         }
+        if !matches!(&modes[..], [] | [Mode::Reach] | [Mode::Reach, Mode::LiftOff, Mode::Carry]) {
+            return Err("its segments are neither a reach nor a reach, a lift-off and a carry".to_owned());
+        }
         Ok(joined)
-    }
-
-    /// What this version does not know of the segment.
-    fn unknown(&self) -> Option<String> {
-        let unknown = if self.kind != POLYLINE {
-            format!("is of kind '{}'", self.kind)
-        } else if self.mode != REACH {
-            format!("is of mode '{}'", self.mode)
-        } else if let Some(object) = &self.attached {
-            format!("carries '{object}'")
-        } else {
-            format!("opens the hand by {} m", self.opening_m?)
-        };
-        Some(format!("{unknown}, which this version does not know ({POLYLINE}, {REACH})"))
     }
 }
 
@@ -92,8 +105,10 @@ pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), Sce
         plan.format = Some(PlanFile::FORMAT.to_owned());
         return Ok(());
     }
-    PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
-    if plan.segments != of_waypoints {
+    let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
+    let clearances_m: Vec<Option<f64>> =
+        plan.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
+    if joined != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
         return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
     }
     Ok(())
@@ -103,11 +118,8 @@ fn fault(path: &Path, problem: String) -> ScenarioError {
     ScenarioError::Content { path: path.to_owned(), problem }
 }
 
-/// The segments of a path: one, or none where there is no path.
+/// The segments of a path to a grasp: one, or none where there is no path.
 pub(crate) fn segments_of(waypoints: &[Vec<f64>], clearances_m: &[Option<f64>]) -> Vec<PlanSegment> {
-    if waypoints.is_empty() {
-        Vec::new()
-    } else {
-        vec![PlanSegment::reach(waypoints.to_vec(), clearances_m.to_vec())]
-    }
+    let reach = || PlanSegment::of(&Segment::reach(waypoints.to_vec(), clearances_m.to_vec()));
+    (!waypoints.is_empty()).then(reach).into_iter().collect()
 }

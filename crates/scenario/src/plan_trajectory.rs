@@ -1,10 +1,12 @@
 use std::path::Path;
 
-use cranny_plan::{Audit, PlanError, Problem, Trajectory, audit};
+use cranny_plan::{
+    Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, Trajectory, audit_with,
+};
 use cranny_robot::Robot;
-use cranny_solve::Timing;
+use cranny_solve::{Segment, Timing, audit_segments};
 
-use crate::{PlanFile, ScenarioError};
+use crate::{PlanFile, PlanSegment, ScenarioError};
 
 impl PlanFile {
     /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it
@@ -25,13 +27,21 @@ impl PlanFile {
         timing.of(problem, &self.waypoints)
     }
 
-    /// What the judge says of the path. `None` for a plan without one.
+    /// What the judge says of the path, of all that it does; `None` for a plan without one.
     ///
     /// # Errors
-    /// As [`audit`].
-    pub fn audit(&self, problem: &Problem) -> Result<Option<Audit>, PlanError> {
-        let has_path = !self.waypoints.is_empty();
-        has_path.then(|| audit(problem, &self.waypoints)).transpose()
+    /// As [`audit_segments`].
+    pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
+        let carries = self.segments.len() > 1;
+        let carrier = carries.then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()?;
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        match (self.waypoints.is_empty(), segments) {
+            (true, _) => Ok(None),
+            (false, Ok(segments)) if carries => {
+                Ok(Some(audit_segments(problem, carrier.as_ref(), &segments, settings)?))
+            }
+            _ => Ok(Some(audit_with(problem, &self.waypoints, settings)?)),
+        }
     }
 
     /// Whether the plan, which was read from `path`, moves the joints of a robot.
@@ -81,7 +91,10 @@ mod tests {
         let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
         assert_eq!(smooth.trajectory(&problem).unwrap().unwrap().method(), method);
         let none = PlanFile { waypoints: Vec::new(), ..plan };
-        assert!(none.trajectory(&problem).unwrap().is_none() && none.audit(&problem).unwrap().is_none());
+        assert!(
+            none.trajectory(&problem).unwrap().is_none()
+                && none.audit(&problem, AuditSettings::default()).unwrap().is_none()
+        );
     }
 
     #[test]

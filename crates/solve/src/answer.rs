@@ -41,6 +41,8 @@ pub struct Answer {
     pub optimisation: Option<Optimisation>,
     /// What the search cost: the first, where others followed.
     pub statistics: Statistics,
+    /// Where the object was to be carried, if it was: to any of these configurations.
+    pub carry_to: Option<Vec<Vec<f64>>>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     pub failures: Vec<GraspFailure>,
     /// What touches and was not compared: all that is said holds but for these.

@@ -78,8 +78,8 @@ pub fn solve(
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     if let Some(task) = &mut task {
-        segments.extend(task.onward.take().into_iter().flatten());
         task.tell_failures(&problem, &mut failures);
+        segments.extend(task.onward.take().into_iter().flatten());
     }
     let carrier = task.as_ref().map(|task| &task.carrier);
     let audit = match &segments[..] {
@@ -123,6 +123,7 @@ pub fn solve(
         shortening,
         optimisation,
         statistics,
+        carry_to: task.map(|task| task.ends),
         failures,
         not_checked,
     })
@@ -132,25 +133,22 @@ pub fn solve(
 /// object off.
 ///
 /// # Errors
-/// [`SolveError::Request`] for segments that are no such task, and those of the judge.
+/// [`PlanError::Segments`] for segments that are no such task, and those of the judge.
 pub fn audit_segments(
     problem: &Problem,
     carrier: Option<&Carrier>,
     segments: &[Segment],
     settings: AuditSettings,
-) -> Result<Audit, SolveError> {
+) -> Result<Audit, PlanError> {
     let modes: Vec<Mode> = segments.iter().map(|segment| segment.mode).collect();
     match (segments, &modes[..], carrier) {
-        ([reach], [Mode::Reach], _) => Ok(audit_with(problem, &reach.waypoints, settings)?),
+        ([reach], [Mode::Reach], _) => audit_with(problem, &reach.waypoints, settings),
         ([reach, lift_off, carry], [Mode::Reach, Mode::LiftOff, Mode::Carry], Some(carrier)) => {
             let path =
                 TaskPath { reach: &reach.waypoints, lift_off: &lift_off.waypoints, carry: &carry.waypoints };
-            Ok(audit_task(problem, carrier, path, settings)?)
+            audit_task(problem, carrier, path, settings)
         }
-        _ => Err(SolveError::Request {
-            field: "segments",
-            problem: "a task is a reach, or a reach, a lift-off and a carry".to_owned(),
-        }),
+        _ => Err(PlanError::Segments),
     }
 }
 

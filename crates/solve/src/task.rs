@@ -1,5 +1,5 @@
 use cranny_plan::{
-    Budget, Carrier, FailureReason, GraspFailure, Grip, LiftOffSettings, Observer, Outcome, PlanError,
+    Budget, Carrier, FailureReason, Goal, GraspFailure, Grip, LiftOffSettings, Observer, Outcome, PlanError,
     Problem, ShortcutSettings, search, shortcut,
 };
 
@@ -33,7 +33,7 @@ const FIRST_ITERATIONS: u64 = 2000;
 /// grasp that is good for nothing is none.
 pub(crate) struct Task<'a> {
     pub carrier: Carrier,
-    ends: Vec<Vec<f64>>,
+    pub ends: Vec<Vec<f64>>,
     seed: u64,
     iterations: u64,
     observer: &'a mut dyn Observer,
@@ -54,6 +54,8 @@ impl<'a> Task<'a> {
             CarryEnd::Home => vec![problem.start().to_vec()],
             CarryEnd::Configurations(ends) => ends.clone(),
         };
+        // They fit the robot.
+        problem.with_goal(Goal::Configurations(ends.clone()))?;
         Ok(Self {
             carrier: Carrier::new(problem, carry.lift_off)?,
             ends,
