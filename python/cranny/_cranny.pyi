@@ -324,6 +324,8 @@ class Plan:
     @property
     def path(self) -> _Floats: ...
     @property
+    def segments(self) -> list[dict[str, Any]]: ...
+    @property
     def times(self) -> _Floats | None: ...
     @property
     def duration_s(self) -> float | None: ...
@@ -376,6 +378,7 @@ def plan(
     jerk_limited: bool = False,
     blend: bool = False,
     score: str = "geometric",
+    carry: str | ArrayLike | None = None,
 ) -> Plan: ...
 def verify_path(
     scenario: Scenario | MoveItProblem,

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{AuditSettings, Outcome, PlanError, Trajectory, audit};
-use cranny_scenario::{PlanFile, write_trajectory_csv};
+use cranny_plan::{AuditSettings, Outcome, PlanError, Trajectory};
+use cranny_scenario::{PlanFile, PlanSegment, write_trajectory_csv};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::IntoPyDict as _;
+use pyo3::types::{IntoPyDict as _, PyDict};
 
 use crate::array::{Numbers, rows, shaped};
 use crate::fault::{bad_value, fault};
@@ -41,6 +41,23 @@ impl PyPlan {
     #[getter]
     fn path<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         rows(py, &self.file.waypoints, self.file.joint_names.len())
+    }
+
+    /// The pieces of the path, each from where the one before ends, as dicts of `mode` ("reach", "lift-off", "carry"),
+    /// `attached` (what the hand carries, or None), `opening_m` (between the fingers; None: as far as they go) and
+    /// `path`, (N, dof). One, unless the object was to be carried.
+    #[getter]
+    fn segments<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let dof = self.file.joint_names.len();
+        let segment = |segment: &PlanSegment| {
+            let row = PyDict::new(py);
+            row.set_item("mode", &segment.mode)?;
+            row.set_item("attached", &segment.attached)?;
+            row.set_item("opening_m", segment.opening_m)?;
+            row.set_item("path", rows(py, &segment.waypoints, dof)?)?;
+            Ok(row)
+        };
+        self.file.segments.iter().map(segment).collect()
     }
 
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
@@ -113,7 +130,8 @@ impl PyPlan {
 
     /// Judges the path again, as anybody's: from the way points alone.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
-        let audit = py.detach(|| audit(&self.task.problem, &self.file.waypoints)).map_err(fault)?;
+        let judge = || self.file.audit(&self.task.problem, AuditSettings::default());
+        let audit = py.detach(judge).and_then(|audit| audit.ok_or(PlanError::EmptyPath)).map_err(fault)?;
         Ok(PyVerification { audit })
     }
 

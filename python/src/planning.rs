@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use cranny_collision::Margins;
 use cranny_plan::{AuditSettings, Budget, OptimiseSettings, TimingMethod, audit_with};
+use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
-use cranny_solve::{Request, Timing, solve};
+use cranny_solve::{Carry, CarryEnd, Request, Timing, solve};
 use pyo3::prelude::*;
 
 use crate::array::Configurations;
@@ -17,6 +18,18 @@ use crate::plan::PyPlan;
 use crate::task::Task;
 use crate::verification::PyVerification;
 use crate::whole;
+
+/// Where an object is to be carried.
+fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<Carry> {
+    if let Ok(word) = value.extract::<String>() {
+        return match word.as_str() {
+            "home" => Ok(Carry::default()),
+            _ => Err(bad_value(format!("carry is '{word}', but \"home\" or configurations are expected"))),
+        };
+    }
+    let ends = Configurations::read(value, "carry", robot)?.rows(robot.dof())?;
+    Ok(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() })
+}
 
 /// Names of the planners that there are.
 #[pyfunction]
@@ -41,13 +54,16 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
 /// seconds, `score_weight` being what a grasp of score 1 is worth in units of path length. The path gets its time:
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
-/// limits for either is refused, for neither its plan has no time.
+/// limits for either is refused, for neither its plan has no time. `carry`: "home", or a configuration (dof,) or several
+/// (N, dof), where the target is carried to once it is grasped; a grasp that it cannot be carried away from is none, and
+/// `plan.segments` are the pieces.
 ///
 /// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    score_weight=1.0, jerk_limited=false, blend=false, score="geometric"))]
+    score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
+    carry=None))]
 #[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
 pub fn plan(
     scenario: &Bound<'_, PyAny>,
@@ -66,6 +82,7 @@ pub fn plan(
     jerk_limited: bool,
     blend: bool,
     score: &str,
+    carry: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
@@ -92,7 +109,7 @@ pub fn plan(
             blend,
             is_demanded: false,
         }),
-        carry: None,
+        carry: carry.map(|carry| carry_of(carry, task.problem.robot())).transpose()?,
         audit: AuditSettings::default(),
     };
     let mut observer = InterruptObserver::new();

@@ -31,6 +31,7 @@ EXACT: list[Request] = [
     (["--strict-pairs"], {"strict_pairs": True}),
     (["--jerk-limited"], {"jerk_limited": True}),
     (["--blend"], {"blend": True}),
+    (["--carry", "home", "--iterations", "4000"], {"carry": "home", "iterations": 4000}),
     (["--optimise", "60", "--iterations", "40"], {"optimise_s": 60.0, "iterations": 40}),
     (["--optimise", "60", "--iterations", "40", "--score-weight", "0"],
      {"optimise_s": 60.0, "iterations": 40, "score_weight": 0.0}),

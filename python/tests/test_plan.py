@@ -31,6 +31,26 @@ def test_a_plan_leads_from_the_start_to_a_grasp_and_is_valid(
     assert plan.report["planner"] == "reach" and plan.report["statistics"]["nodes"] > 0
 
 
+def test_a_target_is_carried_home(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    plan = cranny.plan(scenario, carry="home")
+    assert plan and plan.verify()
+    reach, lift_off, carry = plan.segments
+    assert [piece["mode"] for piece in plan.segments] == ["reach", "lift-off", "carry"]
+    assert reach["attached"] is None and lift_off["attached"] == carry["attached"] is not None
+    assert 0.0 < carry["opening_m"] < 0.08
+    assert np.array_equal(reach["path"][-1], lift_off["path"][0])
+    assert np.array_equal(carry["path"][-1], scenario.start)
+    plan.save(tmp_path / "task.plan.json")
+    again = cranny.Plan.load(tmp_path / "task.plan.json")
+    assert len(again.segments) == 3 and again.verify()
+    aside = scenario.start + [0, 0, 0.2, 0, 0, 0, 0, 0, 0]
+    assert np.array_equal(cranny.plan(scenario, carry=aside).path[-1], aside)
+    with pytest.raises(ValueError, match="carry is 'away'"):
+        cranny.plan(scenario, carry="away")
+    with pytest.raises(ValueError, match="only `reach`"):
+        cranny.plan(scenario, "ik-rrt", carry="home")
+
+
 def test_the_same_seed_gives_the_same_path_and_the_time_that_limits_allow(
     scenario: cranny.Scenario, plan: cranny.Plan
 ) -> None:

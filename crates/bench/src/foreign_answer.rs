@@ -65,7 +65,13 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
     let path = match (document.protocol.unwrap_or(1), document.segments) {
         (1 | 2, None) => document.waypoints,
-        (2, Some(segments)) if document.waypoints.is_empty() => PlanSegment::joined(&segments)?,
+        (2, Some(segments)) if document.waypoints.is_empty() => {
+            let waypoints = PlanSegment::joined(&segments)?;
+            if let Some(index) = segments.iter().position(|segment| segment.attached.is_some()) {
+                return Err(format!("segment {index} goes on after the grasp, at which a trial ends"));
+            }
+            waypoints
+        }
         (1 | 2, Some(_)) => {
             return Err("segments stand in answers that name protocol 2 and have no way points".to_owned());
         }

@@ -154,6 +154,15 @@ fn trajectory_file(plan_file: &Path) -> PathBuf {
     plan_file.with_file_name(format!("{stem}.trajectory.csv"))
 }
 
+/// What is carried, if anything is.
+fn carried(plan: &PlanFile) -> Option<String> {
+    let [_, lift_off, carry] = &plan.segments[..] else { return None };
+    let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
+    let object = lift_off.attached.as_deref()?;
+    let opening = millimetres(lift_off.opening_m?);
+    Some(format!("{object}, fingers {opening} apart: {off} way points to lift it off, {on} to where it goes"))
+}
+
 fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
     let statistics = &plan.statistics;
@@ -194,12 +203,8 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
     if !plan.waypoints.is_empty() {
         line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));
     }
-    if let [_, lift_off, carry] = &plan.segments[..] {
-        let (object, opening) = (lift_off.attached.as_deref().unwrap_or("target"), lift_off.opening_m);
-        let opening =
-            opening.map_or_else(String::new, |metres| format!(", fingers {} apart", millimetres(metres)));
-        let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
-        line("carries", format!("{object}{opening}: {off} way points to lift it off, {on} to where it goes"));
+    if let Some(carried) = carried(plan) {
+        line("carries", carried);
     }
     line(
         "search",

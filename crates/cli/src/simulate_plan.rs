@@ -2,9 +2,12 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_plan::robot_hand;
+use cranny_plan::{Trajectory, robot_hand};
 use cranny_scenario::{OpenOptions, TargetPhysics, read_waypoints};
-use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRun, PlanTest, TrackingError};
+use cranny_sim::{
+    DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, PlanContact, PlanRun, PlanTest,
+    TrackingError,
+};
 use cranny_solve::Timing;
 use serde::Serialize;
 
@@ -25,7 +28,8 @@ use crate::{output_file, recording};
   cranny simulate plan 021 021.plan.json --lift 50 --json
 
 The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
-where it stands. Then the hand closes, and the arm lifts straight up. Said is how far the arm was from the plan, what it
+where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
+object on (`plan --carry`). Said is how far the arm was from the plan, what it
 touched, and what became of the object, as `simulate grasps` says it.")]
 pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
@@ -97,20 +101,18 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let scenario = open_scenario(&arguments.id, &options, output)?;
     let problem = scenario.problem(plan.as_ref().map(|plan| plan.margins).unwrap_or_default())?;
     let refused = |problem: String| Failure::File { path: file.clone(), problem };
-    let trajectory = match &plan {
-        Some(plan) => {
-            check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
-            if plan.waypoints.is_empty() {
-                let ended = plan.outcome.sentence();
-                return Err(refused(format!(
-                    "the plan has no path, so there is nothing to execute: {ended}"
-                )));
-            }
-            plan.trajectory(&problem)?
+    let trajectories = if let Some(plan) = &plan {
+        check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
+        if plan.waypoints.is_empty() {
+            let ended = plan.outcome.sentence();
+            return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
         }
-        None => Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?,
+        plan.trajectories(&problem)?
+    } else {
+        let way = Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?;
+        way.map(|way| (way, None))
     };
-    let trajectory = trajectory.ok_or_else(|| {
+    let (reach, onward) = trajectories.ok_or_else(|| {
         refused(
             "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
         )
@@ -122,11 +124,18 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let test = GraspTest::of_scenario(&scenario, &hand, &instead, false)?;
     let surroundings = test.surroundings().to_vec();
     let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
-    let motion = |time_s: f64| {
+    let sampled = |trajectory: &Trajectory, time_s: f64| {
         let sample = trajectory.sample(time_s);
         (sample.position, sample.velocity)
     };
-    let mut run = test.run(&motion, trajectory.duration_s(), lift_m, recorded.is_some())?;
+    let to_grasp = |time_s: f64| sampled(&reach, time_s);
+    let reach = JointMotion { duration_s: reach.duration_s(), at: &to_grasp };
+    let beyond = |time_s: f64| onward.as_ref().map_or_else(|| to_grasp(time_s), |way| sampled(way, time_s));
+    let then = match &onward {
+        Some(way) => Onward::Follow(JointMotion { duration_s: way.duration_s(), at: &beyond }),
+        None => Onward::Lift(lift_m),
+    };
+    let mut run = test.run(reach, then, recorded.is_some())?;
     waiting.finish_and_clear();
     if let Some((file, kind)) = recorded {
         let run = run.grasp.recording.take().unwrap_or_default();
@@ -167,16 +176,20 @@ impl Executed {
             format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
         };
         let mut page = format!(
-            "{}: {} after a way of {:.1} s and a lift of {}\n  the hand was off by {} at worst, by {} at the grasp\n",
+            "{}: {} after a way of {:.1} s{}\n  the hand was off by {} at worst, by {} at the grasp\n",
             self.scenario,
             self.outcome.name(),
             self.reach_s,
-            millimetres(self.lift_m),
+            if self.lift_m > 0.0 {
+                format!(" and a lift of {}", millimetres(self.lift_m))
+            } else {
+                String::new()
+            },
             off(&self.tracking_on_the_way),
             off(&self.tracking_at_the_end),
         );
         for contact in &self.contacts {
-            let phase = if contact.is_lifting { "lifting" } else { "before closing" };
+            let phase = if contact.is_lifting { "after closing" } else { "before closing" };
             let PlanContact { time_s, link, body, depth_m, .. } = contact;
             let depth = millimetres(*depth_m);
             let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");

@@ -187,15 +187,15 @@ impl Cell {
     }
 
     /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
-    /// checked against world, floor and all links that move against it, though not against the parts of the world that are
-    /// `spared` ([`Resting::parts`]), and no obstacle any more. Another hold of the same body is [`Self::with_hold`].
+    /// checked against world, floor and all links that move against it, and no obstacle any more. Another hold of the same
+    /// body is [`Self::with_hold`]; what it may touch yet, [`Self::sparing`].
     ///
     /// # Errors
     /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
     ///
     /// # Panics
     /// If the world has no body of that index.
-    pub fn holding(&self, body: usize, spared: &[usize], hold: Hold) -> Result<Self, CollisionError> {
+    pub fn holding(&self, body: usize, hold: Hold) -> Result<Self, CollisionError> {
         let thing = &self.world().bodies()[body];
         let unusable = || CollisionError::Hold { name: thing.name.clone() };
         if self.held.is_some() || !check_hold(&hold) {
@@ -215,8 +215,24 @@ impl Cell {
             self.margins,
             self.grasp_bodies.clone(),
             self.asked_for.clone(),
-            Some(HeldBody { body, spared: spared.into(), hold }),
+            Some(HeldBody { body, spared: Arc::default(), hold }),
         ))
+    }
+
+    /// The same cell with what is held not checked against these parts of the world ([`Resting::parts`]),
+    /// and no others.
+    #[must_use]
+    pub fn sparing(&self, spared: &[usize]) -> Self {
+        let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
+        Self::checking(
+            self.robot.clone(),
+            self.body.clone(),
+            self.around.clone(),
+            self.margins,
+            self.grasp_bodies.clone(),
+            self.asked_for.clone(),
+            held,
+        )
     }
 
     /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.

@@ -108,9 +108,9 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the held body, on the straight motion from `a` to `b`, is proven to stay out of what it rested on: never
-    /// nearer than at rest by more than `slack_m`. If not, where on the motion, in [0, 1], and to which body of the world
-    /// it is not.
+    /// Where on the straight motion from `a` to `b`, in [0, 1], the held body comes nearer to what it rested on than at rest,
+    /// by more than `slack_m`, or that cannot be excluded, and to which body of the world; `None` if it is proven to stay
+    /// off all of it.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -121,7 +121,7 @@ impl Cell {
         a: &[f64],
         b: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<(), (f64, usize)> {
+    ) -> Option<(f64, usize)> {
         let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
         let held = held.expect("something is held");
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
@@ -139,14 +139,14 @@ impl Cell {
                     continue;
                 }
                 if over_m < 0.0 || travel_m < RESOLUTION_M {
-                    return Err((middle, contact.body));
+                    return Some((middle, contact.body));
                 }
                 open.push((middle + 0.5 * half_width, 0.5 * half_width));
                 open.push((middle - 0.5 * half_width, 0.5 * half_width));
                 break;
             }
         }
-        Ok(())
+        None
     }
 
     fn world_from_held(&self, scratch: &Scratch) -> Pose {
@@ -199,13 +199,11 @@ fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
             .then(|| direction.dot(&world_from_solid.translation.vector));
     }
     let own = world_from_solid.rotation.inverse() * direction;
-    let farthest = match solid.support_point(&own) {
-        Some(point) => own.dot(&point.coords),
-        None => {
-            let (points, _) = solid.bounding_points()?;
-            points.iter().map(|point| own.dot(&point.coords)).fold(f64::NEG_INFINITY, f64::max)
-        }
+    let of_meshes = || {
+        let (points, _) = solid.bounding_points()?;
+        points.iter().map(|point| own.dot(&point.coords)).reduce(f64::max)
     };
+    let farthest = solid.support_point(&own).map(|point| own.dot(&point.coords)).or_else(of_meshes)?;
     Some(farthest + direction.dot(&world_from_solid.translation.vector))
 }
 

@@ -22,11 +22,14 @@ pub(crate) struct RobotBody {
     pub kinematics: Arc<LaneKinematics>,
     /// The links as the lanes see them.
     pub lanes: Arc<[LaneBody]>,
-    tables: Arc<Mutex<Vec<(TableKey, Arc<[JointTable]>)>>>,
+    tables: Arc<Mutex<Vec<KnownTables>>>,
 }
 
 /// What tables depend on beside the robot: the pairs, and the bits of the distance that each demands.
 type TableKey = Vec<(usize, usize, u64)>;
+
+/// Tables that are known already.
+type KnownTables = (TableKey, Arc<[JointTable]>);
 
 /// More sets of tables are not kept: a robot is asked with a few margins.
 const MOST_TABLES: usize = 8;
@@ -90,18 +93,16 @@ impl RobotBody {
         let mut tables = Vec::new();
         for group in [others, of_fingers].into_iter().filter(|group| !group.is_empty()) {
             let key: TableKey = group.iter().filter_map(of_pair).collect();
-            let found = match known.iter().find(|(other, _)| *other == key) {
-                Some((_, found)) => found.clone(),
-                None => {
-                    let pairs: Vec<Pair> = group.iter().map(|(_, pair)| **pair).collect();
-                    let found: Arc<[JointTable]> = JointTable::all(robot, &self.links, &pairs).into();
-                    if known.len() == MOST_TABLES {
-                        known.remove(0);
-                    }
-                    known.push((key, found.clone()));
-                    found
+            let found = known.iter().find(|(other, _)| *other == key).map(|(_, found)| found.clone());
+            let found = found.unwrap_or_else(|| {
+                let pairs: Vec<Pair> = group.iter().map(|(_, pair)| **pair).collect();
+                let found: Arc<[JointTable]> = JointTable::all(robot, &self.links, &pairs).into();
+                if known.len() == MOST_TABLES {
+                    known.remove(0);
                 }
-            };
+                known.push((key, found.clone()));
+                found
+            });
             tables.extend(found.iter().map(|table| table.renumbered(|pair| group[pair as usize].0)));
         }
         tables

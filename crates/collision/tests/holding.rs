@@ -142,7 +142,7 @@ proptest! {
         let around = world(&mut random);
         let with_thing = World::new(around.iter().cloned().chain([thing()]).collect()).unwrap();
         let empty = Cell::for_grasp(sliding(), with_thing, around.len(), MARGINS).unwrap();
-        let first = empty.holding(around.len(), &[], hold(places[0], turns[0], closings[0])).unwrap();
+        let first = empty.holding(around.len(), hold(places[0], turns[0], closings[0])).unwrap();
         let second = first.with_hold(hold(places[1], turns[1], closings[1])).unwrap();
         for (cell, index) in [(first, 0), (second, 1)] {
             let robot = built(places[index], turns[index], closings[index]);
@@ -168,11 +168,11 @@ proptest! {
 
 #[test]
 fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
-    let around = vec![Body::floor(-0.3)];
+    let around = [Body::floor(-0.3)];
     let bodies = World::new(around.iter().cloned().chain([thing()]).collect()).unwrap();
     let empty = Cell::for_grasp(sliding(), bodies, 1, MARGINS).unwrap();
     let long = hold([0.0, 0.0, 0.5], [0.0; 3], 0.5);
-    let held = empty.holding(1, &[], long).unwrap();
+    let held = empty.holding(1, long).unwrap();
     let (mut random, mut scratch) = (Stream::new(3, 0), held.scratch());
     // Where the thing alone is in the floor.
     let names = |q: &[f64], scratch: &mut cranny_collision::Scratch| {
@@ -185,7 +185,7 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
         .take(100_000)
         .find(|q| names(q, &mut scratch) == [["thing", "floor"]])
         .unwrap();
-    let spared = empty.holding(1, &[0], long).unwrap();
+    let spared = held.sparing(&[0]);
     assert!(spared.is_free(&q, &mut spared.scratch()));
     let shorter = held.with_hold(hold([0.0, 0.0, 0.1], [0.0; 3], 0.5)).unwrap();
     assert!(shorter.is_free(&q, &mut shorter.scratch()));
@@ -197,14 +197,14 @@ fn what_cannot_be_held_is_refused() {
     let bodies = World::new(vec![Body::floor(-0.3), thing()]).unwrap();
     let empty = Cell::new(sliding(), bodies, MARGINS).unwrap();
     let good = hold([0.0; 3], [0.0; 3], 0.5);
-    let held = empty.holding(1, &[], good).unwrap();
+    let held = empty.holding(1, good).unwrap();
     let far = hold([3.0, 0.0, 0.0], [0.0; 3], 0.5);
     let refused = [
-        empty.holding(0, &[], good),
-        empty.holding(1, &[], far),
-        empty.holding(1, &[], Hold { closing: 1.5, ..good }),
-        empty.holding(1, &[], Hold { closing: f64::NAN, ..good }),
-        held.holding(1, &[], good),
+        empty.holding(0, good),
+        empty.holding(1, far),
+        empty.holding(1, Hold { closing: 1.5, ..good }),
+        empty.holding(1, Hold { closing: f64::NAN, ..good }),
+        held.holding(1, good),
         held.with_hold(far),
     ];
     for cell in refused {

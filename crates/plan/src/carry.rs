@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Closing, Motion, Resting, Scratch};
-use cranny_robot::{Hold, IkSettings, IkSolver};
+use cranny_robot::{Hold, IkSettings, IkSolver, between, distance};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::{FailureReason, Goal, PlanError, Problem};
@@ -30,6 +30,8 @@ impl Default for LiftOffSettings {
 
 /// Between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
+/// Between two configurations on the way back, in the metric of the joints (m, rad).
+const PIECE: f64 = 0.25;
 /// A joint that moves by more between them jumps (m, rad).
 const JUMP: f64 = 0.1;
 
@@ -78,9 +80,10 @@ impl Carrier {
         let nowhere = Hold { tip_from_held: Pose::identity(), closing: 0.0 };
         let thing = &cell.world().bodies()[target];
         let world_from_target = thing.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
+        let carrying = cell.holding(target, nowhere)?;
         Ok(Self {
-            lifting: cell.holding(target, &resting.parts(), nowhere)?,
-            carrying: cell.holding(target, &[], nowhere)?,
+            lifting: carrying.sparing(&resting.parts()),
+            carrying,
             settings: LiftOffSettings { clear_m, ..settings },
             problem: problem.clone(),
             target,
@@ -186,7 +189,7 @@ impl Carrier {
                 }
                 Motion::OutOfLimits { .. } => return Err(None),
             }
-            if let Err((_, body)) = self.stays_off(grip, last, &next, scratch) {
+            if let Some((_, body)) = self.stays_off(grip, last, &next, scratch) {
                 return Err(Some([self.object().to_owned(), self.body_name(body)]));
             }
             path.push(next);
@@ -198,15 +201,14 @@ impl Carrier {
         grip.carrying.lifted_m(&self.resting, q, scratch) >= self.settings.clear_m
     }
 
-    /// Whether an edge of a lift-off is proven not to bring the object nearer to what it rested on; else where, and to
-    /// which body.
+    /// Where an edge of a lift-off brings the object nearer to what it rested on, or may, and to which body.
     pub(crate) fn stays_off(
         &self,
         grip: &Grip,
         a: &[f64],
         b: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<(), (f64, usize)> {
+    ) -> Option<(f64, usize)> {
         grip.lifting.stays_off(&self.resting, self.settings.slack_m, a, b, scratch)
     }
 
@@ -230,5 +232,31 @@ impl Grip {
     /// As [`Self::lifting`].
     pub fn carrying(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
         Problem::in_cell(self.carrying.clone(), from.to_vec(), Goal::Configurations(to))
+    }
+
+    /// Configurations along a path, from its begin on, as far as the path is proven with the object in the hand: no two
+    /// farther apart than one could grow in a step.
+    pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut scratch = self.carrying.scratch();
+        let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
+        for edge in path.windows(2) {
+            let [a, b] = edge else { break };
+            let pieces = (distance(a, b) / PIECE).ceil().max(1.0);
+            // At most so many that their number is exact.
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            for piece in 1..=pieces.min(1e6) as u32 {
+                let next: Vec<f64> = if f64::from(piece) >= pieces {
+                    b.clone()
+                } else {
+                    between(a, b, f64::from(piece) / pieces).collect()
+                };
+                let last = &along[along.len() - 1];
+                if !self.carrying.motion_is_free(last, &next, &mut scratch).is_proven() {
+                    return along;
+                }
+                along.push(next);
+            }
+        }
+        along
     }
 }

@@ -40,7 +40,7 @@ pub fn audit_task(
     append(&mut audit, lifted, before);
     let mut scratch = lifting.exact_cell("audit")?.scratch();
     for (edge, ends) in path.lift_off.windows(2).enumerate() {
-        if let Err((at, body)) = carrier.stays_off(&grip, &ends[0], &ends[1], &mut scratch) {
+        if let Some((at, body)) = carrier.stays_off(&grip, &ends[0], &ends[1], &mut scratch) {
             let (first, second) = (carrier.object().to_owned(), carrier.body_name(body));
             audit
                 .violations

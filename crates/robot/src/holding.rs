@@ -1,4 +1,5 @@
-use cranny_spatial::{Pose, Rotation};
+use cranny_spatial::nalgebra::Translation3 as Translation;
+use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::derived::Derived;
 use crate::kinematics::{Motion, Step};
@@ -28,7 +29,7 @@ pub(crate) struct LooseFinger {
     /// While the hand is open.
     tip_from_open: Pose,
     kind: JointKind,
-    axis_in_link: cranny_spatial::Vector,
+    axis_in_link: Vector,
     /// From open to closed (m, rad).
     stroke: f64,
 }
@@ -46,25 +47,20 @@ impl Robot {
     pub fn holding(&self, name: &str) -> Self {
         let mut robot = self.clone();
         robot.derived = Derived::default();
-        let held = match &self.loose {
-            Some(loose) => loose.held,
-            None => {
-                robot.links.push(Link {
-                    name: String::new(),
-                    parent: Some(self.tip),
-                    collisions: Vec::new(),
-                    visuals: Vec::new(),
-                    inertial: None,
-                });
-                robot.movers.push(self.movers[self.tip].clone());
-                robot.rest.push(self.rest[self.tip]);
-                robot.links.len() - 1
-            }
-        };
-        name.clone_into(&mut robot.links[held].name);
-        if self.loose.is_some() {
+        if let Some(loose) = &self.loose {
+            name.clone_into(&mut robot.links[loose.held].name);
             return robot;
         }
+        let held = robot.links.len();
+        robot.links.push(Link {
+            name: name.to_owned(),
+            parent: Some(self.tip),
+            collisions: Vec::new(),
+            visuals: Vec::new(),
+            inertial: None,
+        });
+        robot.movers.push(self.movers[self.tip].clone());
+        robot.rest.push(self.rest[self.tip]);
         let tip_from_root = self.rest[self.tip].inverse();
         let fingers: Vec<LooseFinger> = self
             .hand
@@ -155,7 +151,7 @@ impl Robot {
                 * match finger.kind {
                     JointKind::Prismatic => Pose::from_parts(by.into(), Rotation::identity()),
                     JointKind::Revolute => {
-                        Pose::from_parts(Default::default(), Rotation::from_scaled_axis(by))
+                        Pose::from_parts(Translation::identity(), Rotation::from_scaled_axis(by))
                     }
                 }
         });

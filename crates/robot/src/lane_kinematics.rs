@@ -129,7 +129,7 @@ impl LaneKinematics {
                 *placement = LanePlacement { frame: frame_count + slot, frame_from_link };
             }
         }
-        Self { steps, placements, errors, tip, loose }
+        Self { steps, placements, tip, loose, errors }
     }
 
     /// Where the loose links of a robot that holds something are, for [`Self::forward`]; written to `places`.

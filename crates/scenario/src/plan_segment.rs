@@ -77,7 +77,8 @@ impl PlanSegment {
             }
             joined.extend_from_slice(&segment.waypoints);
         }
-        if !matches!(&modes[..], [] | [Mode::Reach] | [Mode::Reach, Mode::LiftOff, Mode::Carry]) {
+        let is_task = matches!(&modes[..], [Mode::Reach, Mode::LiftOff, Mode::Carry]);
+        if !is_task && modes.iter().any(|mode| *mode != Mode::Reach) {
             return Err("its segments are neither a reach nor a reach, a lift-off and a carry".to_owned());
         }
         Ok(joined)

@@ -19,12 +19,34 @@ impl PlanFile {
         if self.waypoints.is_empty() {
             return Ok(None);
         }
-        let timing = self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
+        self.timing_asked().of(problem, &self.waypoints)
+    }
+
+    /// The same for the way to the grasp by itself, and for all that follows the closing of the hand, if anything does.
+    ///
+    /// # Errors
+    /// [`PlanError`] for what is no path of the robot.
+    pub fn trajectories(
+        &self,
+        problem: &Problem,
+    ) -> Result<Option<(Trajectory, Option<Trajectory>)>, PlanError> {
+        let Some((reach, onward)) = self.segments.split_first() else { return Ok(None) };
+        let Some(reach) = self.timing_asked().of(problem, &reach.waypoints)? else { return Ok(None) };
+        let mut way: Vec<Vec<f64>> = Vec::new();
+        for segment in onward {
+            way.pop();
+            way.extend_from_slice(&segment.waypoints);
+        }
+        let onward = if way.is_empty() { None } else { self.timing_asked().of(problem, &way)? };
+        Ok(Some((reach, onward)))
+    }
+
+    fn timing_asked(&self) -> Timing {
+        self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
             method: timing.method,
             blend: timing.blended,
             ..Timing::default()
-        });
-        timing.of(problem, &self.waypoints)
+        })
     }
 
     /// What the judge says of the path, of all that it does; `None` for a plan without one.

@@ -9,6 +9,7 @@ mod blends;
 mod built_in;
 mod built_in_robot;
 mod cancelled_windings;
+mod carrying;
 mod checking;
 mod families;
 mod grasp_sampling;

@@ -137,7 +137,7 @@ impl ArmModel {
             let place = engine::pose(frames.link(body.link));
             let Some((parent, joint)) = body.hangs_on else {
                 arm.bodies.push(world.insert_body(RigidBodyBuilder::fixed().pose(place)));
-                self.insert_colliders(body, arm.bodies[0], world);
+                Self::insert_colliders(body, arm.bodies[0], world);
                 continue;
             };
             let mut rigid = RigidBodyBuilder::dynamic().pose(place).can_sleep(false);
@@ -145,7 +145,7 @@ impl ArmModel {
                 rigid = rigid.additional_mass_properties(mass);
             }
             let rigid = world.insert_body(rigid);
-            self.insert_colliders(body, rigid, world);
+            Self::insert_colliders(body, rigid, world);
             let parent_from_body = frames.link(self.bodies[parent].link).inverse() * frames.link(body.link);
             let data = self.joint(robot, joint, &parent_from_body);
             let handle = world.insert_multibody_joint(arm.bodies[parent], rigid, data);
@@ -162,7 +162,7 @@ impl ArmModel {
         arm
     }
 
-    fn insert_colliders(&self, body: &ArmBody, rigid: RigidBodyHandle, world: &mut PhysicsWorld) {
+    fn insert_colliders(body: &ArmBody, rigid: RigidBodyHandle, world: &mut PhysicsWorld) {
         for collider in &body.colliders {
             world.insert_collider(collider.clone(), Some(rigid));
         }

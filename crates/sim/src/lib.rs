@@ -37,6 +37,6 @@ pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;
 pub use crate::piece::{Piece, PieceShape};
 pub use crate::plan_run::{PlanContact, PlanRun, TrackingError};
-pub use crate::plan_test::{JointMotion, PlanTest};
+pub use crate::plan_test::{JointMotion, Onward, PlanTest};
 pub use crate::recording::{RecordedBody, Recording};
 pub use crate::settling::{ChiSquared, SettledPose, Settling, settle};

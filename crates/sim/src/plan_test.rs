@@ -12,8 +12,23 @@ use crate::gripper::Gripper;
 use crate::plan_run::{PlanContact, PlanRun, TrackingError};
 use crate::{Disturbance, DriveSettings, GraspTest, RecordedBody, SimError};
 
-/// Where the joints are to be at a time, and how fast: (m, rad) and (m/s, rad/s).
-pub type JointMotion<'a> = &'a dyn Fn(f64) -> (Vec<f64>, Vec<f64>);
+/// A motion of the joints in time.
+#[derive(Clone, Copy)]
+pub struct JointMotion<'a> {
+    /// How long it takes, in seconds.
+    pub duration_s: f64,
+    /// Where the joints are to be at a time, and how fast: (m, rad) and (m/s, rad/s).
+    pub at: &'a dyn Fn(f64) -> (Vec<f64>, Vec<f64>),
+}
+
+/// What the arm does with what is in the hand.
+#[derive(Clone, Copy)]
+pub enum Onward<'a> {
+    /// Lifts it straight up, so far, in metres.
+    Lift(f64),
+    /// Follows another part of the plan.
+    Follow(JointMotion<'a>),
+}
 
 /// A robot that does what a plan says: its joints follow the timed path, the hand closes, and the arm lifts straight up
 /// what is then in it. The object lies on its support all the while.
@@ -39,46 +54,56 @@ impl PlanTest {
         Ok(Self { test, robot, arm })
     }
 
-    /// Follows a motion that takes so many seconds, closes the hand and lifts by `lift_m`.
+    /// Follows a motion to the grasp, closes the hand, and goes on.
     ///
     /// # Errors
     /// [`SimError::Figure`] for a lift out of its range or a motion that is too long.
     ///
     /// # Panics
-    /// If the motion is not one of the robot's joints.
+    /// If a motion is not one of the robot's joints.
     pub fn run(
         &self,
-        motion: JointMotion<'_>,
-        reach_s: f64,
-        lift_m: f64,
+        reach: JointMotion<'_>,
+        onward: Onward<'_>,
         is_recorded: bool,
     ) -> Result<PlanRun, SimError> {
+        let (lift_m, onward_s) = match onward {
+            Onward::Lift(lift_m) => (lift_m, 0.0),
+            Onward::Follow(motion) => (0.0, motion.duration_s),
+        };
         for (figure, value, range, (least, greatest)) in [
             ("lift", lift_m, "from 0 to 1 m", (0.0, 1.0)),
-            ("time of the motion", reach_s, "from 0 to 600 s", (0.0, 600.0)),
+            ("time of the motion", reach.duration_s, "from 0 to 600 s", (0.0, 600.0)),
+            ("time of the motion", onward_s, "from 0 to 600 s", (0.0, 600.0)),
         ] {
             if !(least..=greatest).contains(&value) {
                 return Err(SimError::Figure { figure, value, range });
             }
         }
-        let (start, end) = (motion(0.0).0, motion(reach_s).0);
+        let (start, end) = ((reach.at)(0.0).0, (reach.at)(reach.duration_s).0);
         let mut executed = Execution::new(self, &start, is_recorded);
         executed.rest(STANDING_S);
         let world_from_resting = executed.trial.world_from_object();
-        let on_the_way = executed.follow(motion, reach_s);
+        let on_the_way = executed.follow(reach);
         let at_the_end = executed.tracking_error(&end);
         let resting = executed.trial.test.object.center;
         let pushed_m = (executed.trial.world_from_object() * resting - world_from_resting * resting).norm();
         let lift = Lift::new(&self.robot, &end, lift_m);
         let Execution { trial, arm, mut contacts, began_steps, .. } = executed;
-        let lift_s = self.test.course.lift_s;
-        let grasp = trial.grasp(lift_s + RESTING_S, &mut |trial, time_s| {
-            let (q, velocity) = lift.at(time_s, lift_s);
+        let moving_s = match onward {
+            Onward::Lift(_) => self.test.course.lift_s,
+            Onward::Follow(motion) => motion.duration_s,
+        };
+        let grasp = trial.grasp(moving_s + RESTING_S, &mut |trial, time_s| {
+            let (q, velocity) = match onward {
+                Onward::Lift(_) => lift.at(time_s, moving_s),
+                Onward::Follow(motion) => (motion.at)(time_s.min(moving_s)),
+            };
             arm.aim(&q, &velocity, &mut trial.world);
             touched(self, trial, &arm, began_steps, true, &mut contacts);
         });
         Ok(PlanRun {
-            reach_s,
+            reach_s: reach.duration_s,
             on_the_way,
             at_the_end,
             contacts,
@@ -130,12 +155,12 @@ impl<'a> Execution<'a> {
     }
 
     /// Follows a motion; with the worst of the tracking errors.
-    fn follow(&mut self, motion: JointMotion<'_>, duration_s: f64) -> TrackingError {
+    fn follow(&mut self, motion: JointMotion<'_>) -> TrackingError {
         let mut worst = TrackingError::default();
-        let steps = self.steps(duration_s);
+        let steps = self.steps(motion.duration_s);
         for step in 1..=steps {
-            let time_s = duration_s * f64::from(step) / f64::from(steps);
-            let (q, velocity) = motion(time_s);
+            let time_s = motion.duration_s * f64::from(step) / f64::from(steps);
+            let (q, velocity) = (motion.at)(time_s);
             self.arm.aim(&q, &velocity, &mut self.trial.world);
             self.trial.step_open();
             worst = worst.worst(self.tracking_error(&q));

@@ -7,7 +7,9 @@ use cranny_grasp::Hand;
 use cranny_robot::{HandDescription, IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
-use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRun, PlanTest, SimError};
+use cranny_sim::{
+    Course, DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, Physics, PlanRun, PlanTest, SimError,
+};
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
 const URDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.urdf");
@@ -50,7 +52,7 @@ fn way(below_m: f64) -> [Vec<f64>; 2] {
     let down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
     let at = |z: f64| Pose::from_parts(Vector::new(0.6, 0.0, z).into(), down);
     let solve = |z: f64, near: &[f64]| {
-        let mut solver = cranny_robot::IkSolver::new(&PANDA, Default::default());
+        let mut solver = cranny_robot::IkSolver::new(&PANDA, cranny_robot::IkSettings::default());
         solver.solve_from(&at(z), near).unwrap().q
     };
     let grasp_m = TABLE_M + HALF_M - below_m;
@@ -78,7 +80,7 @@ fn run(robot: &Arc<Robot>, test: GraspTest, [start, end]: &[Vec<f64>; 2]) -> Pla
         each.map(|(a, b)| (a + along * (b - a), speed * (b - a))).unzip()
     };
     let plan = PlanTest::new(test, robot.clone(), DriveSettings::default()).unwrap();
-    plan.run(&motion, REACH_S, 0.03, true).unwrap()
+    plan.run(JointMotion { duration_s: REACH_S, at: &motion }, Onward::Lift(0.03), true).unwrap()
 }
 
 #[test]
@@ -137,7 +139,8 @@ fn arms_that_cannot_be_simulated_are_refused() {
     let [start, _] = way(0.0);
     let still = |_: f64| (start.clone(), vec![0.0; 9]);
     for (reach_s, lift_m, said) in [(f64::NAN, 0.03, "time of the motion"), (1.0, -0.1, "lift")] {
-        let fault = plan.run(&still, reach_s, lift_m, false).unwrap_err();
+        let motion = JointMotion { duration_s: reach_s, at: &still };
+        let fault = plan.run(motion, Onward::Lift(lift_m), false).unwrap_err();
         assert!(fault.to_string().contains(said), "{fault}");
     }
 }

@@ -77,14 +77,15 @@ pub fn solve(
     }
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-    if let Some(task) = &mut task {
+    let (mut carrier, mut carry_to) = (None, None);
+    if let Some(task) = task {
         task.tell_failures(&problem, &mut failures);
-        segments.extend(task.onward.take().into_iter().flatten());
+        (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.ends.clone()));
+        segments.extend(task.into_onward(is_shortened)?);
     }
-    let carrier = task.as_ref().map(|task| &task.carrier);
     let audit = match &segments[..] {
         [] => None,
-        segments => Some(audit_segments(&problem, carrier, segments, request.audit)?),
+        segments => Some(audit_segments(&problem, carrier.as_ref(), segments, request.audit)?),
     };
     if let Some(audit) = &audit {
         let mut clearances = audit.clearances_per_edge_m.iter();
@@ -123,7 +124,7 @@ pub fn solve(
         shortening,
         optimisation,
         statistics,
-        carry_to: task.map(|task| task.ends),
+        carry_to,
         failures,
         not_checked,
     })

@@ -25,20 +25,24 @@ pub enum CarryEnd {
     Configurations(Vec<Vec<f64>>),
 }
 
-/// Iterations of the first search for a way out of a grasp that was reached. Most need fewer than a hundred; each further
-/// one may take twice as many as the one before.
-const FIRST_ITERATIONS: u64 = 2000;
+/// Iterations of the first searches for a way out of a grasp that was reached: most need fewer than a hundred.
+const FIRST_ITERATIONS: u64 = 500;
+/// After so many that found none the next ones may take twice as many.
+const SEARCHES_PER_DOUBLING: u32 = 8;
 
 /// Looks at every grasp that a search has reached whether the object can be carried from there to where it is to go: a
 /// grasp that is good for nothing is none.
 pub(crate) struct Task<'a> {
     pub carrier: Carrier,
     pub ends: Vec<Vec<f64>>,
+    is_home: bool,
     seed: u64,
-    iterations: u64,
+    /// Searches for a way out that ended without one.
+    exhausted: u32,
     observer: &'a mut dyn Observer,
-    /// The way on from the grasp that was taken.
-    pub onward: Option<[Segment; 2]>,
+    /// The way on from the grasp that was taken: off what the object rests on, and to where it is to go, with the problem
+    /// that this second piece solves.
+    onward: Option<([Segment; 2], Problem)>,
     /// Where the others failed, and why.
     pub failures: Vec<(Vec<f64>, FailureReason)>,
 }
@@ -59,8 +63,9 @@ impl<'a> Task<'a> {
         Ok(Self {
             carrier: Carrier::new(problem, carry.lift_off)?,
             ends,
+            is_home: carry.end == CarryEnd::Home,
             seed,
-            iterations: FIRST_ITERATIONS,
+            exhausted: 0,
             observer,
             onward: None,
             failures: Vec::new(),
@@ -80,11 +85,22 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The way on from a grasp: off what the object rests on, and to where it is to go; shortened, and proven.
-    fn find_onward(&mut self, grasp: &[f64]) -> Result<[Segment; 2], FailureReason> {
+    /// The way on from the grasp that was taken, the second piece shortened from this seed; nothing if no grasp was.
+    pub fn into_onward(self, shortened: bool) -> Result<Vec<Segment>, PlanError> {
+        let Some(([lift_off, mut carry], problem)) = self.onward else { return Ok(Vec::new()) };
+        if shortened {
+            let settings = ShortcutSettings { seed: self.seed, ..ShortcutSettings::default() };
+            carry.waypoints = shortcut(&problem, &carry.waypoints, settings)?.path;
+        }
+        Ok(vec![lift_off, carry])
+    }
+
+    /// The way on from a grasp, proven.
+    fn find_onward(&mut self, reach: &[Vec<f64>]) -> Result<([Segment; 2], Problem), FailureReason> {
+        let grasp = reach.last().ok_or(FailureReason::NotTried)?;
         let grip = self.carrier.close(grasp)?;
         let lift_off = self.carrier.lift_off(&grip, grasp)?;
-        let carry = self.carry(&grip, &lift_off[lift_off.len() - 1])?;
+        let (carry, problem) = self.carry(&grip, &lift_off[lift_off.len() - 1], reach)?;
         let segment = |mode, waypoints| Segment {
             mode,
             attached: Some(self.carrier.object().to_owned()),
@@ -92,22 +108,36 @@ impl<'a> Task<'a> {
             waypoints,
             clearances_m: Vec::new(),
         };
-        Ok([segment(Mode::LiftOff, lift_off), segment(Mode::Carry, carry)])
+        Ok(([segment(Mode::LiftOff, lift_off), segment(Mode::Carry, carry)], problem))
     }
 
-    fn carry(&mut self, grip: &Grip, from: &[f64]) -> Result<Vec<Vec<f64>>, FailureReason> {
+    /// The way on from the end of a lift-off. Home it may join the way that led to the grasp, from wherever that is proven
+    /// to be free with the object in the hand too: often what is left to find is the way out of the narrow.
+    fn carry(
+        &mut self,
+        grip: &Grip,
+        from: &[f64],
+        reach: &[Vec<f64>],
+    ) -> Result<(Vec<Vec<f64>>, Problem), FailureReason> {
         let not_carried = |_: PlanError| FailureReason::NotCarried;
-        let mut problem = grip.carrying(from, self.ends.clone()).map_err(not_carried)?;
+        let problem = grip.carrying(from, self.ends.clone()).map_err(not_carried)?;
+        let back = if self.is_home { grip.free_along(reach) } else { Vec::new() };
+        // The nearest to the grasp first.
+        let joints: Vec<Vec<f64>> = back.iter().rev().chain(&self.ends).cloned().collect();
+        let mut narrow = grip.carrying(from, joints).map_err(not_carried)?;
         let planner = cranny_plan::default_planner(problem.criterion());
-        let budget = Budget { iterations: self.iterations, ..Budget::default() };
-        let report = search(planner.as_ref(), &mut problem, &budget, self.seed, &mut Stop(self.observer))
+        let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
+        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, ..Budget::default() };
+        let report = search(planner.as_ref(), &mut narrow, &budget, self.seed, &mut Stop(self.observer))
             .map_err(not_carried)?;
         if report.outcome != Outcome::Solved {
-            self.iterations = self.iterations.saturating_mul(2);
+            self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
             return Err(FailureReason::NotCarried);
         }
-        let settings = ShortcutSettings { seed: self.seed, ..ShortcutSettings::default() };
-        Ok(shortcut(&problem, &report.path, settings).map_err(not_carried)?.path)
+        let mut path = report.path;
+        let joined = back.iter().position(|q| path.last() == Some(q)).unwrap_or(0);
+        path.extend(back[..joined].iter().rev().cloned());
+        Ok((path, problem))
     }
 }
 
@@ -125,10 +155,9 @@ impl Observer for Task<'_> {
     }
 
     fn accepts_goal(&mut self, path: &[Vec<f64>]) -> bool {
-        let Some(grasp) = path.last() else { return false };
-        match self.find_onward(grasp) {
+        match self.find_onward(path) {
             Ok(onward) => self.onward = Some(onward),
-            Err(reason) => self.failures.push((grasp.clone(), reason)),
+            Err(reason) => self.failures.extend(path.last().map(|grasp| (grasp.clone(), reason))),
         }
         self.onward.is_some()
     }

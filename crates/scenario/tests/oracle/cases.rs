@@ -10,6 +10,7 @@ use std::time::Duration;
 use cranny_collision::{Cell, Margins};
 use cranny_plan::{Budget, Criterion, Outcome, Problem, ShortcutSettings, Unobserved, planner, shortcut};
 use cranny_scenario::{OpenOptions, Scenario};
+use cranny_solve::{Carry, Request, solve};
 
 use crate::judge::Oracle;
 
@@ -22,6 +23,8 @@ pub struct Case {
     pub start: Vec<f64>,
     /// Way points from the start to a grasp; `None` where the planner found none.
     pub path: Option<Vec<Vec<f64>>>,
+    /// The way of the target in the closed hand, from where it is off what it rested on, and where the hand closed.
+    pub carried: Option<(Vec<f64>, Vec<Vec<f64>>)>,
 }
 
 /// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
@@ -59,7 +62,17 @@ fn case(folder: &Path) -> Case {
         cell: cell.clone(),
         start: problem.start().to_vec(),
         path: path(&scenario.id, &problem),
+        carried: carried(&problem),
     }
+}
+
+/// The last segment of a task that carries the target home.
+fn carried(problem: &Problem) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    let request = Request { carry: Some(Carry::default()), ..Request::default() };
+    let answer = solve(problem, &request, &mut Unobserved).unwrap();
+    assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
+    let [reach, _, carry] = &answer.segments[..] else { return None };
+    Some((reach.waypoints.last()?.clone(), carry.waypoints.clone()))
 }
 
 /// What `reach` finds with the first seed that lets it, shortened as it is delivered.

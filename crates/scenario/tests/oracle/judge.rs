@@ -182,6 +182,36 @@ impl Oracle {
         sight
     }
 
+    /// What the target touches in the hand that closed on it at `grasp`, on the straight motion from `a` to `b`; and how
+    /// many samples were looked at.
+    pub fn watch_carried(&self, grasp: &[f64], [a, b]: [&[f64]; 2]) -> (usize, Option<(f64, Touch)>) {
+        let tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
+        let grasped_from_root = tip(grasp).inverse();
+        let still = Pose::identity();
+        let (target, others) = self.obstacles.split_last().expect("there is a target");
+        let others: Vec<(&str, Placed)> = others
+            .iter()
+            .flat_map(|other| other.parts.iter().map(|part| (other.name.as_str(), part.placed(&still))))
+            .collect();
+        let mut held: Vec<Placed> = target.parts.iter().map(|part| part.placed(&still)).collect();
+        let mut samples = 0;
+        for t in self.samples(a, b) {
+            samples += 1;
+            let moved = tip(&between(a, b, t)) * grasped_from_root;
+            for part in &mut held {
+                part.move_to(&moved);
+                let named = |name: &str| Touch { first: target.name.clone(), second: name.to_owned() };
+                if part.bounds.low.z < FLOOR_M {
+                    return (samples, Some((t, named("floor"))));
+                }
+                if let Some((name, _)) = others.iter().find(|(_, other)| part.meets(other)) {
+                    return (samples, Some((t, named(name))));
+                }
+            }
+        }
+        (samples, None)
+    }
+
     /// Points of [0, 1] along the motion, both ends included, between which no link moves farther than
     /// [`STEP_M`]. How far a link moves is measured: at most as far as a corner of its box.
     pub fn samples<'a>(&'a self, a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {

@@ -47,6 +47,31 @@ fn no_planned_path_touches_anything() {
 }
 
 #[test]
+fn no_carried_target_touches_anything() {
+    let Some(cases) = cases() else { return };
+    let judge = |case: &Case| {
+        let (grasp, path) = case.carried.as_ref()?;
+        let mut faults = Vec::new();
+        let mut samples = 0;
+        for (edge, ends) in path.windows(2).enumerate() {
+            let (seen, touch) = case.oracle.watch_carried(grasp, [&ends[0], &ends[1]]);
+            samples += seen;
+            faults.extend(touch.map(|(t, touch)| format!("edge {edge} at {t}: {touch:?}")));
+        }
+        println!("{}: {} edges, {samples} samples, {faults:?}", case.id, path.len() - 1);
+        Some(faults)
+    };
+    for (case, faults) in cases.iter().zip(for_each(cases, judge)) {
+        assert_eq!(faults, Some(Vec::new()), "{}", case.id);
+    }
+    // The target is an obstacle that is looked at: where it stands, the table would be met.
+    let (grasp, _) = cases[0].carried.as_ref().unwrap();
+    let mut sunk = grasp.clone();
+    sunk[0] += 0.3;
+    assert!(cases.iter().any(|case| case.oracle.watch_carried(grasp, [grasp, &sunk]).1.is_some()));
+}
+
+#[test]
 fn most_straight_lines_from_start_to_goal_touch_something() {
     let Some(cases) = cases() else { return };
     let touch = |case: &Case| {
