@@ -1,12 +1,11 @@
 use std::sync::Arc;
 
-use cranny_robot::{FARTHEST_HELD_M, Hold, LinkFrames, Robot};
+use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
-#[cfg(doc)]
-use crate::Resting;
 use crate::contact::{Collider, Contact};
+use crate::holding::HeldBody;
 use crate::lane_part::LanePart;
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lanes::Lanes;
@@ -23,12 +22,12 @@ use crate::{CollisionError, Margins};
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
 #[derive(Clone, Debug)]
 pub struct Cell {
-    robot: Arc<Robot>,
-    body: Arc<RobotBody>,
-    around: Arc<Surroundings>,
-    margins: Margins,
+    pub(crate) robot: Arc<Robot>,
+    pub(crate) body: Arc<RobotBody>,
+    pub(crate) around: Arc<Surroundings>,
+    pub(crate) margins: Margins,
     /// The body to be grasped, and those that carry it, by index.
-    grasp_bodies: Arc<[usize]>,
+    pub(crate) grasp_bodies: Arc<[usize]>,
     /// What is held, if anything is.
     pub(crate) held: Option<HeldBody>,
     pub(crate) bodies: Arc<[LinkBody]>,
@@ -41,21 +40,11 @@ pub struct Cell {
 
 /// A world, and what every check needs of it, whatever robot stands in it.
 #[derive(Debug)]
-struct Surroundings {
+pub(crate) struct Surroundings {
     world: World,
     parts: Vec<(usize, Part)>,
     lanes: Arc<[LanePart]>,
     tree: PartTree,
-}
-
-/// A body of the world in the hand.
-#[derive(Clone, Debug)]
-pub(crate) struct HeldBody {
-    /// Its index in the world.
-    pub body: usize,
-    /// Parts of the world that it is not checked against.
-    spared: Arc<[usize]>,
-    pub hold: Hold,
 }
 
 impl Surroundings {
@@ -68,14 +57,6 @@ impl Surroundings {
         let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         Self { world, parts, lanes, tree }
     }
-}
-
-/// Whether a hand can hold something like that.
-fn check_hold(hold: &Hold) -> bool {
-    let Hold { tip_from_held, closing } = hold;
-    tip_from_held.translation.vector.norm() <= FARTHEST_HELD_M
-        && tip_from_held.rotation.coords.iter().all(|x| x.is_finite())
-        && (0.0..=1.0).contains(closing)
 }
 
 /// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
@@ -138,7 +119,7 @@ impl Cell {
     }
 
     /// [`Self::new`] with these pairs of links checked even if they touch in every sample.
-    fn checking(
+    pub(crate) fn checking(
         robot: Arc<Robot>,
         body: Arc<RobotBody>,
         around: Arc<Surroundings>,
@@ -184,70 +165,6 @@ impl Cell {
             asked_for.into(),
             self.held.clone(),
         )
-    }
-
-    /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
-    /// checked against world, floor and all links that move against it, and no obstacle any more. Another hold of the same
-    /// body is [`Self::with_hold`]; what it may touch yet, [`Self::sparing`].
-    ///
-    /// # Errors
-    /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
-    ///
-    /// # Panics
-    /// If the world has no body of that index.
-    pub fn holding(&self, body: usize, hold: Hold) -> Result<Self, CollisionError> {
-        let thing = &self.world().bodies()[body];
-        let unusable = || CollisionError::Hold { name: thing.name.clone() };
-        if self.held.is_some() || !check_hold(&hold) {
-            return Err(unusable());
-        }
-        let robot = self.robot.holding(&thing.name);
-        let held_from_world = thing.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
-        let shapes =
-            thing.parts.iter().map(|part| (held_from_world * part.world_from_solid, part.solid.clone()));
-        let link = robot.held_link().ok_or_else(unusable)?;
-        let held = LinkBody::of_shapes(link, shapes.collect()).ok_or_else(unusable)?;
-        let body_of_robot = Arc::new(self.body.holding(&robot, held));
-        Ok(Self::checking(
-            Arc::new(robot),
-            body_of_robot,
-            self.around.clone(),
-            self.margins,
-            self.grasp_bodies.clone(),
-            self.asked_for.clone(),
-            Some(HeldBody { body, spared: Arc::default(), hold }),
-        ))
-    }
-
-    /// The same cell with what is held not checked against these parts of the world ([`Resting::parts`]),
-    /// and no others.
-    #[must_use]
-    pub fn sparing(&self, spared: &[usize]) -> Self {
-        let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
-        Self::checking(
-            self.robot.clone(),
-            self.body.clone(),
-            self.around.clone(),
-            self.margins,
-            self.grasp_bodies.clone(),
-            self.asked_for.clone(),
-            held,
-        )
-    }
-
-    /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.
-    ///
-    /// # Errors
-    /// [`CollisionError::Hold`] for a hold that is none.
-    pub fn with_hold(&self, hold: Hold) -> Result<Self, CollisionError> {
-        let mut cell = self.clone();
-        if let Some(held) = &mut cell.held {
-            if !check_hold(&hold) {
-                return Err(CollisionError::Hold { name: self.world().bodies()[held.body].name.clone() });
-            }
-            held.hold = hold;
-        }
-        Ok(cell)
     }
 
     /// The robot.

@@ -22,6 +22,7 @@ mod closest;
 mod closing;
 mod contact;
 mod error;
+mod holding;
 mod joint_table;
 mod lane_body;
 mod lane_hull;

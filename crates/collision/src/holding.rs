@@ -1,0 +1,93 @@
+use std::sync::Arc;
+
+use cranny_robot::{FARTHEST_HELD_M, Hold};
+
+use crate::CollisionError;
+#[cfg(doc)]
+use crate::Resting;
+use crate::cell::Cell;
+use crate::link_body::LinkBody;
+
+/// A body of the world in the hand.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldBody {
+    /// Its index in the world.
+    pub body: usize,
+    /// Parts of the world that it is not checked against.
+    pub spared: Arc<[usize]>,
+    pub hold: Hold,
+}
+
+impl Cell {
+    /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
+    /// checked against world, floor and all links that move against it, and no obstacle any more. Another hold of the same
+    /// body is [`Self::with_hold`]; what it may touch yet, [`Self::sparing`].
+    ///
+    /// # Errors
+    /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn holding(&self, body: usize, hold: Hold) -> Result<Self, CollisionError> {
+        let thing = &self.world().bodies()[body];
+        let unusable = || CollisionError::Hold { name: thing.name.clone() };
+        if self.held.is_some() || !check_hold(&hold) {
+            return Err(unusable());
+        }
+        let robot = self.robot.holding(&thing.name);
+        let held_from_world = thing.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
+        let shapes =
+            thing.parts.iter().map(|part| (held_from_world * part.world_from_solid, part.solid.clone()));
+        let link = robot.held_link().ok_or_else(unusable)?;
+        let held = LinkBody::of_shapes(link, shapes.collect()).ok_or_else(unusable)?;
+        let body_of_robot = Arc::new(self.body.holding(&robot, held));
+        Ok(Self::checking(
+            Arc::new(robot),
+            body_of_robot,
+            self.around.clone(),
+            self.margins,
+            self.grasp_bodies.clone(),
+            self.asked_for.clone(),
+            Some(HeldBody { body, spared: Arc::default(), hold }),
+        ))
+    }
+
+    /// The same cell with what is held not checked against these parts of the world ([`Resting::parts`]),
+    /// and no others.
+    #[must_use]
+    pub fn sparing(&self, spared: &[usize]) -> Self {
+        let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
+        Self::checking(
+            self.robot.clone(),
+            self.body.clone(),
+            self.around.clone(),
+            self.margins,
+            self.grasp_bodies.clone(),
+            self.asked_for.clone(),
+            held,
+        )
+    }
+
+    /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.
+    ///
+    /// # Errors
+    /// [`CollisionError::Hold`] for a hold that is none.
+    pub fn with_hold(&self, hold: Hold) -> Result<Self, CollisionError> {
+        let mut cell = self.clone();
+        if let Some(held) = &mut cell.held {
+            if !check_hold(&hold) {
+                return Err(CollisionError::Hold { name: self.world().bodies()[held.body].name.clone() });
+            }
+            held.hold = hold;
+        }
+        Ok(cell)
+    }
+}
+
+/// Whether a hand can hold something like that.
+fn check_hold(hold: &Hold) -> bool {
+    let Hold { tip_from_held, closing } = hold;
+    tip_from_held.translation.vector.norm() <= FARTHEST_HELD_M
+        && tip_from_held.rotation.coords.iter().all(|x| x.is_finite())
+        && (0.0..=1.0).contains(closing)
+}
