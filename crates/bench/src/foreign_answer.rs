@@ -214,7 +214,7 @@ mod tests {
         for (first, second, says) in [
             (json!({"kind": "spline"}), same.clone(), "segment 0 is of kind 'spline'"),
             (json!({"mode": ""}), same.clone(), "segment 0 is of mode ''"),
-            (same.clone(), json!({"mode": "carry"}), "segment 1 is of mode 'carry'"),
+            (same.clone(), json!({"mode": "carry"}), "neither a reach nor"),
             (same.clone(), json!({"attached": "ball"}), "segment 1 carries 'ball'"),
             (json!({"opening_m": 0.04}), same.clone(), "segment 0 opens the hand by 0.04 m"),
             (json!({"waypoints": []}), same.clone(), "segment 0 has no way points"),
