@@ -105,6 +105,10 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
             let problem = format!("{} values, but the robot has {joints} joints", values.len());
             return Err(Failure::Flag { flag: "carry", problem });
         }
+        None if !Path::new(given).exists() => {
+            let problem = format!("'{given}' is neither `home`, nor {joints} values with commas, nor a file");
+            return Err(Failure::Flag { flag: "carry", problem });
+        }
         None => read_waypoints(Path::new(given), joints)?,
     };
     Ok(Some(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }))

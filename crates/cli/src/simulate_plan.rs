@@ -29,8 +29,8 @@ use crate::{output_file, recording};
 
 The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
 where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
-object on (`plan --carry`). Said is how far the arm was from the plan, what it
-touched, and what became of the object, as `simulate grasps` says it.")]
+object on (`plan --carry`). Said is how far the arm was from the plan, what it touched, and what became of the object,
+as `simulate grasps` says it.")]
 pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
@@ -38,7 +38,7 @@ pub struct SimulatePlanArguments {
     /// A plan file (.plan.json) or way points (.csv, .try)
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
-    /// How far up the object is lifted, in millimetres
+    /// How far up the object is lifted, in millimetres, where the plan ends at the grasp
     #[arg(long, value_name = "MM", default_value = "30")]
     pub lift: f64,
     /// Mass of the object, in kilograms [default: its own]

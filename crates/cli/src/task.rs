@@ -61,7 +61,7 @@ pub fn note_all(notes: &[impl Display], output: Output) -> Result<(), Failure> {
 pub fn metres(flag: &'static str, millimetres: Option<f64>) -> Result<Option<f64>, Failure> {
     match millimetres {
         Some(value) if !(value.is_finite() && value >= 0.0) => {
-            let problem = format!("'{value}' is no clearance; give millimetres, at least 0");
+            let problem = format!("'{value}' is no such length; give millimetres, at least 0");
             Err(Failure::Flag { flag, problem })
         }
         other => Ok(other.map(|value| value / 1000.0)),

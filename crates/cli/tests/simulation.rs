@@ -259,3 +259,26 @@ fn an_experiment_is_written_for_another_engine() {
     assert_eq!(answer(folder, &["export", "021", "--mjcf", "-o", "ball.xml"]).0, 0);
     assert!(std::fs::read_to_string(folder.join("ball.xml")).expect("written").starts_with("<mujoco"));
 }
+
+#[test]
+fn a_target_is_carried_home_and_the_plan_is_executed() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    let planned = command(&["plan", "021", "--carry", "home"]);
+    assert_eq!(planned.status.code(), Some(0), "{}", String::from_utf8_lossy(&planned.stderr));
+    assert!(String::from_utf8_lossy(&planned.stdout).contains("carries"));
+    assert_eq!(command(&["verify", "021", "021.plan.json"]).status.code(), Some(0));
+    let (code, executed) = answer(folder.path(), &["plan", "021", "021.plan.json"]);
+    assert_eq!((code, &executed["outcome"]), (0, &"held".into()), "{executed}");
+    assert_eq!(executed["contacts"], serde_json::json!([]));
+    assert!(executed["rose_m"].as_f64().unwrap() > 0.1, "{executed}");
+    for (carry, said) in [("away", "neither `home`"), ("1,2", "2 values, but the robot has 9 joints")] {
+        let refused = command(&["plan", "021", "--carry", carry]);
+        let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && words.contains(said), "{words}");
+    }
+    refused(folder.path(), &["plan", "021", "021.plan.json", "--lift=-5"], &["--lift", "'-5'"]);
+}
