@@ -21,8 +21,10 @@ pub(crate) struct JointTable {
     /// The least value of each joint, and cells per unit.
     pub lower: [f32; 2],
     pub per_unit: [f32; 2],
-    /// Per cell [`CONTACT`], or one bit for each pair that is in doubt there.
+    /// Per cell one bit for each pair that is in doubt there, or all of them and [`CONTACT`].
     cells: Arc<[u8]>,
+    /// The bits of the pairs that are asked about, and of [`CONTACT`] if they are all.
+    asked: u8,
 }
 
 /// Some pair is certainly in contact everywhere in the cell.
@@ -51,9 +53,23 @@ fn overhang(limits: &JointLimits) -> f64 {
 }
 
 impl JointTable {
-    /// The table of pairs that are called otherwise.
-    pub fn renumbered(&self, number: impl Fn(u32) -> u32) -> Self {
-        Self { pairs: self.pairs.iter().map(|pair| number(*pair)).collect(), ..self.clone() }
+    /// The same table, asked about nothing but these of its pairs.
+    pub fn asked_about(&self, is_asked: impl Fn(u32) -> bool) -> Self {
+        let asked = (0..).zip(&self.pairs).filter(|(_, pair)| is_asked(**pair));
+        let asked = asked.fold(0, |bits, (bit, _)| bits | 1 << bit);
+        Self { asked: if asked == self.all_pairs() { asked | CONTACT } else { asked }, ..self.clone() }
+    }
+
+    /// The same table in a list of pairs that begins with `first` others.
+    pub fn counted_from(&self, first: u32) -> Self {
+        Self { pairs: self.pairs.iter().map(|pair| first + pair).collect(), ..self.clone() }
+    }
+
+    /// The pairs that it is asked about, each with its bit.
+    #[inline(always)]
+    pub fn asked_pairs(&self) -> impl Iterator<Item = (u8, u32)> {
+        let bits = (0..MOST_PAIRS).map(|bit| 1 << bit);
+        bits.zip(&self.pairs).filter(|(bit, _)| self.asked & bit != 0).map(|(bit, pair)| (bit, *pair))
     }
 
     /// The tables of all such pairs.
@@ -81,17 +97,18 @@ impl JointTable {
             let mut cells = vec![!CONTACT; SIDE * SIDE];
             builder.fill(table, &mut cells, [0, 0], SIDE, table.all_pairs());
             table.cells = cells.into();
+            table.asked = table.all_pairs() | CONTACT;
         }
         tables
     }
 
-    /// [`CONTACT`] if all cells from `low` to `high` are in contact, or one bit for each pair that is not
-    /// free in all of them. A cell beyond the last counts as the last.
+    /// One bit for each pair that is not free in all cells from `low` to `high`, and [`CONTACT`] if all of them are in
+    /// contact. A cell beyond the last counts as the last.
     #[inline(always)]
     pub fn look_up(&self, low: [i32; 2], high: [i32; 2]) -> u8 {
         let [low_x, low_y] = low.map(in_range);
         if low == high {
-            return self.cells[low_x * SIDE + low_y];
+            return self.cells[low_x * SIDE + low_y] & self.asked;
         }
         // A pose that depends on one joint is looked up on the diagonal only.
         let is_single = self.joints[0] == self.joints[1];
@@ -104,12 +121,7 @@ impl JointTable {
                 all &= cell;
             }
         }
-        match (any, all) {
-            (_, CONTACT) => CONTACT,
-            // Contact somewhere: no pair is free everywhere.
-            (any, _) if any & CONTACT != 0 => self.all_pairs(),
-            (any, _) => any,
-        }
+        ((any & !CONTACT) | all) & self.asked
     }
 
     fn all_pairs(&self) -> u8 {
@@ -126,6 +138,7 @@ impl JointTable {
             lower: limits.map(|limits| limits.lower as f32),
             per_unit: limits.map(|limits| (SIDE as f64 / (limits.upper - limits.lower)) as f32),
             cells: Arc::default(),
+            asked: 0,
         }
     }
 }
@@ -169,7 +182,7 @@ impl Builder<'_> {
             return;
         }
         let verdict = self.square(table, corner, side, doubtful);
-        if verdict != 0 && verdict != CONTACT && side > 1 {
+        if verdict != 0 && verdict & CONTACT == 0 && side > 1 {
             let half = side / 2;
             for (x, y) in [(0, 0), (0, half), (half, 0), (half, half)] {
                 self.fill(table, cells, [corner[0] + x, corner[1] + y], half, verdict);
@@ -193,7 +206,7 @@ impl Builder<'_> {
         let mut left = 0;
         for (bit, &index) in table.pairs.iter().enumerate().filter(|(bit, _)| doubtful >> bit & 1 == 1) {
             match self.pair(&self.pairs[index as usize]) {
-                Verdict::Contact => return CONTACT,
+                Verdict::Contact => return CONTACT | table.all_pairs(),
                 Verdict::Doubt => left |= 1 << bit,
                 Verdict::Free => {}
             }

@@ -119,7 +119,8 @@ impl Lanes {
         let tables: Vec<JointTable> = body
             .tables(robot, of_links)
             .iter()
-            .map(|table| table.renumbered(|pair| as_index(first_of_links) + pair))
+            .filter(|table| table.asked_pairs().next().is_some())
+            .map(|table| table.counted_from(as_index(first_of_links)))
             .collect();
         let (mut untabled, mut tabled) = (Vec::new(), Vec::new());
         for (index, pair) in pairs.iter().enumerate() {
@@ -131,7 +132,9 @@ impl Lanes {
                 }
                 Other::Link { body, .. } => {
                     let slack_m = slack_m + lane_bodies[body].slack_m;
-                    let is_tabled = tables.iter().any(|table| table.pairs.contains(&as_index(index)));
+                    let is_tabled = tables
+                        .iter()
+                        .any(|table| table.asked_pairs().any(|(_, pair)| pair == as_index(index)));
                     let link_pair = LanePair::new(index, body, pair.required_m, slack_m);
                     let pairs = if is_tabled { &mut tabled } else { &mut untabled };
                     pairs.push((link_pair, as_index(pair.first)));
@@ -272,7 +275,7 @@ impl Lanes {
             _ => 0,
         };
         for table in &self.tables {
-            let lanes = table.pairs.iter().fold(0, |all, pair| all | lanes_of_pair(*pair));
+            let lanes = table.asked_pairs().fold(0, |all, (_, pair)| all | lanes_of_pair(pair));
             if lanes != 0 && look.is_open() {
                 look_up(simd, table, scratch, lanes, &mut look.open);
                 look.narrow();
@@ -390,12 +393,10 @@ fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, lane
     for lane in lanes_of(*open & lanes) {
         match table.look_up([low[0][lane], low[1][lane]], [high[0][lane], high[1][lane]]) {
             0 => {}
-            joint_table::CONTACT => *open &= !(1 << lane),
+            found if found & joint_table::CONTACT != 0 => *open &= !(1 << lane),
             doubtful => {
-                for (bit, pair) in table.pairs.iter().enumerate() {
-                    if doubtful >> bit & 1 == 1 {
-                        scratch.add_doubt(first_doubt, *pair, 1 << lane);
-                    }
+                for (_, pair) in table.asked_pairs().filter(|(bit, _)| doubtful & bit != 0) {
+                    scratch.add_doubt(first_doubt, pair, 1 << lane);
                 }
             }
         }

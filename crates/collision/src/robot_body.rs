@@ -72,39 +72,35 @@ impl RobotBody {
         }
     }
 
-    /// The tables of these pairs of links, their pairs counted from the first: those of fingers apart, so that the others
-    /// hold however far the hand is open; none of what is held.
+    /// The tables of these pairs of links, their pairs counted from the first. What is held is in none, and of a robot that
+    /// holds something those of the empty hand are asked about no finger: how far it is closed is not known here.
     pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Vec<JointTable> {
-        let of_pair = |&(_, pair): &(u32, &Pair)| match pair.second {
-            Other::Link { body, .. } => Some((pair.first, body, pair.required_m.to_bits())),
-            Other::Part(_) => None,
-        };
-        let links_of = |pair: &Pair| match pair.second {
+        let links = |pair: &Pair| match pair.second {
             Other::Link { body, .. } => [pair.first, body].map(|body| self.links[body].link),
             Other::Part(_) => [self.links[pair.first].link; 2],
         };
-        let is_rigid = |(_, pair): &(u32, &Pair)| !links_of(pair).iter().any(|link| robot.is_loose(*link));
-        let is_of_finger =
-            |(_, pair): &(u32, &Pair)| links_of(pair).iter().any(|link| robot.is_of_finger(*link));
-        let rigid = (0..).zip(pairs).filter(is_rigid);
-        let (of_fingers, others): (Vec<_>, Vec<_>) = rigid.partition(is_of_finger);
+        let is_of_held = |pair: &Pair| links(pair).iter().any(|link| robot.held_link() == Some(*link));
+        // They come last.
+        let own = &pairs[..pairs.iter().position(is_of_held).unwrap_or(pairs.len())];
+        let key: TableKey = own
+            .iter()
+            .map(|pair| {
+                let [first, second] = links(pair);
+                (first, second, pair.required_m.to_bits())
+            })
+            .collect();
         // A thread that panicked left what was finished.
         let mut known = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut tables = Vec::new();
-        for group in [others, of_fingers].into_iter().filter(|group| !group.is_empty()) {
-            let key: TableKey = group.iter().filter_map(of_pair).collect();
-            let found = known.iter().find(|(other, _)| *other == key).map(|(_, found)| found.clone());
-            let found = found.unwrap_or_else(|| {
-                let pairs: Vec<Pair> = group.iter().map(|(_, pair)| **pair).collect();
-                let found: Arc<[JointTable]> = JointTable::all(robot, &self.links, &pairs).into();
-                if known.len() == MOST_TABLES {
-                    known.remove(0);
-                }
-                known.push((key, found.clone()));
-                found
-            });
-            tables.extend(found.iter().map(|table| table.renumbered(|pair| group[pair as usize].0)));
-        }
-        tables
+        let found = known.iter().find(|(other, _)| *other == key).map(|(_, found)| found.clone());
+        let found = found.unwrap_or_else(|| {
+            let found: Arc<[JointTable]> = JointTable::all(robot, &self.links, own).into();
+            if known.len() == MOST_TABLES {
+                known.remove(0);
+            }
+            known.push((key, found.clone()));
+            found
+        });
+        let is_rigid = |pair: u32| !links(&own[pair as usize]).iter().any(|link| robot.is_loose(*link));
+        found.iter().map(|table| table.asked_about(is_rigid)).collect()
     }
 }
