@@ -379,6 +379,7 @@ def plan(
     blend: bool = False,
     score: str = "geometric",
     carry: str | ArrayLike | None = None,
+    clear_m: float = 0.05,
 ) -> Plan: ...
 def verify_path(
     scenario: Scenario | MoveItProblem,
@@ -449,6 +450,7 @@ def run_campaign(
     workers: int,
     judge_both: bool,
     measure_clearance: bool,
+    carry: str | None,
     command: str,
     heard: Callable[[int, int, int], None] | None = None,
 ) -> None: ...

@@ -44,7 +44,8 @@ impl PyPlan {
     }
 
     /// The pieces of the path, each from where the one before ends, as dicts of `mode` ("reach", "lift-off", "carry"),
-    /// `attached` (what the hand carries, or None), `opening_m` (between the fingers; None: as far as they go) and
+    /// `attached` (what the hand carries, or None), `opening_m` (between the fingers; None: as far as they go), `uneven_m`
+    /// (how much farther the finger that meets the object last would have to go than the first, or None) and
     /// `path`, (N, dof). One, unless the object was to be carried.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
@@ -54,6 +55,7 @@ impl PyPlan {
             row.set_item("mode", &segment.mode)?;
             row.set_item("attached", &segment.attached)?;
             row.set_item("opening_m", segment.opening_m)?;
+            row.set_item("uneven_m", segment.uneven_m)?;
             row.set_item("path", rows(py, &segment.waypoints, dof)?)?;
             Ok(row)
         };

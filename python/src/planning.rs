@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Budget, OptimiseSettings, TimingMethod, audit_with};
+use cranny_plan::{AuditSettings, Budget, CarryEnd, OptimiseSettings, TimingMethod, audit_with};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
-use cranny_solve::{Carry, CarryEnd, Request, Timing, solve};
+use cranny_solve::{Carry, Request, Timing, solve};
 use pyo3::prelude::*;
 
 use crate::array::Configurations;
@@ -20,11 +20,15 @@ use crate::verification::PyVerification;
 use crate::whole;
 
 /// Where an object is to be carried.
-fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<Carry> {
+fn carry_of(value: &Bound<'_, PyAny>, clear_m: f64, robot: &Robot) -> PyResult<Carry> {
     if let Ok(word) = value.extract::<String>() {
         return match word.as_str() {
             "home" => Ok(Carry::default()),
-            _ => Err(bad_value(format!("carry is '{word}', but \"home\" or configurations are expected"))),
+            "out" => Ok(Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() }),
+            _ => {
+                let expected = "\"home\", \"out\" or configurations are expected";
+                Err(bad_value(format!("carry is '{word}', but {expected}")))
+            }
         };
     }
     let ends = Configurations::read(value, "carry", robot)?.rows(robot.dof())?;
@@ -54,16 +58,16 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
 /// seconds, `score_weight` being what a grasp of score 1 is worth in units of path length. The path gets its time:
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
-/// limits for either is refused, for neither its plan has no time. `carry`: "home", or a configuration (dof,) or several
-/// (N, dof), where the target is carried to once it is grasped; a grasp that it cannot be carried away from is none, and
-/// `plan.segments` are the pieces.
+/// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
+/// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
+/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces.
 ///
 /// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
-    carry=None))]
+    carry=None, clear_m=CarryEnd::CLEAR_M))]
 #[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
 pub fn plan(
     scenario: &Bound<'_, PyAny>,
@@ -83,6 +87,7 @@ pub fn plan(
     blend: bool,
     score: &str,
     carry: Option<&Bound<'_, PyAny>>,
+    clear_m: f64,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
@@ -109,7 +114,7 @@ pub fn plan(
             blend,
             is_demanded: false,
         }),
-        carry: carry.map(|carry| carry_of(carry, task.problem.robot())).transpose()?,
+        carry: carry.map(|carry| carry_of(carry, clear_m, task.problem.robot())).transpose()?,
         audit: AuditSettings::default(),
     };
     let mut observer = InterruptObserver::new();

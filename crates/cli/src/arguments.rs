@@ -130,6 +130,7 @@ pub struct TaskArguments {
   cranny plan 021 --rate 100 --jerk-limited
   cranny plan 021 --optimise 5
   cranny plan 035 --carry home
+  cranny plan 015 --carry out --clear 100
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
@@ -164,10 +165,14 @@ pub struct PlanArguments {
     /// Iterations after which the search ends [default: no limit]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     pub iterations: Option<u64>,
-    /// Carry the target on once it is grasped: `home`, to where the robot started, to a configuration (comma-separated
-    /// values), or to any of those in a file (.csv). A grasp that it cannot be carried away from is none
-    #[arg(long, value_name = "home|Q|FILE", allow_hyphen_values = true, conflicts_with_all = ["optimise", "blend"])]
+    /// Carry the target on once it is grasped: `home`, to where the robot started; `out`, to where it is clear of
+    /// everything but the floor; to a configuration (comma-separated values), or to any of those in a file (.csv). A grasp
+    /// that it cannot be carried away from is none
+    #[arg(long, value_name = "home|out|Q|FILE", allow_hyphen_values = true, conflicts_with_all = ["optimise", "blend"])]
     pub carry: Option<String>,
+    /// With --carry out: how clear, in millimetres, at most 1000 [default: 50]
+    #[arg(long, value_name = "MM", requires = "carry", allow_negative_numbers = true)]
+    pub clear: Option<f64>,
     /// Leave the path as the planner found it
     #[arg(long)]
     pub no_shortcut: bool,

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use cranny_collision::Margins;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{AuditSettings, Budget, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
+use cranny_plan::{AuditSettings, Budget, CarryEnd, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
 use cranny_scenario::{PlanFile, read_waypoints, write_trajectory_csv};
-use cranny_solve::{Carry, CarryEnd, Request, Timing, solve};
+use cranny_solve::{Carry, Request, Timing, solve};
 use serde::Serialize;
 
 use crate::Answer;
@@ -95,8 +95,17 @@ pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure>
 /// Where `--carry` leads.
 fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Failure> {
     let Some(given) = arguments.carry.as_deref() else { return Ok(None) };
-    if given == "home" {
-        return Ok(Some(Carry::default()));
+    if arguments.clear.is_some() && given != "out" {
+        let problem = "how clear is asked with `--carry out` alone".to_owned();
+        return Err(Failure::Flag { flag: "clear", problem });
+    }
+    match given {
+        "home" => return Ok(Some(Carry::default())),
+        "out" => {
+            let clear_m = arguments.clear.map_or(CarryEnd::CLEAR_M, |clear_mm| clear_mm / 1e3);
+            return Ok(Some(Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() }));
+        }
+        _ => {}
     }
     let values: Option<Vec<f64>> = given.split(',').map(|value| value.trim().parse().ok()).collect();
     let ends = match values {
@@ -106,7 +115,8 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
             return Err(Failure::Flag { flag: "carry", problem });
         }
         None if !Path::new(given).exists() => {
-            let problem = format!("'{given}' is neither `home`, nor {joints} values with commas, nor a file");
+            let problem =
+                format!("'{given}' is neither `home` nor `out`, nor {joints} values with commas, nor a file");
             return Err(Failure::Flag { flag: "carry", problem });
         }
         None => read_waypoints(Path::new(given), joints)?,
@@ -158,13 +168,23 @@ fn trajectory_file(plan_file: &Path) -> PathBuf {
     plan_file.with_file_name(format!("{stem}.trajectory.csv"))
 }
 
+/// Fingers that meet the object farther apart than this in their travel are told, in metres.
+const UNEVEN_M: f64 = 1e-3;
+
 /// What is carried, if anything is.
 fn carried(plan: &PlanFile) -> Option<String> {
     let [_, lift_off, carry] = &plan.segments[..] else { return None };
     let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
     let object = lift_off.attached.as_deref()?;
     let opening = millimetres(lift_off.opening_m?);
-    Some(format!("{object}, fingers {opening} apart: {off} way points to lift it off, {on} to where it goes"))
+    // What is less nobody sees.
+    let uneven = lift_off.uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M);
+    let uneven = uneven.map_or_else(String::new, |uneven_m| {
+        format!(" (one meets it {} before the other: it will be pushed, or the hand)", millimetres(uneven_m))
+    });
+    Some(format!(
+        "{object}, fingers {opening} apart{uneven}: {off} way points to lift it off, {on} to where it goes"
+    ))
 }
 
 fn page(answered: &Answered, grasps: &GraspSet) -> String {

@@ -5,8 +5,8 @@ use cranny_robot::{FARTHEST_HELD_M, Hold};
 use crate::CollisionError;
 #[cfg(doc)]
 use crate::Resting;
-use crate::cell::Cell;
-use crate::link_body::LinkBody;
+use crate::cell::{Cell, Scratch};
+use crate::link_body::{LinkBody, group_separation};
 
 /// A body of the world in the hand.
 #[derive(Clone, Debug)]
@@ -50,6 +50,27 @@ impl Cell {
             self.asked_for.clone(),
             Some(HeldBody { body, spared: Arc::default(), hold }),
         ))
+    }
+
+    /// How far what is held is from the bodies of the world at `q`, floors aside, in metres, certified from below: at most
+    /// `beyond_m`, for what is farther is not measured.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint, or nothing is held.
+    pub fn held_clearance(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
+        self.robot.forward_kinematics(q, &mut scratch.frames);
+        let (held, link) = self.held.as_ref().zip(self.robot.held_link()).expect("something is held");
+        let own = self.bodies.iter().position(|body| body.link == link).expect("it has a shape");
+        let others =
+            self.parts().iter().filter(|(body, part)| *body != held.body && !part.solid.is_half_space());
+        others.fold(beyond_m, |least_m, (_, part)| {
+            let bound_m = self.bodies[own].quick_bound_to(scratch.frames.link(link), part, least_m);
+            if bound_m >= least_m {
+                return least_m;
+            }
+            let placed = std::iter::once((part.world_from_solid, &part.solid));
+            group_separation(self.placed(own, &scratch.frames), &placed, least_m).lower_m.min(least_m)
+        })
     }
 
     /// The same cell with what is held not checked against these parts of the world ([`Resting::parts`]),

@@ -90,7 +90,9 @@ impl Cell {
                 other: self.world().bodies()[*other].name.clone(),
             };
             let best = best.filter(|best| best.separation_m >= signed_m - HOLLOW_M).ok_or_else(hollow)?;
-            resting.contacts.push(best);
+            // Nearer than at rest is what is nearer than it is at rest, whatever the direction can show of that.
+            let separation_m = best.separation_m.max(signed_m);
+            resting.contacts.push(RestingContact { separation_m, ..best });
         }
         Ok(resting)
     }

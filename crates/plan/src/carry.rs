@@ -28,10 +28,32 @@ impl Default for LiftOffSettings {
     }
 }
 
+/// Where an object is carried to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CarryEnd {
+    /// The configuration that the robot started from.
+    #[default]
+    Home,
+    /// Any of these configurations (m, rad; one value per joint each).
+    Configurations(Vec<Vec<f64>>),
+    /// Anywhere the object is so far from all bodies but floors, in metres ([`Self::CLEAR_M`]).
+    Out {
+        /// How far.
+        clear_m: f64,
+    },
+}
+
+impl CarryEnd {
+    /// How far an object is from everything that is out, unless more is asked, in metres.
+    pub const CLEAR_M: f64 = 0.05;
+}
+
 /// Between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
 /// Between two configurations on the way back, in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
+/// Pieces of an edge whose lengths together are that of its way in space.
+const LOOKS_ALONG: u32 = 8;
 /// A joint that moves by more between them jumps (m, rad).
 const JUMP: f64 = 0.1;
 
@@ -123,6 +145,47 @@ impl Carrier {
         Ok(Grip { hold: Hold { tip_from_held, closing }, opening_m, uneven_m, lifting, carrying })
     }
 
+    /// What keeps the object, gripped with the tip at a pose, from being at every one of these configurations; `None` if it
+    /// can be at one of them, as far as collisions go.
+    ///
+    /// # Panics
+    /// If a configuration has not one value per joint.
+    pub fn blocked_at(&self, world_from_tip: &Pose, ends: &[Vec<f64>]) -> Option<[String; 2]> {
+        let tip_from_held = world_from_tip.inverse() * self.world_from_target;
+        let blocked = |closing| {
+            let cell = self.carrying.with_hold(Hold { tip_from_held, closing }).ok()?;
+            let mut scratch = cell.scratch();
+            let mut contacts = ends.iter().map(|end| cell.first_contact(end, &mut scratch));
+            let first = contacts.next()??;
+            contacts.all(|contact| contact.is_some()).then(|| (first.names(&cell), cell))
+        };
+        // Most are free with the hand open too, which it need not be closed for.
+        let (names, open) = blocked(0.0)?;
+        open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
+    }
+
+    /// Where the gripper is at a configuration.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn gripper(&self, q: &[f64]) -> Pose {
+        *self.problem.robot().frames_at(q).link(self.problem.robot().tip())
+    }
+
+    /// The configurations that an object may be carried to; `None` where they are not counted.
+    pub fn ends(&self, end: &CarryEnd) -> Option<Vec<Vec<f64>>> {
+        match end {
+            CarryEnd::Home => Some(vec![self.problem.start().to_vec()]),
+            CarryEnd::Configurations(ends) => Some(ends.clone()),
+            CarryEnd::Out { .. } => None,
+        }
+    }
+
+    /// How the object leaves what it rests on.
+    pub fn settings(&self) -> LiftOffSettings {
+        self.settings
+    }
+
     /// The way of a held object off what it rests on, from where the hand closed on it: up, or up and away from what it
     /// touches, in straight pieces that are proven each.
     ///
@@ -212,6 +275,22 @@ impl Carrier {
         grip.lifting.stays_off(&self.resting, self.settings.slack_m, a, b, scratch)
     }
 
+    /// How far the object goes along a path, in metres.
+    pub(crate) fn length_m(&self, grip: &Grip, path: &[Vec<f64>]) -> f64 {
+        let robot = self.problem.robot();
+        let place = |q: Vec<f64>| {
+            let world_from_held = robot.frames_at(&q).link(robot.tip()) * grip.hold.tip_from_held;
+            world_from_held.translation.vector
+        };
+        let of_edge = |ends: &[Vec<f64>]| {
+            let looks = (0..=LOOKS_ALONG).map(|look| f64::from(look) / f64::from(LOOKS_ALONG));
+            let places: Vec<Vector> =
+                looks.map(|at| place(between(&ends[0], &ends[1], at).collect())).collect();
+            places.windows(2).map(|places| (places[1] - places[0]).norm()).sum::<f64>()
+        };
+        path.windows(2).map(of_edge).sum()
+    }
+
     pub(crate) fn body_name(&self, body: usize) -> String {
         self.lifting.world().bodies()[body].name.clone()
     }
@@ -232,6 +311,27 @@ impl Grip {
     /// As [`Self::lifting`].
     pub fn carrying(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
         Problem::in_cell(self.carrying.clone(), from.to_vec(), Goal::Configurations(to))
+    }
+
+    /// Whether a configuration is free with the object in the hand, and within its limits.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        self.carrying.is_free(q, scratch)
+    }
+
+    /// Room to ask the hand with the object in.
+    pub fn carrying_scratch(&self) -> Scratch {
+        self.carrying.scratch()
+    }
+
+    /// How far the object is from all bodies but floors, in metres, certified from below; at most `beyond_m`.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
+        self.carrying.held_clearance(q, beyond_m, scratch)
     }
 
     /// Configurations along a path, from its begin on, as far as the path is proven with the object in the hand: no two

@@ -82,6 +82,11 @@ impl Forest {
         std::iter::successors(Some(node), next).collect()
     }
 
+    /// The nodes from `node` to its root, both included.
+    pub fn nodes_to_root(&self, node: usize) -> Vec<usize> {
+        std::iter::successors(Some(node), |&node| self.parents[node]).collect()
+    }
+
     /// Where the straight way to the node begins, unless it is proven already or the node is a root.
     pub fn open_way(&self, node: usize) -> Option<usize> {
         Some(self.begins[node]).filter(|_| !self.proven[node])

@@ -6,7 +6,7 @@ use cranny_robot::{IK_BATCH, IkBatch, IkSettings};
 use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
-use crate::{FailureReason, GraspFailure, Problem, Statistics};
+use crate::{FailureReason, GraspFailure, Observer, Problem, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is looked at: so many cost
 /// as much as looking at poses until the hand is free at one.
@@ -21,7 +21,7 @@ const MOST_ITERATIONS: u64 = 8;
 /// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
 /// 1. Poses are opened in random order, the more the more attempts were made. One at which the hand alone
-///    collides is left out for good: no arm can hold it.
+///    collides is left out for good: no arm can hold it; and one that will not do for what is to follow.
 /// 2. Each attempt of a batch goes to any open pose, from a start of its own.
 /// 3. What is reached and free is a goal; joints that can stand several turns apart stand near the start's.
 ///
@@ -82,6 +82,7 @@ impl<'a> GoalPool<'a> {
         random: &mut Stream,
         scratch: &mut Scratch,
         statistics: &mut Statistics,
+        observer: &mut dyn Observer,
     ) -> Vec<Vec<f64>> {
         let begin = Instant::now();
         self.waited += 1;
@@ -90,7 +91,7 @@ impl<'a> GoalPool<'a> {
         }
         self.waited = 0;
         // 1.
-        self.open_poses(random, scratch);
+        self.open_poses(random, scratch, observer);
         if self.open == 0 {
             return Vec::new();
         }
@@ -142,7 +143,7 @@ impl<'a> GoalPool<'a> {
     }
 
     /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
-    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch) {
+    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch, observer: &mut dyn Observer) {
         let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
         while self.open < wanted.min(self.poses.len()) {
             let drawn = self.open + random.index(self.poses.len() - self.open);
@@ -151,6 +152,8 @@ impl<'a> GoalPool<'a> {
                 let record = &mut self.records[grasp];
                 record.hand_contacts += 1;
                 record.hand_contact = Some(contact);
+                self.poses.swap_remove(drawn);
+            } else if !observer.accepts_grasp(&pose) {
                 self.poses.swap_remove(drawn);
             } else {
                 self.poses.swap(drawn, self.open);

@@ -82,6 +82,13 @@ pub enum FailureReason {
     LiftOffOutOfReach,
     /// The object was lifted off, but no way was found to where it is to be carried.
     NotCarried,
+    /// Held like that the object cannot be where it is to be carried:
+    EndBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// The search ended before it came to this grasp.
     NotTried,
 }
@@ -106,6 +113,9 @@ impl FailureReason {
             }
             Self::LiftOffOutOfReach => "reached, but the arm cannot lift the object off".to_owned(),
             Self::NotCarried => "lifted off, but no way out was found".to_owned(),
+            Self::EndBlocked { first, second } => {
+                format!("held like that the object cannot be where it is to go: {first} against {second}")
+            }
             Self::NotTried => "not tried".to_owned(),
         }
     }

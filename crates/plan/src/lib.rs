@@ -49,7 +49,7 @@ mod trajectory;
 mod violation;
 
 pub use audit::{Audit, AuditSettings, GoalError, audit, audit_with, path_length};
-pub use carry::{Carrier, Grip, LiftOffSettings};
+pub use carry::{Carrier, CarryEnd, Grip, LiftOffSettings};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
 pub use hand_filter::{APPROACH_M, HandFilter, robot_hand};

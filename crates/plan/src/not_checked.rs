@@ -1,6 +1,7 @@
 use std::time::Instant;
 
 use cranny_collision::{Cell, UncheckedReason};
+use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
@@ -102,6 +103,10 @@ impl Observer for PairWatch<'_> {
 
     fn progress(&mut self, iterations: u64) {
         self.observer.progress(iterations);
+    }
+
+    fn accepts_grasp(&mut self, world_from_tip: &Pose) -> bool {
+        self.observer.accepts_grasp(world_from_tip)
     }
 
     fn accepts_goal(&mut self, path: &[Vec<f64>]) -> bool {

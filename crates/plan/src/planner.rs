@@ -1,5 +1,6 @@
 use std::time::{Duration, Instant};
 
+use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
@@ -123,6 +124,11 @@ pub trait Observer {
 
     /// The search is over: whatever follows does something else with its path.
     fn search_ended(&mut self) {}
+
+    /// Whether a grasp will do, with the gripper at this pose: if not, nobody looks for a configuration that holds it.
+    fn accepts_grasp(&mut self, _world_from_tip: &Pose) -> bool {
+        true
+    }
 
     /// Whether a goal configuration will do to which a proven path was found: if not, the search goes on without it.
     fn accepts_goal(&mut self, _path: &[Vec<f64>]) -> bool {

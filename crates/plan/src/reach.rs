@@ -155,10 +155,6 @@ impl Search<'_> {
                         return Ok(path);
                     }
                 }
-                // With no goal that is free there is nothing to search for.
-                if self.goals.is_empty() {
-                    return Err(Outcome::GoalsInvalid);
-                }
                 self.search(None)
             }
             Goal::Grasps(grasps) => {
@@ -175,6 +171,10 @@ impl Search<'_> {
     fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {
         let (mut side, mut times_running) = (0, 0);
         loop {
+            // With no goal that is free, or will do, there is nothing to search for.
+            if self.goals.is_empty() && pool.is_none() {
+                return Err(Outcome::GoalsInvalid);
+            }
             if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
                 return Err(outcome);
             }
@@ -184,7 +184,8 @@ impl Search<'_> {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }
-                let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
+                let found =
+                    pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics, self.observer);
                 if let Some(path) = found.iter().find_map(|goal| self.add_goal(goal)) {
                     return Ok(path);
                 }
@@ -336,10 +337,25 @@ impl Search<'_> {
         if self.observer.accepts_goal(&path) {
             return Some(path);
         }
-        let root = *self.sides[1].way_to_root(ends[1]).last()?;
-        self.goals.retain(|goal| *goal != root);
-        self.sides[1].cut(root);
+        self.refuse(ends);
         None
+    }
+
+    /// Cuts off a goal that will not do, where both sides have met. What led to it is of use for its neighbours: it grows
+    /// on from the start.
+    fn refuse(&mut self, ends: [usize; 2]) {
+        let [start, goals] = &mut self.sides;
+        let (way, turns) = (goals.nodes_to_root(ends[1]), goals.way_to_root(ends[1]));
+        let mut last = ends[0];
+        for nodes in way.windows(2) {
+            let q = goals.q(nodes[1]);
+            self.observer.node_added(0, q, Some(last));
+            last = if turns.contains(&nodes[0]) { start.add(q, Some(last)) } else { start.prolong(q, last) };
+        }
+        if let Some(root) = way.last() {
+            self.goals.retain(|goal| goal != root);
+            goals.cut(*root);
+        }
     }
 
     fn add_root(&mut self, side: usize, q: &[f64]) -> usize {

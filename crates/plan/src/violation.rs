@@ -91,6 +91,36 @@ pub enum Violation {
         /// Which way point is that end.
         way_point: usize,
     },
+    /// The object goes farther in its lift-off than it may.
+    #[strum(to_string = "lift-off")]
+    LongLiftOff {
+        /// Which way point is its end.
+        way_point: usize,
+        /// How far the object has gone there, in metres.
+        length_m: f64,
+        /// How far it may go, in metres.
+        most_m: f64,
+    },
+    /// What is said of the object in the hand is not so.
+    #[strum(to_string = "grip")]
+    Hold {
+        /// Which way point.
+        way_point: usize,
+        /// What is said: the object, and how far the fingers are apart, in metres.
+        said: (String, f64),
+        /// What the hand closes on, and how far the fingers are apart then, in metres.
+        held: (String, f64),
+    },
+    /// Carried out, the object is still too near to something.
+    #[strum(to_string = "goal")]
+    NotOut {
+        /// Which way point is the last.
+        way_point: usize,
+        /// How far the object is from the nearest body there, in metres.
+        clearance_m: f64,
+        /// How far it has to be, in metres.
+        required_m: f64,
+    },
 }
 
 /// How far a joint is from where it may be.
@@ -132,6 +162,9 @@ impl Violation {
             | Self::Grasp { way_point, .. }
             | Self::Configuration { way_point, .. }
             | Self::Grip { way_point, .. }
+            | Self::LongLiftOff { way_point, .. }
+            | Self::Hold { way_point, .. }
+            | Self::NotOut { way_point, .. }
             | Self::NotOff { way_point } => *way_point,
             Self::Step { edge, .. } => *edge,
             Self::Contact { place, .. }
@@ -161,6 +194,9 @@ impl Violation {
             | Self::Grasp { way_point, .. }
             | Self::Configuration { way_point, .. }
             | Self::Grip { way_point, .. }
+            | Self::LongLiftOff { way_point, .. }
+            | Self::Hold { way_point, .. }
+            | Self::NotOut { way_point, .. }
             | Self::NotOff { way_point } => *way_point += before,
             Self::Step { edge, .. } => *edge += before,
             Self::Contact { place, .. }
@@ -220,6 +256,19 @@ impl fmt::Display for Violation {
             Self::NotOff { way_point } => {
                 write!(f, "way point {way_point}: the object is not yet off what it rested on")
             }
+            Self::LongLiftOff { way_point, length_m, most_m } => {
+                let (length, most) = (mm(*length_m), mm(*most_m));
+                write!(f, "way point {way_point}: lifted off over {length:.1} mm, {most:.1} mm are allowed")
+            }
+            Self::Hold { way_point, said, held } => {
+                let [said, held] = [said, held]
+                    .map(|(name, opening_m)| format!("{name}, fingers {:.2} mm apart", mm(*opening_m)));
+                write!(f, "way point {way_point}: the hand holds {held}, and not, as is said, {said}")
+            }
+            Self::NotOut { clearance_m, required_m, .. } => {
+                let (clearance, required) = (mm(*clearance_m), mm(*required_m));
+                write!(f, "carried out, the object is {clearance:.1} mm clear, {required:.1} mm are demanded")
+            }
         }
     }
 }
@@ -239,9 +288,12 @@ impl Serialize for Violation {
                 depth_m = Some(depth);
                 &[]
             }
-            Self::Clearance { clearance_m, required_m, .. } => {
+            Self::Clearance { clearance_m, required_m, .. }
+            | Self::NotOut { clearance_m, required_m, .. } => {
                 &[("clearance_m", *clearance_m), ("required_m", *required_m)]
             }
+            Self::LongLiftOff { length_m, most_m, .. } => &[("length_m", *length_m), ("most_m", *most_m)],
+            Self::Hold { said, held, .. } => &[("said_opening_m", said.1), ("opening_m", held.1)],
             Self::Unresolved { clearance_m, .. } => &[("clearance_m", *clearance_m)],
             Self::Step { excess_m, .. } => &[("excess_m", *excess_m)],
             Self::Grasp { nearest: Some(nearest), .. } => &[

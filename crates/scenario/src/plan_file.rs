@@ -4,10 +4,10 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
+    AuditSettings, Budget, CarryEnd, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
     Trajectory, path_length,
 };
-use cranny_solve::{Answer, Carry, CarryEnd, Request};
+use cranny_solve::{Answer, Carry, Request};
 use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
@@ -92,6 +92,9 @@ pub struct PlanFile {
     /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_to: Option<Vec<Vec<f64>>>,
+    /// The object was to be carried anywhere it is so far from all bodies but floors, in metres; `None` where it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carry_clear_m: Option<f64>,
 }
 
 /// What is read of a plan before the rest.
@@ -206,7 +209,14 @@ impl PlanFile {
             shortening: answer.shortening.as_ref().map(PlanShortening::of),
             optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
             failures: answer.failures.clone(),
-            carry_to: answer.carry_to.clone(),
+            carry_to: match &answer.carry_to {
+                Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
+                _ => None,
+            },
+            carry_clear_m: match answer.carry_to {
+                Some(CarryEnd::Out { clear_m }) => Some(clear_m),
+                _ => None,
+            },
         }
     }
 
@@ -221,14 +231,17 @@ impl PlanFile {
             score: self.score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
-            carry: self
-                .carry_to
-                .clone()
-                .map(|ends| Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }),
+            carry: self.carry_end().map(|end| Carry { end, ..Carry::default() }),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: false, ..AuditSettings::default() },
             ..Request::default()
         }
+    }
+
+    /// Where the object was to be carried, if it was.
+    pub fn carry_end(&self) -> Option<CarryEnd> {
+        let out = self.carry_clear_m.map(|clear_m| CarryEnd::Out { clear_m });
+        out.or_else(|| self.carry_to.clone().map(CarryEnd::Configurations))
     }
 
     /// Writes the plan, as a whole or not at all.
@@ -296,9 +309,10 @@ impl PlanFile {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
             improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
         });
-        let fields: [(&'static str, Vec<f64>); 13] = [
+        let fields: [(&'static str, Vec<f64>); 14] = [
             ("waypoints", self.waypoints.concat()),
             ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
+            ("carry_clear_m", self.carry_clear_m.into_iter().collect()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
             ("goal_threshold", self.goal_threshold.into_iter().collect()),
             ("clearance_m", self.clearance_m.into_iter().collect()),
@@ -379,6 +393,7 @@ mod tests {
                 attempts: 0,
             }],
             carry_to: None,
+            carry_clear_m: None,
         }
     }
 

@@ -19,6 +19,10 @@ pub struct PlanSegment {
     pub attached: Option<String>,
     /// How far apart the fingers are, in metres; `None`: as far as they go.
     pub opening_m: Option<f64>,
+    /// How much farther the finger that meets the object last would have to go than the first, in metres: so far the
+    /// object is pushed, or the hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uneven_m: Option<f64>,
     /// One value per joint each (m, rad).
     #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
@@ -33,8 +37,8 @@ impl PlanSegment {
     /// What a file says of a segment of an answer.
     pub fn of(segment: &Segment) -> Self {
         let (kind, mode) = (POLYLINE.to_owned(), segment.mode.name().to_owned());
-        let Segment { attached, opening_m, waypoints, clearances_m, .. } = segment.clone();
-        Self { kind, mode, attached, opening_m, waypoints, clearances_m }
+        let Segment { attached, opening_m, uneven_m, waypoints, clearances_m, .. } = segment.clone();
+        Self { kind, mode, attached, opening_m, uneven_m, waypoints, clearances_m }
     }
 
     /// The segment that it stands for.
@@ -51,9 +55,9 @@ impl PlanSegment {
                 format!("opens the hand by {opening_m} m on its way to the grasp")
             }
             (Some(mode), attached, opening_m) => {
-                let (attached, opening_m) = (attached.clone(), opening_m);
+                let (attached, uneven_m) = (attached.clone(), self.uneven_m);
                 let (waypoints, clearances_m) = (self.waypoints.clone(), self.clearances_m.clone());
-                return Ok(Segment { mode, attached, opening_m, waypoints, clearances_m });
+                return Ok(Segment { mode, attached, opening_m, uneven_m, waypoints, clearances_m });
             }
         };
         Err(format!("{unknown}, which this version does not know ({POLYLINE}; reach, lift-off, carry)"))

@@ -60,7 +60,8 @@ impl PlanFile {
         match (self.waypoints.is_empty(), segments) {
             (true, _) => Ok(None),
             (false, Ok(segments)) if carries => {
-                Ok(Some(audit_segments(problem, carrier.as_ref(), &segments, settings)?))
+                let end = self.carry_end();
+                Ok(Some(audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?))
             }
             _ => Ok(Some(audit_with(problem, &self.waypoints, settings)?)),
         }

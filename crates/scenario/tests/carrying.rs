@@ -1,9 +1,11 @@
 //! Tasks that take the target away, in the built-in scenarios.
 
 use cranny_collision::Margins;
-use cranny_plan::{Audit, AuditSettings, FailureReason, LiftOffSettings, Outcome, Problem, Unobserved};
+use cranny_plan::{
+    Audit, AuditSettings, CarryEnd, FailureReason, LiftOffSettings, Outcome, Problem, Unobserved, Violation,
+};
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{Answer, Carry, CarryEnd, Mode, Request, Timing, solve};
+use cranny_solve::{Answer, Carry, Mode, Request, Timing, solve};
 
 fn problem(id: &str, margins: Margins) -> Problem {
     Scenario::open(id, &OpenOptions::default()).unwrap().problem(margins).unwrap()
@@ -56,6 +58,35 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     let sound = audit_of(&read, &problem);
     assert!(sound.valid, "{:?}", sound.violations);
     assert_eq!(plan.carry_to, Some(vec![problem.start().to_vec()]));
+    // Its request is the one that it was made by.
+    let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
+    assert_eq!(again.waypoints(), plan.waypoints);
+    // What it says of the hand and of its end is looked at.
+    let kinds = |plan: &PlanFile| -> Vec<&str> {
+        audit_of(plan, &problem).violations.iter().map(Violation::kind).collect()
+    };
+    let mut wider = plan.clone();
+    wider.segments[2].opening_m = Some(0.07);
+    assert_eq!(kinds(&wider), ["grip"]);
+    let mut other = plan.clone();
+    other.segments[1].attached = Some("table".to_owned());
+    assert_eq!(kinds(&other), ["grip"]);
+    let mut elsewhere = plan.clone();
+    elsewhere.carry_to.as_mut().unwrap()[0][1] += 0.01;
+    assert_eq!(kinds(&elsewhere), ["goal"]);
+    let mut short = plan.clone();
+    short.segments[2].waypoints.pop();
+    short.segments[2].waypoints.truncate(1);
+    (short.carry_to, short.carry_clear_m) = (None, Some(1.0));
+    assert_eq!(kinds(&short), ["goal"]);
+    // Up and down again until the object has gone too far.
+    let mut long = plan.clone();
+    let lift_off = long.segments[1].waypoints.clone();
+    for _ in 0..5 {
+        long.segments[1].waypoints.extend(lift_off.iter().rev().skip(1).cloned());
+        long.segments[1].waypoints.extend(lift_off.iter().skip(1).cloned());
+    }
+    assert_eq!(kinds(&long), ["lift-off"]);
     // The object dragged on along the table instead of off it.
     let mut dragged = plan.clone();
     let grasp = dragged.segments[1].waypoints[0].clone();
@@ -63,9 +94,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     aside[0] -= 0.02;
     dragged.segments[1].waypoints = vec![grasp.clone(), aside.clone()];
     dragged.segments[2].waypoints = vec![aside];
-    let kinds: Vec<&str> =
-        audit_of(&dragged, &problem).violations.iter().map(cranny_plan::Violation::kind).collect();
-    assert!(kinds.contains(&"lift-off"), "{kinds:?}");
+    assert!(kinds(&dragged).contains(&"lift-off"), "{:?}", kinds(&dragged));
     // Closed where the object is not.
     let mut missed = plan.clone();
     let mut above = grasp.clone();
@@ -73,8 +102,8 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     missed.segments[0].waypoints.pop();
     missed.segments[0].waypoints.push(above);
     let violations = audit_of(&missed, &problem).violations;
-    let nothing = |violation: &cranny_plan::Violation| {
-        matches!(violation, cranny_plan::Violation::Grip { reason: FailureReason::ClosesOnNothing, .. })
+    let nothing = |violation: &Violation| {
+        matches!(violation, Violation::Grip { reason: FailureReason::ClosesOnNothing, .. })
     };
     assert!(violations.iter().any(nothing), "{violations:?}");
 }
@@ -88,21 +117,45 @@ fn where_the_object_is_carried_to_can_be_said() {
     let answer = carried(&problem, to(&end));
     assert!(answer.is_solved());
     assert_eq!(answer.waypoints().last(), Some(&end));
-    // An end that is in the way of nobody but itself: no grasp can be carried there.
-    end[4] = 1e3;
-    let request = Request {
-        carry: Some(to(&end)),
-        budget: cranny_plan::Budget { iterations: 20, ..cranny_plan::Budget::default() },
-        ..Request::default()
+    // An end at which the arm is in the shelf with whatever it holds: no grasp will do, which is known without a search.
+    let reached = solve(&problem, &Request::default(), &mut Unobserved).unwrap().waypoints();
+    let mut beneath = reached[reached.len() - 1].clone();
+    beneath[2] -= 0.05;
+    let answer = carried(&problem, to(&beneath));
+    assert_eq!(answer.outcome, Outcome::NoReachableGrasp);
+    let is_of_end = |reason: &FailureReason| matches!(reason, FailureReason::EndBlocked { .. });
+    assert!(answer.failures.iter().any(|failure| is_of_end(&failure.reason)), "{:?}", answer.failures);
+    let refused = |end: CarryEnd| {
+        let request = Request { carry: Some(Carry { end, ..Carry::default() }), ..Request::default() };
+        solve(&problem, &request, &mut Unobserved).unwrap_err().to_string()
     };
-    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
-    assert_eq!(answer.outcome, Outcome::BudgetExhausted);
-    assert!(answer.failures.iter().any(|failure| failure.reason == FailureReason::NotCarried));
+    end[4] = 1e3;
+    let far = refused(CarryEnd::Configurations(vec![end.clone()]));
+    assert!(far.contains("cannot be at 1000: its limits are"), "{far}");
     end[4] = f64::NAN;
-    let request = Request { carry: Some(to(&end)), ..Request::default() };
-    assert!(
-        solve(&problem, &request, &mut Unobserved).unwrap_err().to_string().contains("not a finite number")
-    );
+    assert!(refused(CarryEnd::Configurations(vec![end])).contains("not a finite number"));
+    assert!(refused(CarryEnd::Configurations(Vec::new())).contains("no configuration"));
+    assert!(refused(CarryEnd::Out { clear_m: f64::NAN }).contains("no clearance"));
+}
+
+#[test]
+fn out_is_where_the_object_is_clear_of_everything_but_the_floor() {
+    for (id, clear_m) in [("015", 0.05), ("025", 0.1), ("035", 0.05), ("045", 0.02)] {
+        let problem = problem(id, Margins::default());
+        let answer = carried(&problem, Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() });
+        assert!(answer.is_solved(), "{id}: {:?} {:?}", answer.outcome, answer.audit);
+        let home = carried(&problem, Carry::default());
+        assert!(answer.waypoints().last() != home.waypoints().last(), "{id}: no farther than needed");
+        // Clear at the end and not before it: cut short it is not out.
+        let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
+        let mut plan = PlanFile::of(&answer, &source);
+        assert_eq!(plan.carry_clear_m, Some(clear_m));
+        let carry = &mut plan.segments[2].waypoints;
+        let [a, b] = [carry.len() - 2, carry.len() - 1].map(|index| carry[index].clone());
+        *carry.last_mut().unwrap() = a.iter().zip(&b).map(|(a, b)| a + 0.5 * (b - a)).collect();
+        let kinds: Vec<&str> = audit_of(&plan, &problem).violations.iter().map(Violation::kind).collect();
+        assert_eq!(kinds, ["goal"], "{id}");
+    }
 }
 
 #[test]

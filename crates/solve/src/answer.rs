@@ -1,7 +1,7 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    Audit, Budget, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome, Statistics,
-    Trajectory,
+    Audit, Budget, CarryEnd, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome,
+    Statistics, Trajectory,
 };
 use strum::{EnumString, IntoStaticStr};
 
@@ -41,8 +41,8 @@ pub struct Answer {
     pub optimisation: Option<Optimisation>,
     /// What the search cost: the first, where others followed.
     pub statistics: Statistics,
-    /// Where the object was to be carried, if it was: to any of these configurations.
-    pub carry_to: Option<Vec<Vec<f64>>>,
+    /// Where the object was to be carried, if it was; home as the configuration that this is.
+    pub carry_to: Option<CarryEnd>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     pub failures: Vec<GraspFailure>,
     /// What touches and was not compared: all that is said holds but for these.
@@ -58,6 +58,9 @@ pub struct Segment {
     pub attached: Option<String>,
     /// How far apart the fingers are, in metres; `None`: as far as they go.
     pub opening_m: Option<f64>,
+    /// How much farther the finger that meets the object last would have to go than the first, in metres: so far the
+    /// object is pushed, or the hand; `None` while nothing is held.
+    pub uneven_m: Option<f64>,
     /// One value per joint each (m, rad).
     pub waypoints: Vec<Vec<f64>>,
     /// The least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
@@ -86,7 +89,8 @@ impl Mode {
 impl Segment {
     /// The way to a grasp.
     pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
-        Self { mode: Mode::Reach, attached: None, opening_m: None, waypoints, clearances_m }
+        let (attached, opening_m, uneven_m) = (None, None, None);
+        Self { mode: Mode::Reach, attached, opening_m, uneven_m, waypoints, clearances_m }
     }
 }
 
@@ -139,7 +143,7 @@ impl Answer {
 }
 
 /// The way points of segments that follow each other: where two meet, one.
-pub(crate) fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
+pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
     let mut joined: Vec<Vec<f64>> = Vec::new();
     for segment in segments {
         joined.pop();

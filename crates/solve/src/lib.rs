@@ -13,10 +13,11 @@ mod ik_status;
 mod request;
 mod solve;
 mod task;
+mod ways_out;
 
-pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed};
+pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed, joined};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
 pub use solve::{audit_segments, solve};
-pub use task::{Carry, CarryEnd};
+pub use task::Carry;

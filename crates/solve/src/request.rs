@@ -1,8 +1,9 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem, TimingMethod,
-    default_planner, planner_with,
+    AuditSettings, Budget, CarryEnd, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem,
+    TimingMethod, default_planner, planner_with,
 };
+use cranny_robot::LimitViolation;
 use serde_json::{Map, Value};
 
 use crate::{Carry, SolveError};
@@ -47,6 +48,34 @@ pub struct Timing {
     pub is_demanded: bool,
 }
 
+/// No object is carried farther away from everything, in metres.
+const FARTHEST_CLEAR_M: f64 = 1.0;
+
+/// Whether an object can be asked to be carried there.
+fn check_end(end: &CarryEnd, problem: &Problem) -> Result<(), SolveError> {
+    let refuse = |problem| Err(SolveError::Request { field: "carry", problem });
+    match end {
+        CarryEnd::Home => Ok(()),
+        CarryEnd::Out { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
+        CarryEnd::Out { clear_m } => {
+            refuse(format!("{clear_m} m is no clearance; give 0 to {FARTHEST_CLEAR_M} m"))
+        }
+        CarryEnd::Configurations(ends) => {
+            problem.with_goal(Goal::Configurations(ends.clone()))?;
+            let robot = problem.robot();
+            let mut beyond = ends.iter().map(|end| robot.first_limit_violation(end));
+            let Some(first) = beyond.next() else { return refuse("there is no configuration".to_owned()) };
+            match first.filter(|_| beyond.all(|violation| violation.is_some())) {
+                None => Ok(()),
+                Some(LimitViolation { joint, value, lower, upper }) => refuse(format!(
+                    "{} cannot be at {value}: its limits are {lower} to {upper}",
+                    robot.joint_names()[joint]
+                )),
+            }
+        }
+    }
+}
+
 impl Request {
     /// Whether the request goes with the problem.
     ///
@@ -88,7 +117,8 @@ impl Request {
                 );
             }
         }
-        if self.carry.is_some() {
+        if let Some(carry) = &self.carry {
+            check_end(&carry.end, problem)?;
             let planner = self.planner_for(problem.criterion())?;
             if is_paper || planner.name() != "reach" {
                 return refuse(

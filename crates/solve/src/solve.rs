@@ -1,9 +1,9 @@
 use std::time::Instant;
 
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, Criterion, Goal, MotionLimits, Observer, Outcome, PlanError, PlanReport,
-    Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with, optimise, search,
-    shortcut,
+    Audit, AuditSettings, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer, Outcome, PlanError,
+    PlanReport, Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with,
+    optimise, search, shortcut,
 };
 
 use crate::answer::joined;
@@ -80,12 +80,18 @@ pub fn solve(
     let (mut carrier, mut carry_to) = (None, None);
     if let Some(task) = task {
         task.tell_failures(&problem, &mut failures);
-        (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.ends.clone()));
+        carrier = Some(task.carrier.clone());
+        carry_to = Some(match task.carrier.ends(&task.end) {
+            Some(ends) => CarryEnd::Configurations(ends),
+            None => task.end.clone(),
+        });
         segments.extend(task.into_onward(is_shortened)?);
     }
     let audit = match &segments[..] {
         [] => None,
-        segments => Some(audit_segments(&problem, carrier.as_ref(), segments, request.audit)?),
+        segments => {
+            Some(audit_segments(&problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
+        }
     };
     if let Some(audit) = &audit {
         let mut clearances = audit.clearances_per_edge_m.iter();
@@ -131,7 +137,7 @@ pub fn solve(
 }
 
 /// Judges segments that follow each other, whoever made them: the way to a grasp alone, or with the two that carry the
-/// object off.
+/// object off, to this end if one was asked.
 ///
 /// # Errors
 /// [`PlanError::Segments`] for segments that are no such task, and those of the judge.
@@ -139,14 +145,21 @@ pub fn audit_segments(
     problem: &Problem,
     carrier: Option<&Carrier>,
     segments: &[Segment],
+    end: Option<&CarryEnd>,
     settings: AuditSettings,
 ) -> Result<Audit, PlanError> {
     let modes: Vec<Mode> = segments.iter().map(|segment| segment.mode).collect();
     match (segments, &modes[..], carrier) {
         ([reach], [Mode::Reach], _) => audit_with(problem, &reach.waypoints, settings),
         ([reach, lift_off, carry], [Mode::Reach, Mode::LiftOff, Mode::Carry], Some(carrier)) => {
-            let path =
-                TaskPath { reach: &reach.waypoints, lift_off: &lift_off.waypoints, carry: &carry.waypoints };
+            let held = [lift_off, carry].map(|segment| segment.attached.as_deref().zip(segment.opening_m));
+            let path = TaskPath {
+                reach: &reach.waypoints,
+                lift_off: &lift_off.waypoints,
+                carry: &carry.waypoints,
+                held,
+                end,
+            };
             audit_task(problem, carrier, path, settings)
         }
         _ => Err(PlanError::Segments),
