@@ -131,6 +131,7 @@ def run(
     workers: int = 1,
     judge_both: bool = False,
     measure_clearance: bool = False,
+    carry: str | None = None,
     heard: Heard | None = None,
 ) -> Results:
     """Runs a campaign: `scenarios` (ids, `01x`, `all`, folders, archives) by `planners` by `criteria` by `runs` seeds
@@ -138,8 +139,9 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    A mapping of `planners` gives them names. `heard` is called whenever trials have ended, with the numbers of those
-    that ended, that are to be run, and that were solved.
+    With `carry`, "home" or "out", the target is carried on once it is grasped. A mapping of `planners` gives them
+    names. `heard` is called whenever trials have ended, with the numbers of those that ended, that are to be run, and
+    that were solved.
     """
     for what, given in (("scenarios", scenarios), ("planners", planners)):
         if isinstance(given, str):
@@ -163,6 +165,7 @@ def run(
         workers=workers,
         judge_both=judge_both,
         measure_clearance=measure_clearance,
+        carry=carry,
         command=" ".join(sys.argv) or "python",
         heard=heard,
     )

@@ -7,8 +7,8 @@ use std::thread;
 use std::time::Duration;
 
 use cranny_bench::{
-    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results, RunInformation,
-    TrialRecord, WorkerProgram,
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, PlannerCall, Results,
+    RunInformation, TrialRecord, WorkerProgram,
 };
 use cranny_grasp::ScoreKind;
 use pyo3::prelude::*;
@@ -22,6 +22,12 @@ use crate::whole;
 /// How often the interpreter is asked for signals, and told how far the campaign is.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
+/// Where a campaign has the target carried.
+fn carry_to(word: &str) -> PyResult<CarryTo> {
+    let wrong = |_| bad_value(format!("carry is '{word}', but \"home\" or \"out\" is expected"));
+    word.parse().map_err(wrong)
+}
+
 /// Runs what is not in `output` yet of a campaign: `scenarios` by `planners` by `criteria` by seeds. What `bench.run`
 /// calls.
 ///
@@ -31,7 +37,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, command, heard=None))]
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, command, heard=None))]
 #[allow(clippy::too_many_arguments)] // What a campaign is.
 pub fn run_campaign(
     py: Python<'_>,
@@ -48,6 +54,7 @@ pub fn run_campaign(
     #[pyo3(from_py_with = whole::workers)] workers: usize,
     judge_both: bool,
     measure_clearance: bool,
+    carry: Option<&str>,
     command: &str,
     heard: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
@@ -63,6 +70,7 @@ pub fn run_campaign(
         memory_limit_bytes: memory_limit_mb.saturating_mul(1 << 20),
         judge_both,
         measure_clearance,
+        carry: carry.map(carry_to).transpose()?,
         exceptions: Vec::new(),
     };
     let schedule = py.detach(|| campaign.schedule()).map_err(fault)?;

@@ -2,12 +2,12 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Budget, Criterion, Goal, Problem, Unobserved};
+use cranny_plan::{Budget, Carrier, Criterion, Goal, Problem, Unobserved};
 use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
 use crate::scenario_choice::{choose_scenarios, matches};
-use crate::{BenchError, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
+use crate::{BenchError, CarryTo, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
 
 /// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
 pub const MOST_TRIALS: u64 = 1_000_000;
@@ -42,6 +42,8 @@ pub struct Campaign {
     /// Whether the least clearance along each path is measured. Default: no; it takes some milliseconds for every
     /// edge of a path.
     pub measure_clearance: bool,
+    /// Where the target is carried to, once it is grasped. Default: a trial ends at the grasp.
+    pub carry: Option<CarryTo>,
     /// Where other limits hold.
     pub exceptions: Vec<Exception>,
 }
@@ -86,6 +88,7 @@ impl Default for Campaign {
             memory_limit_bytes: 4 << 30,
             judge_both: false,
             measure_clearance: false,
+            carry: None,
             exceptions: Vec::new(),
         }
     }
@@ -171,7 +174,8 @@ impl Campaign {
             scenarios.push(source);
         }
         self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
-        let settings: Vec<String> = self.planners.iter().map(|planner| planner.call.settings()).collect();
+        let settings_of = |planner: &CampaignPlanner| CarryTo::among(self.carry, planner.call.settings());
+        let settings: Vec<String> = self.planners.iter().map(settings_of).collect();
         let most_runs =
             self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
         let mut questions = Vec::new();
@@ -261,7 +265,16 @@ impl Campaign {
         } else {
             &opened.problem
         };
-        cranny_solve::Request { score: *score, ..cranny_solve::Request::default() }.check(problem)?;
+        let asked = cranny_solve::Request {
+            planner: Some(name.clone()),
+            score: *score,
+            carry: self.carry.map(CarryTo::carry),
+            ..cranny_solve::Request::default()
+        };
+        asked.check(problem)?;
+        if let Some(carry) = self.carry {
+            Carrier::new(problem, carry.carry().lift_off)?;
+        }
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
         let planner = cranny_plan::planner_with(name, settings)?;
         Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
 use crate::scenario_choice::matches;
-use crate::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
+use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PlannerCall};
 
 /// What a campaign's file says.
 #[derive(Deserialize)]
@@ -32,6 +32,8 @@ struct CampaignEntry {
     judge_both: Option<bool>,
     #[serde(default)]
     measure_clearance: Option<bool>,
+    #[serde(default)]
+    carry: Option<CarryTo>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
@@ -120,6 +122,7 @@ impl Campaign {
                 .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
+            carry: entry.carry,
             exceptions,
         })
     }

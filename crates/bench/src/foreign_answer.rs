@@ -4,6 +4,7 @@ use std::path::Path;
 
 use cranny_plan::{Outcome, Statistics};
 use cranny_scenario::PlanSegment;
+use cranny_solve::{Mode, Segment, joined};
 use serde::Deserialize;
 
 use crate::TrialOutcome;
@@ -13,8 +14,8 @@ use crate::TrialOutcome;
 pub struct ForeignAnswer {
     /// How it ended, if there is no path.
     pub outcome: TrialOutcome,
-    /// Its path; empty where it found none.
-    pub path: Vec<Vec<f64>>,
+    /// Its path, piece by piece; none where it found none.
+    pub segments: Vec<Segment>,
     /// What it tells of its search.
     pub statistics: Statistics,
 }
@@ -49,41 +50,50 @@ struct ForeignStatistics {
 /// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
 /// path.
 ///
+/// Where the target is to be carried (`carries`), a path is in segments that do it.
+///
 /// # Errors
 /// What is wrong, with the line.
-pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String> {
+pub fn read_output(output: &[u8], joints: usize, carries: bool) -> Result<ForeignAnswer, String> {
     let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
     if !text.trim_start().starts_with('{') {
-        let path = read_lines(text, joints)?;
+        let segments = reach_along(read_lines(text, joints)?);
+        check_carrying(&segments, carries)?;
         return Ok(ForeignAnswer {
             outcome: TrialOutcome::BudgetExhausted,
-            path,
+            segments,
             statistics: Statistics::default(),
         });
     }
     let document: Document =
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
-    let path = match (document.protocol.unwrap_or(1), document.segments) {
-        (1 | 2, None) => document.waypoints,
+    let segments = match (document.protocol.unwrap_or(1), document.segments) {
+        (1 | 2, None) => reach_along(document.waypoints),
         (2, Some(segments)) if document.waypoints.is_empty() => {
-            let waypoints = PlanSegment::joined(&segments)?;
-            if let Some(index) = segments.iter().position(|segment| segment.attached.is_some()) {
-                return Err(format!("segment {index} goes on after the grasp, at which a trial ends"));
+            PlanSegment::joined(&segments)?;
+            let known: Result<Vec<Segment>, String> = segments.iter().map(PlanSegment::segment).collect();
+            let known = known?;
+            // The way to a grasp may come in pieces.
+            if known.iter().all(|segment| segment.mode == Mode::Reach) {
+                reach_along(joined(&known))
+            } else {
+                known
             }
-            waypoints
         }
         (1 | 2, Some(_)) => {
             return Err("segments stand in answers that name protocol 2 and have no way points".to_owned());
         }
         (other, _) => return Err(format!("its protocol is {other}, but this version speaks 1 and 2")),
     };
-    if let Some((index, q)) = path.iter().enumerate().find(|(_, q)| q.len() != joints) {
+    check_carrying(&segments, carries)?;
+    let mut way_points = segments.iter().flat_map(|segment| &segment.waypoints).enumerate();
+    if let Some((index, q)) = way_points.find(|(_, q)| q.len() != joints) {
         return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
     }
     let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
         document.statistics;
     let outcome = match document.outcome.unwrap_or(Outcome::BudgetExhausted) {
-        Outcome::Solved if path.is_empty() => {
+        Outcome::Solved if segments.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
         }
         Outcome::Cancelled => return Err("nobody stopped the program, but it says 'cancelled'".to_owned()),
@@ -91,7 +101,7 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
     };
     Ok(ForeignAnswer {
         outcome,
-        path,
+        segments,
         statistics: Statistics {
             iterations,
             nodes,
@@ -101,6 +111,26 @@ pub fn read_output(output: &[u8], joints: usize) -> Result<ForeignAnswer, String
             ..Statistics::default()
         },
     })
+}
+
+/// The path of an answer that gives way points alone.
+fn reach_along(path: Vec<Vec<f64>>) -> Vec<Segment> {
+    if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] }
+}
+
+/// Whether a path, if it is one, goes on after the grasp where that is asked, and nowhere else.
+fn check_carrying(segments: &[Segment], carries: bool) -> Result<(), String> {
+    match segments.iter().position(|segment| segment.mode != Mode::Reach) {
+        Some(index) if !carries => {
+            Err(format!("segment {index} goes on after the grasp, at which the trial ends"))
+        }
+        None if carries && !segments.is_empty() => {
+            Err("the path ends at the grasp, but the trial carries the target on: name protocol 2 and give segments \
+                 `reach`, `lift-off` and `carry`"
+                .to_owned())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What the released program writes beside its way points.
@@ -140,7 +170,8 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
         nodes: count(summary.treesize),
         ..Statistics::default()
     };
-    Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, path, statistics })
+    let segments = reach_along(path);
+    Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, segments, statistics })
 }
 
 /// Way points, one a line; blank lines are left out.
@@ -179,11 +210,11 @@ mod tests {
     fn way_points_come_as_json_or_as_lines() {
         let expected = vec![vec![0.1 + 0.2, -1e-300], vec![1.0, 2.0]];
         let text = format!("{},{}\n\n1,2,\n", expected[0][0], expected[0][1]);
-        assert_eq!(read_output(text.as_bytes(), 2).unwrap().path, expected);
+        assert_eq!(joined(&read_output(text.as_bytes(), 2, false).unwrap().segments), expected);
         let text =
             serde_json::json!({"waypoints": expected, "outcome": "solved", "statistics": {"iterations": 7}});
-        let answer = read_output(text.to_string().as_bytes(), 2).unwrap();
-        assert_eq!((answer.path, answer.statistics.iterations), (expected, 7));
+        let answer = read_output(text.to_string().as_bytes(), 2, false).unwrap();
+        assert_eq!((joined(&answer.segments), answer.statistics.iterations), (expected, 7));
     }
 
     fn segments(first: &serde_json::Value, second: &serde_json::Value) -> serde_json::Value {
@@ -202,15 +233,15 @@ mod tests {
     #[test]
     fn a_path_of_protocol_2_may_come_as_segments() {
         use serde_json::json;
-        let read = |answer: serde_json::Value| read_output(answer.to_string().as_bytes(), 2);
+        let read = |answer: serde_json::Value| read_output(answer.to_string().as_bytes(), 2, false);
         let same = json!({});
         let answer = read(json!({"protocol": 2, "segments": segments(&same, &same), "outcome": "solved"}));
-        assert_eq!(answer.unwrap().path, [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0]]);
+        assert_eq!(joined(&answer.unwrap().segments), [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0]]);
         for protocol in [1, 2] {
             let answer = read(json!({"protocol": protocol, "waypoints": [[0, 0], [1, 2]]}));
-            assert_eq!(answer.unwrap().path, [[0.0, 0.0], [1.0, 2.0]]);
+            assert_eq!(joined(&answer.unwrap().segments), [[0.0, 0.0], [1.0, 2.0]]);
         }
-        assert_eq!(read(json!({"protocol": 2, "segments": []})).unwrap().path.len(), 0);
+        assert_eq!(read(json!({"protocol": 2, "segments": []})).unwrap().segments.len(), 0);
         for (first, second, says) in [
             (json!({"kind": "spline"}), same.clone(), "segment 0 is of kind 'spline'"),
             (json!({"mode": ""}), same.clone(), "segment 0 is of mode ''"),
@@ -236,16 +267,16 @@ mod tests {
     #[test]
     fn no_path_is_an_answer() {
         for text in ["", "\n \n", "{}", "{\"outcome\": \"budget-exhausted\"}"] {
-            let answer = read_output(text.as_bytes(), 2).unwrap();
-            assert_eq!((answer.outcome, answer.path.len()), (TrialOutcome::BudgetExhausted, 0));
+            let answer = read_output(text.as_bytes(), 2, false).unwrap();
+            assert_eq!((answer.outcome, answer.segments.len()), (TrialOutcome::BudgetExhausted, 0));
         }
-        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2).unwrap();
+        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2, false).unwrap();
         assert_eq!(answer.outcome, TrialOutcome::NoReachableGrasp);
     }
 
     #[test]
     fn what_is_no_answer_is_named_with_its_line() {
-        let fault = |text: &[u8]| read_output(text, 2).unwrap_err();
+        let fault = |text: &[u8]| read_output(text, 2, false).unwrap_err();
         assert!(fault(b"1,2\nloading robot ...\n").contains("line 2: 'loading robot ...'"));
         assert!(fault(b"1,2\n1,2,3\n").contains("line 2: 3 numbers instead of 2"));
         assert!(fault(b"1,nan\n").contains("'nan'"));
@@ -269,9 +300,9 @@ mod tests {
         assert!(read_released(&prefix, 2).unwrap_err().contains("no .try"));
         std::fs::write(prefix.with_extension("try"), "0,0\n0.5,1\n").unwrap();
         let answer = read_released(&prefix, 2).unwrap();
-        assert_eq!(answer.path, [[0.0, 0.0], [0.5, 1.0]]);
+        assert_eq!(joined(&answer.segments), [[0.0, 0.0], [0.5, 1.0]]);
         assert_eq!((answer.statistics.iterations, answer.statistics.nodes), (812, 700));
         std::fs::write(prefix.with_extension("txt"), summary(0)).unwrap();
-        assert_eq!(read_released(&prefix, 2).unwrap().path.len(), 0);
+        assert_eq!(read_released(&prefix, 2).unwrap().segments.len(), 0);
     }
 }

@@ -3,16 +3,17 @@ use std::process::Command;
 use std::time::Duration;
 
 use cranny_grasp::rows_of_pose;
-use cranny_plan::Statistics;
+use cranny_plan::{CarryEnd, Statistics};
 use cranny_scenario::{Recipe, ScenarioError, write_panda_mobile};
+use cranny_solve::{Carry, Segment};
 use serde_json::json;
 
 use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
 use crate::opened_scenario::OpenedScenario;
 use crate::process_group::{self, Leash};
-use crate::worker_message::{Request, TrialRun};
-use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord};
+use crate::worker_message::Request;
+use crate::{BenchError, CarryTo, PlannerCall, TrialOutcome, TrialRecord};
 
 /// The program of others, with the files of one scenario.
 pub struct ForeignPlanner {
@@ -39,6 +40,8 @@ pub struct ForeignTask<'a> {
     pub opened: &'a OpenedScenario,
     /// The goal configuration that is aimed at.
     pub goal: Option<&'a [f64]>,
+    /// Where the target is to be carried, if it is.
+    pub carry: Option<CarryTo>,
 }
 
 /// How long a program may go on after its time limit before it counts as hung: enough to notice, to tidy up and
@@ -70,8 +73,8 @@ impl ForeignPlanner {
         Ok(Self { command, is_released, files: ForeignFiles::write(request, opened)? })
     }
 
-    /// What the program makes of a trial, and its path, not yet judged.
-    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<TrialRun, BenchError> {
+    /// What the program makes of a trial, and its path, piece by piece, not yet judged.
+    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let limits =
@@ -112,12 +115,12 @@ impl ForeignPlanner {
                 let read = if self.is_released {
                     foreign_answer::read_released(&prefix, joints)
                 } else {
-                    foreign_answer::read_output(&output, joints)
+                    foreign_answer::read_output(&output, joints, task.carry.is_some())
                 };
                 match read {
-                    Ok(ForeignAnswer { outcome, path, statistics }) => {
+                    Ok(ForeignAnswer { outcome, segments, statistics }) => {
                         let statistics = Statistics { planning_time_s: elapsed_s, ..statistics };
-                        (TrialRecord::without_path(trial, outcome, None, statistics), path)
+                        (TrialRecord::without_path(trial, outcome, None, statistics), segments)
                     }
                     Err(fault) => without(TrialOutcome::Garbled, Some(fault)),
                 }
@@ -177,6 +180,8 @@ impl ForeignPlanner {
             "grasps": task.opened.scenario.grasps.grasps().iter().map(grasp).collect::<Vec<_>>(),
             "tip": robot.links()[robot.tip()].name,
             "goal_configuration": task.goal,
+            "target": problem.target().and_then(|target| Some(&problem.cell()?.world().bodies()[target].name)),
+            "carry": task.carry.map(asked_to_carry),
             "files": {
                 "released": self.files.released,
                 "cranny": self.files.cranny,
@@ -227,6 +232,20 @@ impl ForeignFiles {
         }
         Ok(files)
     }
+}
+
+/// What a program is told of where the target is to be carried.
+fn asked_to_carry(carry: CarryTo) -> serde_json::Value {
+    let Carry { end, lift_off } = carry.carry();
+    let clear_m = match end {
+        CarryEnd::Out { clear_m } => Some(clear_m),
+        _ => None,
+    };
+    json!({
+        "to": carry.name(),
+        "clear_m": clear_m,
+        "lift_off": {"most_m": lift_off.most_m, "clear_m": lift_off.clear_m, "slack_m": lift_off.slack_m},
+    })
 }
 
 /// Removes what an earlier trial wrote.

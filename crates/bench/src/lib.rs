@@ -12,6 +12,7 @@ pub mod statistics;
 mod campaign;
 mod campaign_file;
 mod campaign_run;
+mod carry_to;
 mod error;
 mod foreign_answer;
 mod foreign_planner;
@@ -39,6 +40,7 @@ pub use campaign::{
     Campaign, CampaignPlanner, Exception, MOST_MEMORY_MB, MOST_TIME_LIMIT_S, MOST_TRIALS, Schedule,
 };
 pub use campaign_run::{CampaignObserver, CampaignSettings, RunSummary, Unheard, run_campaign};
+pub use carry_to::CarryTo;
 pub use error::BenchError;
 pub use foreign_answer::{ForeignAnswer, read_output, read_released};
 pub use ompl_log::OmplLog;

@@ -1,13 +1,13 @@
 use std::time::Duration;
 
-use cranny_plan::{AuditSettings, Budget, Criterion, Goal, Observer, audit_with};
-use cranny_solve::solve;
+use cranny_plan::{Audit, AuditSettings, Budget, Carrier, Criterion, Goal, Observer, PlanError, Problem};
+use cranny_solve::{Segment, audit_segments, joined, solve};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
 use crate::worker_message::{Message, Request, TrialRun};
-use crate::{BenchError, PlannerCall, TrialOutcome, TrialRecord, judge};
+use crate::{BenchError, CarryTo, PlannerCall, TrialOutcome, TrialRecord, judge};
 
 /// Runs one trial, and returns how it went and the planner's own path.
 ///
@@ -40,12 +40,13 @@ pub fn run(
     tell(&Message::Opened)?;
     // 2.
     let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
-    let (mut record, mut path, audit) = match (&question.call, &foreign) {
+    let carry = CarryTo::of_settings(&trial.settings);
+    let (mut record, segments, audit) = match (&question.call, &foreign) {
         (_, Some(foreign)) => {
-            let task = ForeignTask { request, opened: &opened, goal: goal.as_deref() };
-            let (record, path) = foreign.plan(&task, leash)?;
+            let task = ForeignTask { request, opened: &opened, goal: goal.as_deref(), carry };
+            let (record, segments) = foreign.plan(&task, leash)?;
             tell(&Message::Planned)?;
-            (record, path, None)
+            (record, segments, None)
         }
         (PlannerCall::BuiltIn { planner, settings: planner_settings, score }, None) => {
             // A path to one goal is judged as one to any grasp.
@@ -61,6 +62,7 @@ pub fn run(
                 },
                 seed: trial.seed,
                 keep_path: true,
+                carry: carry.map(CarryTo::carry),
                 audit: AuditSettings { clearances: settings.clearances && aimed.is_none(), ..settings },
                 ..cranny_solve::Request::default()
             };
@@ -69,19 +71,19 @@ pub fn run(
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
-            let path = answer.waypoints();
-            (record, path, answer.audit.filter(|_| aimed.is_none()))
+            (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),
     };
     // 3.
+    let mut path = joined(&segments);
     if path.is_empty() {
         return Ok((given_up(record), path));
     }
-    let word = audit.map_or_else(|| audit_with(&opened.problem, &path, settings), Ok);
+    let word = audit.map_or_else(|| audit_task(&opened.problem, &segments, carry, settings), Ok);
     judge::decide(&mut record, &mut path, &opened.problem, word);
-    if let (Some(other), false) = (other, path.is_empty()) {
-        record.also_solved = judge::also_meets(&other.problem, &path).ok();
+    if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty()) {
+        record.also_solved = judge::also_meets(&other.problem, &reach.waypoints).ok();
     }
     let late_s = record.statistics.planning_time_s - trial.time_limit_s;
     if record.is_solved() && late_s > 0.0 {
@@ -89,6 +91,18 @@ pub fn run(
         record.detail = Some(format!("a path came {late_s:.3} s after the limit"));
     }
     Ok((record, path))
+}
+
+/// What the judge says of the path of a trial.
+fn audit_task(
+    problem: &Problem,
+    segments: &[Segment],
+    carry: Option<CarryTo>,
+    settings: AuditSettings,
+) -> Result<Audit, PlanError> {
+    let carry = carry.map(CarryTo::carry);
+    let carrier = carry.as_ref().map(|carry| Carrier::new(problem, carry.lift_off)).transpose()?;
+    audit_segments(problem, carrier.as_ref(), segments, carry.as_ref().map(|carry| &carry.end), settings)
 }
 
 /// Tells that the search is over: judging has a time limit of its own.

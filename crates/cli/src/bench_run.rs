@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use cranny_bench::{
-    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, MOST_MEMORY_MB, MOST_TRIALS, PlannerCall,
-    Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, run_campaign,
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
+    PlannerCall, Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, run_campaign,
 };
 use cranny_plan::Criterion;
 use indicatif::ProgressBar;
@@ -27,6 +27,7 @@ use crate::text;
   cranny bench run --scenarios all --planners reach --planner \"exec:python3 plain_rrt.py\" --time-limit 10
   cranny bench run campaign.yaml -o results.db
   cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
+  cranny bench run --scenarios all --planners reach --carry home
   cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
 
 The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
@@ -77,12 +78,20 @@ pub struct RunArguments {
     /// Measure the least clearance along every path: some milliseconds for each of its edges
     #[arg(long)]
     clearance: bool,
+    /// Carry the target on once it is grasped: `home`, to where the robot started, or `out`, to where it is 50 mm clear of
+    /// everything but the floor
+    #[arg(long, value_name = "home|out", value_parser = carry_to)]
+    carry: Option<CarryTo>,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
     workers: usize,
     /// Where the results are, or shall be
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]
     output: PathBuf,
+}
+
+fn carry_to(text: &str) -> Result<CarryTo, String> {
+    text.parse().map_err(|_| "give `home` or `out`".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -200,6 +209,7 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
         campaign.memory_limit_bytes = limit << 20;
     }
     campaign.judge_both |= arguments.judge_both;
+    campaign.carry = arguments.carry.or(campaign.carry);
     campaign.measure_clearance |= arguments.clearance;
     if campaign.scenarios.is_empty() {
         let problem =

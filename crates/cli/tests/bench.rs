@@ -106,9 +106,12 @@ fn every_planner_s_trial_is_replayed_to_the_same_bytes() {
         "--scenarios 021,031 --planners reach,ik-rrt,j-plus-rrt --runs 1 --time-limit 20",
     );
     campaign(folder.path(), "--scenarios 031 --planners ik-rrt,j-plus-rrt --runs 1 --criterion paper");
+    for carry in ["home", "out"] {
+        campaign(folder.path(), &format!("--scenarios 031 --planners reach --runs 1 --carry {carry}"));
+    }
     let results = Results::open(&folder.path().join("results.db")).expect("results");
     let trials = results.trials().expect("trials");
-    assert_eq!(trials.len(), 8);
+    assert_eq!(trials.len(), 10);
     let mut with_path = 0;
     for trial in trials {
         let again = replayed(folder.path(), trial.id);
@@ -120,7 +123,7 @@ fn every_planner_s_trial_is_replayed_to_the_same_bytes() {
         assert_eq!(again["stored_outcome"], trial.record.outcome.name());
         with_path += usize::from(again["waypoints"].as_array().is_some_and(|path| !path.is_empty()));
     }
-    assert!(with_path >= 6, "{with_path} of 8 have a path");
+    assert!(with_path >= 8, "{with_path} of 10 have a path");
 }
 
 #[test]
@@ -175,7 +178,7 @@ fn bad_campaigns_are_refused_before_anything_is_written() {
     let folder = folder();
     std::fs::write(folder.path().join("bad.yaml"), "scenarios: ['021']\nplaners: [{planner: reach}]\n")
         .expect("written");
-    let cases: [(&[&str], &[&str]); 9] = [
+    let cases: [(&[&str], &[&str]); 11] = [
         (&["--planners", "reach"], &["--scenarios", "all"]),
         (&["--scenarios", "021"], &["--planners", "j-plus-rrt"]),
         (&["--scenarios", "021", "--planners", "reech"], &["reech", "ik-rrt"]),
@@ -183,6 +186,8 @@ fn bad_campaigns_are_refused_before_anything_is_written() {
         (&["--scenarios", "021", "--planner", "exec:./nobody"], &["./nobody"]),
         (&["--scenarios", "021", "--planners", "reach", "--runs", "0"], &["--runs"]),
         (&["--scenarios", "021", "--planners", "reach", "--time-limit", "soon"], &["soon"]),
+        (&["--scenarios", "021", "--planners", "ik-rrt", "--carry", "home"], &["ik-rrt", "only `reach`"]),
+        (&["--scenarios", "021", "--planners", "reach", "--carry", "away"], &["away", "`home` or `out`"]),
         (&["bad.yaml"], &["bad.yaml:2", "planers"]),
         (&["none.yaml"], &["none.yaml"]),
     ];

@@ -108,6 +108,50 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert!(!listing.lines().any(|line| line == sleep), "a planner's child is still there");
 }
 
+#[test]
+fn a_planner_may_carry_the_target_home_and_is_believed_nothing() {
+    let folder = folder();
+    let plan = Command::cargo_bin("cranny")
+        .expect("the program")
+        .current_dir(folder.path())
+        .args(["plan", "031", "--carry", "home", "-q", "-o", "031.plan.json"])
+        .output()
+        .expect("it runs");
+    assert_eq!(plan.status.code(), Some(0), "{}", String::from_utf8_lossy(&plan.stderr));
+    let plan: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("031.plan.json")).expect("a plan"))
+            .expect("JSON");
+    let answer = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut segments = plan["segments"].clone();
+        change(&mut segments);
+        // To a program that asks for it, and is told what it holds.
+        format!(
+            "grep -q '\"carry\":{{\"clear_m\":null.*\"to\":\"home\".*\"target\":\"sugar box\"' && echo '{}'\n",
+            serde_json::json!({"protocol": 2, "segments": segments})
+        )
+    };
+    let reach = format!("echo '{}'\n", serde_json::json!({"waypoints": plan["segments"][0]["waypoints"]}));
+    let trials = trials_of(
+        &[
+            &answer(&|_| {}),
+            &answer(&|segments| segments[1]["opening_m"] = 0.001.into()),
+            &answer(&|segments| {
+                let carry = segments[2]["waypoints"].as_array_mut().expect("way points");
+                carry.truncate(1);
+            }),
+            &reach,
+        ],
+        &["--carry", "home"],
+    );
+    for trial in trials.iter().filter(|trial| trial.record.trial.planner == "p0") {
+        assert_eq!(trial.record.outcome, TrialOutcome::Solved, "{:?}", trial.record.detail);
+        assert!(trial.record.grasp.is_some() && trial.record.trial.settings.contains(r#""carry":"home""#));
+    }
+    assert_each(&trials, "p1", TrialOutcome::Rejected, "the hand holds");
+    assert_each(&trials, "p2", TrialOutcome::Rejected, "off the nearest goal");
+    assert_each(&trials, "p3", TrialOutcome::Garbled, "the trial carries the target on");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_planner_that_eats_memory_is_ended() {

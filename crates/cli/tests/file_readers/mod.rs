@@ -82,7 +82,7 @@ pub const FILE_READERS: [FileReader; 27] = [
         let _ = Campaign::read(&folder.join("campaign.yaml"));
     }),
     reader("exec_answer", "answer.json", |folder| {
-        let _ = read_output(&fs::read(folder.join("answer.json")).unwrap_or_default(), 2);
+        let _ = read_output(&fs::read(folder.join("answer.json")).unwrap_or_default(), 2, true);
     }),
     reader("released_answer", "trial.txt", read_released_answer),
     reader("results", "results.changes", stored_results::read),
