@@ -14,7 +14,7 @@ mod request;
 mod solve;
 mod task;
 
-pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed};
+pub use answer::{Answer, CLOSING_S, Mode, Optimisation, Segment, Shortening, Timed};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
