@@ -5,6 +5,9 @@ import { indexAt, type ShownPlan } from "./trajectory.ts";
 
 const RADIUS_M = 0.004;
 
+/** Where the robot comes back as it went, the way back is seen. */
+const IN_HAND_RADIUS_M = 1.2 * RADIUS_M;
+
 /** Sides of the tube. */
 const SIDES = 8;
 
@@ -27,7 +30,11 @@ export class PathView {
     this.pieces = (plan.carrying?.modes ?? [whole]).flatMap(({ name, from_s, until_s }) => {
       const first = times_s.findIndex((time_s) => time_s >= from_s);
       const last = times_s.findLastIndex((time_s) => time_s <= until_s);
-      return first < 0 ? [] : (Piece.of(plan, kinematics, { first, last }, ofMode(plan.colour, name)) ?? []);
+      const look = {
+        colour: ofMode(plan.colour, name),
+        radius_m: name === "reach" ? RADIUS_M : IN_HAND_RADIUS_M,
+      };
+      return first < 0 ? [] : (Piece.of(plan, kinematics, { first, last }, look) ?? []);
     });
     for (const piece of this.pieces) this.group.add(piece.behind, piece.ahead);
   }
@@ -36,6 +43,12 @@ export class PathView {
   show(time_s: number, isChosen: boolean): void {
     for (const piece of this.pieces) piece.show(this.plan.trajectory.times_s, time_s, isChosen ? 1 : OTHER_OPACITY);
   }
+}
+
+interface Look {
+  /** `#rrggbb` */
+  colour: string;
+  radius_m: number;
 }
 
 type Tube = Mesh<TubeGeometry, MeshLambertMaterial>;
@@ -50,7 +63,7 @@ class Piece {
   /** How far along each instant is from there on, from 0 to 1. */
   private readonly share: number[];
 
-  private constructor(points: Vector3[], first: number, share: number[], colour: string) {
+  private constructor(points: Vector3[], first: number, share: number[], { colour, radius_m }: Look) {
     this.first = first;
     this.share = share;
     this.steps = Math.min(2 * points.length, MOST_STEPS);
@@ -59,7 +72,7 @@ class Piece {
       const material = new MeshLambertMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.35 });
       material.opacity = opacity;
       material.transparent = opacity < 1;
-      return new Mesh(new TubeGeometry(curve, this.steps, RADIUS_M, SIDES), material);
+      return new Mesh(new TubeGeometry(curve, this.steps, radius_m, SIDES), material);
     };
     this.behind = tube(1);
     this.ahead = tube(AHEAD_OPACITY);
@@ -71,7 +84,7 @@ class Piece {
     { trajectory }: ShownPlan,
     kinematics: Kinematics,
     { first, last }: { first: number; last: number },
-    colour: string,
+    look: Look,
   ): Piece | null {
     const points: Vector3[] = [];
     const travelled: number[] = [];
@@ -87,7 +100,7 @@ class Piece {
       if (step > 1e-5) points.push(point);
     }
     if (points.length < 2) return null;
-    return new Piece(points, first, travelled.map((length) => length / way), colour);
+    return new Piece(points, first, travelled.map((length) => length / way), look);
   }
 
   show(times_s: Float64Array, time_s: number, opacity: number): void {
