@@ -103,10 +103,11 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
         let exact = scenario.exact_problem(Margins::default())?;
         let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
         let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
-            let trajectory = trajectory_in(shown, plan)?;
-            let verification =
-                plan.file.audit(&plan.task.problem, AuditSettings::default()).map_err(fault)?;
-            PagePlan::of_file("plan", &plan.file, &shown.robot, trajectory.as_ref(), verification)
+            let timed = timed_in(shown, plan)?;
+            let problem = &plan.task.problem;
+            let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
+            let grip = plan.file.grip(problem).map_err(fault)?;
+            PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, grip)
                 .map_err(fault)
         };
         let plans = plan.map(of_plan).transpose()?;
@@ -123,11 +124,8 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
 fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {
     let path = match plan {
         Some(plan) => {
-            let trajectory = trajectory_in(scenario, plan)?;
-            let waypoints = &plan.file.waypoints;
-            let path =
-                ShownPath::of(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).map_err(fault)?;
-            path.map(|path| ShownPath { grasp: plan.file.grasp, ..path })
+            let timed = timed_in(scenario, plan)?;
+            ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }
         None => None,
     };
@@ -135,9 +133,10 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
 }
 
 /// When a plan is where, if it is one for the robot of the scenario.
-fn trajectory_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<Trajectory>> {
+fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<(Trajectory, Option<Trajectory>)>> {
     plan.file.check_joints(Path::new(IN_MEMORY), &scenario.robot).map_err(fault)?;
-    plan.file.trajectory(&plan.task.problem).map_err(fault)
+    let cell = plan.task.problem.cell().map(AsRef::as_ref);
+    plan.file.trajectories(&scenario.robot, cell).map_err(fault)
 }
 
 fn standard_view(name: &str) -> PyResult<StandardView> {

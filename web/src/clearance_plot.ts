@@ -82,6 +82,8 @@ export class ClearancePlot {
     if (current) {
       this.fill(pen, current, x, y);
       this.waypoints(pen, current, x, height, ink);
+      pen.fillStyle = faint;
+      for (const mode of current.carrying?.modes.slice(1) ?? []) pen.fillRect(x(mode.from_s) - 0.5, 0, 1, height);
       this.line(pen, current, x, y, 1);
     }
     this.cursor(pen, current, { x: x(time_s), time_s, height, y, ink: style.getPropertyValue("--ink") });

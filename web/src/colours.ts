@@ -41,6 +41,15 @@ export function ofPlan(index: number): string {
   return PLANS[index % PLANS.length];
 }
 
+/** What a plan does with the object in its hand: its colour lighter as long as it is lifted, then darker; as in pictures. */
+const IN_HAND: Record<string, [string, number]> = { "lift-off": ["#ffffff", 0.6], carry: ["#201838", 0.6] };
+
+export function ofMode(plan: string, mode: string): string {
+  const [towards, share] = IN_HAND[mode] ?? [plan, 0];
+  const [from, to] = [channels(plan), channels(towards)];
+  return hex(from.map((value, i) => value + (to[i] - value) * share) as Screen);
+}
+
 /** Of what inverse kinematics knows of a grasp. */
 export function ofIk(status: string): string {
   return (

@@ -1,8 +1,10 @@
 import { type BufferGeometry, Group, type Vector3 } from "three";
 import type { Kinematics } from "./kinematics.ts";
-import type { Pose } from "./page_data.ts";
+import type { MeshGeometries } from "./mesh_geometry.ts";
+import type { Node, Pose } from "./page_data.ts";
 import { distanceBetween } from "./pose.ts";
-import { RobotCopy } from "./robot_copy.ts";
+import { type Movers, postureAlong } from "./posture.ts";
+import { RobotCopy, robotGeometry } from "./robot_copy.ts";
 import type { ShownPlan } from "./trajectory.ts";
 
 const GHOST = "#468ad0";
@@ -19,40 +21,45 @@ const AWAY = 0.08;
 /** The robot of another plan is seen fully where it is so much farther away. */
 const FULLY_AWAY = 0.4;
 
-/** Translucent robots: on the way of the plan that is looked at, and those of the other plans. */
+/** Translucent robots, with what they carry: on the way of the plan that is looked at, and those of the other plans. */
 export class GhostView {
   readonly ghosts = new Group();
   readonly others = new Group();
-  private readonly onWay: { copy: RobotCopy; q: Float64Array }[] = [];
-  private readonly ofPlans = new Map<number, { copy: RobotCopy; q: Float64Array }>();
+  private readonly onWay: Ghost[] = [];
+  private readonly ofPlans = new Map<number, Ghost>();
   private places: { copy: RobotCopy; at: Pose }[] = [];
-  private readonly kinematics: Kinematics;
+  private readonly movers: Movers;
+  /** The nodes that a copy is of, in their order: the links, and the target. */
+  private readonly copied: number[];
   private readonly geometry: () => BufferGeometry;
   private known: BufferGeometry | null = null;
 
-  /** `geometry` is asked for when the first copy is wanted. */
-  constructor(kinematics: Kinematics, geometry: () => BufferGeometry) {
-    this.kinematics = kinematics;
-    this.geometry = geometry;
+  constructor(movers: Movers, geometries: MeshGeometries) {
+    this.movers = movers;
+    const carries = movers.plans.some(({ carrying }) => carrying);
+    const isCopied = ({ role }: Node): boolean => role === "link" || (role === "target" && carries);
+    this.copied = movers.nodes.flatMap((node, index) => (isCopied(node) ? [index] : []));
+    // When the first copy is wanted.
+    this.geometry = () => robotGeometry(this.copied.map((index) => movers.nodes[index]), geometries);
   }
 
   /** `count` ghosts on the way of a plan, equally far apart along the way of the gripper. */
   showWay(plan: ShownPlan | null, count: number): void {
-    const instants = plan && count > 0 ? ghostInstants(plan, this.kinematics, count) : [];
+    const instants = plan && count > 0 ? ghostInstants(plan, this.movers.kinematics, count) : [];
     while (this.onWay.length < instants.length) {
       const copy = this.copy(GHOST, GHOST_OPACITY, GHOST_RIM);
-      this.onWay.push({ copy, q: new Float64Array() });
+      this.onWay.push({ copy, q: [] });
       this.ghosts.add(copy.group);
     }
     this.onWay.forEach((ghost, index) => {
-      ghost.q = plan && index < instants.length ? plan.trajectory.row(instants[index]) : new Float64Array();
-      if (ghost.q.length > 0) this.place(ghost.copy, ghost.q);
+      ghost.q = [];
+      if (plan && index < instants.length) this.place(ghost, plan, plan.trajectory.times_s[instants[index]]);
     });
   }
 
   /** No copy stands where the robot is: at the start, where all plans begin, one sees the robot alone. */
   makeWay(q: ArrayLike<number>): void {
-    const away = (copy: Float64Array): number => Math.max(...Array.from(copy, (value, i) => Math.abs(value - q[i])));
+    const away = (copy: number[]): number => Math.max(...copy.map((value, i) => Math.abs(value - q[i])));
     for (const ghost of this.onWay) ghost.copy.group.visible = ghost.q.length > 0 && away(ghost.q) > AWAY;
     for (const { copy, q: other } of this.ofPlans.values()) {
       const share = (away(other) - AWAY) / FULLY_AWAY;
@@ -63,17 +70,16 @@ export class GhostView {
 
   /** The robots of plans beside the one that is looked at, at a time; `makeWay` says how much is seen of them. */
   showOthers(plans: ShownPlan[], time_s: number): void {
-    for (const other of this.ofPlans.values()) other.q = new Float64Array();
+    for (const other of this.ofPlans.values()) other.q = [];
     for (const plan of plans) {
       if (plan.trajectory.isEmpty) continue;
       let other = this.ofPlans.get(plan.index);
       if (!other) {
-        other = { copy: this.copy(plan.colour, OTHER_OPACITY, OTHER_RIM), q: new Float64Array() };
+        other = { copy: this.copy(plan.colour, OTHER_OPACITY, OTHER_RIM), q: [] };
         this.ofPlans.set(plan.index, other);
         this.others.add(other.copy.group);
       }
-      other.q = plan.trajectory.at(time_s);
-      this.place(other.copy, other.q);
+      this.place(other, plan, time_s);
     }
   }
 
@@ -84,10 +90,14 @@ export class GhostView {
     this.places.forEach(({ copy }, order) => copy.setOrder(order));
   }
 
-  private place(copy: RobotCopy, q: Float64Array): void {
-    const poses = this.kinematics.worldFromLinks(q);
-    copy.pose(poses);
-    const at = poses[this.kinematics.robot.tip];
+  private place(ghost: Ghost, plan: ShownPlan, time_s: number): void {
+    const { q, worldFromNodes, worldFromGripper, moved } = postureAlong(plan, time_s, this.movers);
+    const { copy } = ghost;
+    ghost.q = q;
+    // An object that stands is no ghost.
+    const isThere = (node: number): boolean => this.movers.nodes[node].role === "link" || moved !== null;
+    copy.pose(this.copied.map((node) => (isThere(node) ? worldFromNodes[node] : null)));
+    const at = worldFromGripper ?? worldFromNodes[0];
     const known = this.places.find((place) => place.copy === copy);
     if (known) known.at = at;
     else this.places.push({ copy, at });
@@ -95,8 +105,14 @@ export class GhostView {
 
   private copy(colour: string, opacity: number, rim: number): RobotCopy {
     this.known ??= this.geometry();
-    return new RobotCopy(this.known, this.kinematics.robot.links.length, { colour, opacity, rim });
+    return new RobotCopy(this.known, this.copied.length, { colour, opacity, rim });
   }
+}
+
+/** A copy, and the configuration at which it stands; without one it is not seen. */
+interface Ghost {
+  copy: RobotCopy;
+  q: number[];
 }
 
 /** Rows of a trajectory: from the start on, equally far apart along the way of the gripper, the end among them. */

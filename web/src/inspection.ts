@@ -16,8 +16,12 @@ export interface Inspection {
   readonly plan: number;
   /** The robot's variables, as it is shown. */
   readonly q: number[];
-  /** The gripper frame, in 64 bits: x, y, z, qx, qy, qz, qw. */
+  /** The gripper frame, in 64 bits: x, y, z, qx, qy, qz, qw; empty without a robot. */
   readonly worldFromGripper: Pose;
+  /** The frame of the target's first part; null without a target. */
+  readonly worldFromTarget: Pose | null;
+  /** What the robot does, of a plan that carries its object away: "reach", "close", "lift-off", "carry"; else empty. */
+  readonly mode: string;
   /** Draw calls of the last frame, those of shadows among them. */
   readonly drawCalls: number;
   /** Script time of the last frame in milliseconds, the graphics card's not counted. */
@@ -61,7 +65,13 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
       return [...scene.posture.q];
     },
     get worldFromGripper() {
-      return [...scene.posture.worldFromGripper] as Pose;
+      return [...(scene.posture.worldFromGripper ?? [])] as Pose;
+    },
+    get worldFromTarget() {
+      return structuredClone(scene.worldFromTarget);
+    },
+    get mode() {
+      return scene.mode;
     },
     get drawCalls() {
       return stage.renderer.info.render.calls;

@@ -67,7 +67,7 @@ export class JointPanel {
     };
     const ask = (): void => {
       const { isPlaying, q } = view.state;
-      if ((this.element.open || q !== null) && !isPlaying) live.ask(scene.posture.q);
+      if ((this.element.open || q !== null) && !isPlaying) live.ask(scene.posture);
       else live.forget();
     };
     view.on(["q", "time_s", "plan", "isPlaying"], () => {

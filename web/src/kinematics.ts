@@ -30,13 +30,13 @@ export class Kinematics {
     this.variables = robot.start.map((_, index) => variable(robot.joints, index));
   }
 
-  /** The pose of every link, by link. `q` has one value per variable. */
-  worldFromLinks(q: ArrayLike<number>): Pose[] {
+  /** The pose of every link, by link. `q` has one value per variable; `closing` of the hand is from 0, open, to 1. */
+  worldFromLinks(q: ArrayLike<number>, closing = 0): Pose[] {
     const poses: Pose[] = new Array(this.order.length);
     for (const link of this.order) {
       const parent = this.robot.links[link].parent;
       const joint = this.jointOf[link];
-      const local = joint ? parentFromChild(joint, q) : IDENTITY;
+      const local = joint ? parentFromChild(joint, q, closing) : IDENTITY;
       poses[link] = compose(parent === null ? this.worldFromRoot : poses[parent], local);
     }
     return poses;
@@ -47,9 +47,10 @@ export class Kinematics {
   }
 }
 
-function parentFromChild(joint: Joint, q: ArrayLike<number>): Pose {
+function parentFromChild(joint: Joint, q: ArrayLike<number>, closing: number): Pose {
   if (joint.kind === "fixed") return joint.parent_from_child;
-  const value = joint.offset + (joint.variable === null ? 0 : joint.factor * q[joint.variable]);
+  const moved = joint.variable === null ? 0 : joint.factor * q[joint.variable];
+  const value = joint.offset + moved + (joint.stroke ?? 0) * closing;
   const motion = joint.kind === "revolute" ? rotation : translation;
   return compose(joint.parent_from_child, motion(joint.axis, value));
 }

@@ -1,4 +1,5 @@
 import type { Verdict } from "./page_data.ts";
+import type { Posture } from "./posture.ts";
 import { askServer, VerdictClient } from "./verdict_client.ts";
 
 /** What is known of the posture that is shown. */
@@ -29,8 +30,8 @@ export class LiveVerdict {
     listener(this.standing);
   }
 
-  ask(q: number[]): void {
-    this.client?.ask(q);
+  ask({ q, held }: Posture): void {
+    this.client?.ask(q, held);
   }
 
   /** What was known is of another posture than the one that is shown. */

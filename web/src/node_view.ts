@@ -33,16 +33,17 @@ const GLASS_OPACITY = 0.2;
 /** Corners flatter than this, in degrees, get no line. */
 const EDGE_DEG = 35;
 
-/** Where nodes are whose first ones are the links: with the links, or where they stand. */
-export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[]): Pose[] {
+/** Where nodes are whose first ones are the links: with the links, with what the hand has `moved`, or where they stand. */
+export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[], moved: Pose | null): Pose[] {
   const poses: Pose[] = [];
-  nodes.forEach((node, index) => poses.push(worldFromLinks[index] ?? onParent(node, poses)));
+  nodes.forEach((node, index) => poses.push(worldFromLinks[index] ?? onParent(node, poses, moved)));
   return poses;
 }
 
-/** Where something is that hangs on one of `parents`, or on nothing. */
-export function onParent(node: Node, parents: Pose[]): Pose {
-  return node.parent === null ? node.parent_from_node : compose(parents[node.parent], node.parent_from_node);
+/** Where something is that hangs on one of `parents`, or on nothing: the target has `moved`, if it has. */
+export function onParent(node: Node, parents: Pose[], moved: Pose | null): Pose {
+  if (node.parent !== null) return compose(parents[node.parent], node.parent_from_node);
+  return node.role === "target" && moved ? compose(moved, node.parent_from_node) : node.parent_from_node;
 }
 
 /** Robot and bodies as meshes: what is seen, or what is checked for collision. */

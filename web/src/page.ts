@@ -1,5 +1,6 @@
 import * as colours from "./colours.ts";
 import { CameraFlight } from "./camera_flight.ts";
+import { Carrying } from "./carrying.ts";
 import { progress } from "./figures.ts";
 import { STANDARD_VIEWS } from "./framing.ts";
 import { fewGrasps } from "./grasp_choice.ts";
@@ -16,6 +17,7 @@ import { LiveVerdict } from "./live_verdict.ts";
 import type { PageData } from "./page_data.ts";
 import { Player } from "./player.ts";
 import { PlanPanel } from "./plan_panel.ts";
+import { Recording } from "./recording.ts";
 import { SceneView } from "./scene_view.ts";
 import { Shell } from "./shell.ts";
 import { Stage } from "./stage.ts";
@@ -34,13 +36,14 @@ export function openPage(host: HTMLElement, data: PageData): void {
   // 1. What there is to show.
   const root = data.robot.links.findIndex(({ parent }) => parent === null);
   const kinematics = new Kinematics(data.robot, data.nodes[root]?.parent_from_node);
-  const plans = shownPlans(data);
+  const plans = shownPlans(data, kinematics);
+  const recording = data.recording ? new Recording(data.recording) : null;
   const reasons = [...new Set(plans.flatMap(({ reasons }) => [...reasons.values()]))].filter(
     (reason) => reason !== colours.NOT_TRIED,
   );
   const available = availableLayers(data, plans);
   const asked = fromHash(location.hash);
-  const view = new View(firstView(data, plans, reasons, asked));
+  const view = new View(firstView(data, plans, recording, reasons, asked));
 
   // 2. The scene.
   const theme = new Theme();
@@ -48,9 +51,10 @@ export function openPage(host: HTMLElement, data: PageData): void {
   host.replaceChildren(shell.element);
   const stage = new Stage(shell.viewport);
   shell.onInsets((insets) => stage.setInsets(insets));
-  const scene = new SceneView(data, plans, kinematics, { stage, view, reasons });
+  const movers = { nodes: data.nodes, plans, kinematics, recording };
+  const scene = new SceneView(data, movers, { stage, view, reasons });
   theme.on((palette, name) => scene.setTheme(palette, name));
-  const player = new Player(view, stage, plans);
+  const player = new Player(view, stage, plans, recording);
   const flight = new CameraFlight(stage, view);
   const live = new LiveVerdict(data.is_live);
 
@@ -62,7 +66,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
   parts.push(new LayerPanel(view, available).element);
   if (data.grasps.length > 0) parts.push(new GraspPanel(view, data.grasps, plans, reasons).element);
   if (scene.trees.size > 0) parts.push(new TreePanel(view, scene, stage).element);
-  parts.push(new JointPanel(view, scene, kinematics, live).element);
+  if (kinematics.variables.length > 0) parts.push(new JointPanel(view, scene, kinematics, live).element);
   shell.panel.append(...parts);
   const tip = new GraspTip(stage, scene, view, data.grasps, plans);
   const help = new Help();
@@ -95,7 +99,8 @@ export function openPage(host: HTMLElement, data: PageData): void {
   const describe = ({ time_s, plan }: ViewState): void => {
     const shown = plans[plan]?.plan;
     const name = shown ? `, plan ${shown.name} at ${progress(time_s, shown.is_timed)}` : "";
-    stage.canvas.ariaLabel = `The robot in scenario ${data.name}${name}`;
+    const what = recording ? "Recording" : "The robot in scenario";
+    stage.canvas.ariaLabel = `${what} ${data.name}${name}`;
   };
   view.on(["plan", "isPlaying"], describe);
   describe(view.state);
@@ -114,12 +119,13 @@ export function openPage(host: HTMLElement, data: PageData): void {
   });
 }
 
-function shownPlans(data: PageData): ShownPlan[] {
+function shownPlans(data: PageData, kinematics: Kinematics): ShownPlan[] {
   return data.plans.map((plan, index) => ({
     index,
     plan,
     trajectory: new Trajectory(plan, data.robot.start.length),
     clearance: plan.clearance ? new ClearanceCurve(plan.clearance) : null,
+    carrying: plan.carry ? new Carrying(plan.carry, kinematics) : null,
     tree: plan.search_tree,
     colour: colours.ofPlan(index),
     reasons: new Map(plan.blocked.map(({ grasp, reason }) => [grasp, reason])),
@@ -150,12 +156,13 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
 function firstView(
   data: PageData,
   plans: ShownPlan[],
+  recording: Recording | null,
   reasons: string[],
   asked: Partial<ViewState>,
 ): ViewState {
   const state = { ...INITIAL, ...asked };
   if (state.plan >= plans.length) state.plan = 0;
-  const last_s = Math.max(0, ...plans.map(({ trajectory }) => trajectory.duration_s));
+  const last_s = Math.max(recording?.duration_s ?? 0, ...plans.map(({ trajectory }) => trajectory.duration_s));
   state.time_s = Math.min(state.time_s, last_s);
   if (state.q?.length !== data.robot.start.length) state.q = null;
   const first = plans[state.plan];

@@ -18,8 +18,9 @@ export type Point = [number, number, number];
 
 export interface PageData {
   format: "cranny-page/1";
-  /** The id of the scenario. */
+  /** The id of the scenario, or what a recording is of. */
   name: string;
+  /** Without links in a page of a recording. */
   robot: Robot;
   materials: Material[];
   meshes: Mesh[];
@@ -35,6 +36,8 @@ export interface PageData {
   /** The grasps of the scenario, all of them. */
   grasps: Grasp[];
   plans: Plan[];
+  /** What moved where, of a page that shows that alone. */
+  recording?: Recording;
   /** Whether the server behind this page answers `POST verdict`. False in a page that is one file. */
   is_live: boolean;
 }
@@ -64,6 +67,8 @@ export interface Joint {
   /** Of the variable (null: unbounded). */
   lower: number | null;
   upper: number | null;
+  /** Of a finger: how far its joint goes while the hand closes from open, where it stands at 0, to closed. */
+  stroke?: number;
 }
 
 export interface Material {
@@ -122,6 +127,8 @@ export interface Plan {
   is_timed: boolean;
   /** Sum over the edges of the plain norm of what q changes by, metres and radians alike. */
   path_length: number;
+  /** What becomes of the object, of a plan that carries it away. */
+  carry?: Carry;
   /** The scenario's grasp that the path ends at. */
   grasp: number | null;
   clearance: Clearance | null;
@@ -130,6 +137,31 @@ export interface Plan {
   /** Whole numbers by reason, as the plan file counts them. */
   blocked_counts: { reason: string; count: number }[];
   search_tree: SearchTree | null;
+}
+
+/** The object stands, the hand closes on it, and from then on it goes with the hand. */
+export interface Carry {
+  /** What it is called. */
+  object: string;
+  /** The robot's variables while the hand closes. */
+  grasp: number[];
+  /** How far it has closed then, from 0, open, to 1. */
+  closing: number;
+  /** What the robot does, one after the other; between the first two it stands, and the hand closes evenly. */
+  modes: Mode[];
+}
+
+export interface Mode {
+  name: "reach" | "lift-off" | "carry" | string;
+  from_s: number;
+  until_s: number;
+}
+
+/** Bodies and where they go, whatever moved them. */
+export interface Recording {
+  times_s: Floats64;
+  /** Of each node that moves its pose at each instant, row by row. */
+  tracks: { node: number; poses: Floats64 }[];
 }
 
 /**
@@ -156,9 +188,16 @@ export interface SearchTree {
   trees: Unsigned32;
 }
 
+export interface Held {
+  plan: number;
+  mode: Mode["name"];
+}
+
 /** Body of `POST verdict`. */
 export interface VerdictQuestion {
   q: number[];
+  /** What is in the hand: what a plan has there in a mode. Left out while the hand is empty. */
+  held?: Held;
 }
 
 /** Its answer; 400 with `{ error: string }` for a malformed question. */

@@ -1,16 +1,17 @@
+import type { Recording } from "./recording.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { Stage } from "./stage.ts";
 import type { View } from "./view_state.ts";
 
 /** Lets time pass: all plans play in step, each stands still at its end. */
 export class Player {
-  /** Of the longest plan. */
+  /** Of the longest plan, or of the recording. */
   readonly duration_s: number;
   private readonly view: View;
 
-  constructor(view: View, stage: Stage, plans: ShownPlan[]) {
+  constructor(view: View, stage: Stage, plans: ShownPlan[], recording: Recording | null) {
     this.view = view;
-    this.duration_s = Math.max(0, ...plans.map(({ trajectory }) => trajectory.duration_s));
+    this.duration_s = Math.max(recording?.duration_s ?? 0, ...plans.map(({ trajectory }) => trajectory.duration_s));
     stage.onFrame((elapsed_s) => this.step(elapsed_s));
     view.on(["isPlaying"], () => stage.invalidate());
   }

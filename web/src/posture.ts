@@ -1,20 +1,55 @@
 import type { Kinematics } from "./kinematics.ts";
-import type { Pose } from "./page_data.ts";
+import { worldFromNodes } from "./node_view.ts";
+import type { Held, Node, Pose } from "./page_data.ts";
+import type { Recording } from "./recording.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { ViewState } from "./view_state.ts";
 
-/** How the robot stands now. */
+/** What there is that can move. */
+export interface Movers {
+  nodes: Node[];
+  plans: ShownPlan[];
+  kinematics: Kinematics;
+  recording: Recording | null;
+}
+
+/** How everything stands now. */
 export interface Posture {
   q: number[];
   worldFromLinks: Pose[];
-  worldFromGripper: Pose;
+  /** Null where there is no robot. */
+  worldFromGripper: Pose | null;
+  worldFromNodes: Pose[];
+  /** By how much the object in the hand has moved; null while it stands. */
+  moved: Pose | null;
+  /** What is in the hand; null while it is empty. */
+  held: Held | null;
 }
 
-/** As it was posed by hand, else where the path has it, else where the scenario starts. */
-export function postureOf(state: ViewState, plans: ShownPlan[], kinematics: Kinematics): Posture {
-  const trajectory = plans[state.plan]?.trajectory;
-  const onPath = trajectory && !trajectory.isEmpty ? trajectory.at(state.time_s) : kinematics.robot.start;
-  const q = Array.from(state.q ?? onPath);
+/** As the robot was posed by hand, the hand empty; else as the path or the recording has it, else as the scenario starts. */
+export function postureOf(state: ViewState, movers: Movers): Posture {
+  const { plans, kinematics } = movers;
+  const plan = plans[state.plan];
+  if (state.q === null && plan && !plan.trajectory.isEmpty) return postureAlong(plan, state.time_s, movers);
+  return standing(state.q ?? kinematics.robot.start, state.time_s, movers);
+}
+
+/** As a plan has it at a time. */
+export function postureAlong(plan: ShownPlan, time_s: number, { nodes, kinematics }: Movers): Posture {
+  const { carrying, trajectory, index } = plan;
+  const q = Array.from(trajectory.at(time_s));
+  const worldFromLinks = kinematics.worldFromLinks(q, carrying?.closingAt(time_s));
+  const worldFromGripper = worldFromLinks[kinematics.robot.tip];
+  const moved = carrying?.movedAt(time_s, worldFromGripper) ?? null;
+  const held = moved && carrying ? { plan: index, mode: carrying.modeAt(time_s) } : null;
+  return { q, worldFromLinks, worldFromGripper, worldFromNodes: worldFromNodes(nodes, worldFromLinks, moved), moved, held };
+}
+
+function standing(at: ArrayLike<number>, time_s: number, { nodes, kinematics, recording }: Movers): Posture {
+  const q = Array.from(at);
   const worldFromLinks = kinematics.worldFromLinks(q);
-  return { q, worldFromLinks, worldFromGripper: worldFromLinks[kinematics.robot.tip] };
+  const places = worldFromNodes(nodes, worldFromLinks, null);
+  recording?.at(time_s).forEach((pose, node) => (places[node] = pose));
+  const worldFromGripper = worldFromLinks[kinematics.robot.tip] ?? null;
+  return { q, worldFromLinks, worldFromGripper, worldFromNodes: places, moved: null, held: null };
 }

@@ -16,15 +16,15 @@ import { setMatrix } from "./mesh_geometry.ts";
 import type { Node, Pose } from "./page_data.ts";
 
 /**
- * All links of the robot as one geometry, each corner with the number of its link: a copy of the robot is then
+ * Nodes as one geometry, each corner with the number of its node: a copy of the robot, and of what it carries, is then
  * two draw calls, whatever it is made of.
  */
-export function robotGeometry(nodes: Node[], geometries: MeshGeometries, links: number): BufferGeometry {
+export function robotGeometry(nodes: Node[], geometries: MeshGeometries): BufferGeometry {
   const positions: number[] = [];
   const normals: number[] = [];
   const owners: number[] = [];
   const triangles: number[] = [];
-  nodes.slice(0, links).forEach((node, link) => {
+  nodes.forEach((node, link) => {
     if (node.mesh === null) return;
     for (const { geometry } of geometries.of(node.mesh)) {
       const first = owners.length;
@@ -63,9 +63,10 @@ export class RobotCopy {
   private readonly matrix = new Matrix4();
   private readonly opacity: { value: number };
 
-  constructor(geometry: BufferGeometry, links: number, look: CopyLook) {
-    this.rows = new Float32Array(16 * links);
-    this.poses = new DataTexture(this.rows, 4, links, RGBAFormat, FloatType);
+  /** `nodes`: how many the geometry is of. */
+  constructor(geometry: BufferGeometry, nodes: number, look: CopyLook) {
+    this.rows = new Float32Array(16 * nodes);
+    this.poses = new DataTexture(this.rows, 4, nodes, RGBAFormat, FloatType);
     this.poses.minFilter = this.poses.magFilter = NearestFilter;
     this.opacity = { value: look.opacity };
     const uniforms = {
@@ -86,8 +87,12 @@ export class RobotCopy {
     this.setOrder(0);
   }
 
-  pose(worldFromLinks: Pose[]): void {
-    worldFromLinks.forEach((pose, link) => setMatrix(this.matrix, pose).toArray(this.rows, 16 * link));
+  /** What is nowhere is not seen. */
+  pose(worldFromNodes: (Pose | null)[]): void {
+    worldFromNodes.forEach((pose, node) => {
+      const matrix = pose ? setMatrix(this.matrix, pose) : this.matrix.makeScale(0, 0, 0);
+      matrix.toArray(this.rows, 16 * node);
+    });
     this.poses.needsUpdate = true;
   }
 

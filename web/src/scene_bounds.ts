@@ -1,8 +1,10 @@
 import type { Kinematics } from "./kinematics.ts";
-import { type NodeView, worldFromNodes } from "./node_view.ts";
+import type { NodeView } from "./node_view.ts";
 import type { Node, Point, Pose } from "./page_data.ts";
 import { transformed } from "./pose.ts";
+import { type Movers, postureAlong, postureOf } from "./posture.ts";
 import type { ShownPlan } from "./trajectory.ts";
+import { INITIAL, type ViewState } from "./view_state.ts";
 
 /** Obstacles farther away from robot and target than this, in metres, may lie outside the picture. */
 const NEAR_M = 0.3;
@@ -20,25 +22,30 @@ export class SceneBounds {
   /** Points of target, gripper and the robot at its start that should not be hidden. */
   readonly wanted: Point[];
 
-  constructor(view: NodeView, kinematics: Kinematics, plans: ShownPlan[]) {
-    const start = kinematics.worldFromLinks(kinematics.robot.start);
+  constructor(view: NodeView, movers: Movers) {
+    const { plans, recording } = movers;
+    const start = postureOf(INITIAL, { ...movers, plans: [] }).worldFromNodes;
     const postures: Pose[][] = [start];
-    for (const { trajectory } of plans.filter((plan) => !plan.trajectory.isEmpty)) {
-      for (const share of [0, 1 / 3, 2 / 3, 1]) {
-        postures.push(kinematics.worldFromLinks(trajectory.at(share * trajectory.duration_s)));
-      }
+    const shares = [0, 1 / 3, 2 / 3, 1];
+    for (const plan of plans.filter(({ trajectory }) => !trajectory.isEmpty)) {
+      const { duration_s } = plan.trajectory;
+      postures.push(...shares.map((share) => postureAlong(plan, share * duration_s, movers).worldFromNodes));
+    }
+    if (recording) {
+      const at = (share: number): ViewState => ({ ...INITIAL, time_s: share * recording.duration_s });
+      postures.push(...shares.map((share) => postureOf(at(share), movers).worldFromNodes));
     }
     const corners = (counts: (node: Node) => boolean): Point[][] =>
       postures.flatMap((posture, index) => {
-        view.pose(worldFromNodes(view.nodes, posture));
+        view.pose(posture);
         // What does not move is looked at once.
         return view.nodes.flatMap((node, i) =>
-          counts(node) && (index === 0 || node.role === "link") ? [boxCorners(view, i)] : [],
+          counts(node) && (index === 0 || node.role !== "obstacle") ? [boxCorners(view, i)] : [],
         );
       });
     const matters = corners((node) => node.role !== "obstacle").flat();
     const obstacles = corners((node) => node.role === "obstacle").filter((points) => points.length > 0);
-    view.pose(worldFromNodes(view.nodes, start));
+    view.pose(start);
     const near = matters.length > 0 ? grown(around(matters), NEAR_M) : null;
     const parts = near ? obstacles.flatMap((points) => cornersOf(common(around(points), near))) : obstacles.flat();
     this.focus = [...matters, ...parts];
@@ -47,8 +54,10 @@ export class SceneBounds {
     const half = (i: number): number => (isEmpty ? 1 : (all.high[i] - all.low[i]) / 2);
     this.middle = [0, 1, 2].map((i) => (isEmpty ? 0 : (all.low[i] + all.high[i]) / 2)) as Point;
     this.reach_m = Math.max(Math.hypot(half(0), half(1), half(2)), 0.05);
-    const links = start.map(([x, y, z]): Point => [x, y, z]).filter((_, link) => view.nodes[link]?.mesh !== null);
-    this.wanted = [...targetPoints(view), ...links, ...plans.flatMap((plan) => pathPoints(plan, kinematics))];
+    const isSeen = ({ role, mesh }: Node): boolean => role === "link" && mesh !== null;
+    const links = start.filter((_, index) => isSeen(view.nodes[index])).map(([x, y, z]): Point => [x, y, z]);
+    const ways = plans.flatMap((plan) => pathPoints(plan, movers.kinematics));
+    this.wanted = [...targetPoints(view), ...links, ...ways];
   }
 }
 

@@ -4,14 +4,12 @@ import { type StandardView, framing } from "./framing.ts";
 import { GhostView } from "./ghost_view.ts";
 import { fewGrasps } from "./grasp_choice.ts";
 import { GraspView } from "./grasp_view.ts";
-import type { Kinematics } from "./kinematics.ts";
 import { LightView } from "./light_view.ts";
 import { MeshGeometries } from "./mesh_geometry.ts";
-import { NodeView, onParent, worldFromNodes } from "./node_view.ts";
-import type { PageData } from "./page_data.ts";
+import { NodeView, onParent } from "./node_view.ts";
+import type { PageData, Pose } from "./page_data.ts";
 import { PathView } from "./path_view.ts";
-import { type Posture, postureOf } from "./posture.ts";
-import { robotGeometry } from "./robot_copy.ts";
+import { type Movers, type Posture, postureOf } from "./posture.ts";
 import { SceneBounds } from "./scene_bounds.ts";
 import { hidingNodes } from "./see_through.ts";
 import { SphereView } from "./sphere_view.ts";
@@ -43,36 +41,35 @@ export class SceneView {
   private readonly stage: Stage;
   private readonly view: View;
   private readonly plans: ShownPlan[];
-  private readonly kinematics: Kinematics;
+  private readonly movers: Movers;
   private readonly reasons: string[];
   private readonly few: number[];
   private readonly graspIndices: number[];
 
   constructor(
     data: PageData,
-    plans: ShownPlan[],
-    kinematics: Kinematics,
+    movers: Movers,
     { stage, view, reasons }: { stage: Stage; view: View; reasons: string[] },
   ) {
     this.stage = stage;
     this.view = view;
+    const { plans, kinematics } = movers;
+    this.movers = movers;
     this.plans = plans;
-    this.kinematics = kinematics;
     this.reasons = reasons;
     this.few = fewGrasps(data.grasps, data.plans);
     this.graspIndices = data.grasps.map(({ index }) => index);
     const geometries = new MeshGeometries(data);
     this.nodes = new NodeView(data.nodes, data.materials, geometries);
     this.collision = new NodeView(data.collision_shapes, data.materials, geometries, COLLISION_OPACITY);
-    this.bounds = new SceneBounds(this.nodes, kinematics, plans);
+    this.bounds = new SceneBounds(this.nodes, movers);
     const { middle, reach_m } = this.bounds;
     this.floor = new FloorView(data, middle, reach_m);
     this.light = new LightView(middle, reach_m, stage.isSlow);
     this.spheres = new SphereView(data);
     this.grasps = new GraspView(data.grasps, plans.length);
     this.paths = plans.map((plan) => new PathView(plan, kinematics));
-    const links = data.robot.links.length;
-    this.ghosts = new GhostView(kinematics, () => robotGeometry(data.nodes, geometries, links));
+    this.ghosts = new GhostView(movers, geometries);
     for (const { index, tree } of plans) if (tree) this.trees.set(index, new TreeView(tree, stage));
     stage.scene.add(
       this.light.group,
@@ -87,7 +84,7 @@ export class SceneView {
       ...this.paths.map((path) => path.group),
       ...[...this.trees.values()].map((tree) => tree.group),
     );
-    this.posture = postureOf(view.state, plans, kinematics);
+    this.posture = postureOf(view.state, movers);
     view.on(["time_s", "plan", "q", "layers"], (state) => this.move(state));
     view.on(["plan", "ghosts", "layers"], (state) => this.showWay(state));
     view.on(["plan", "layers", "graspColour", "grasp", "reason"], (state) => this.showGrasps(state));
@@ -119,6 +116,17 @@ export class SceneView {
     this.stage.invalidate();
   }
 
+  /** The frame of the target's first part. */
+  get worldFromTarget(): Pose | null {
+    return this.posture.worldFromNodes[this.nodes.nodes.findIndex(({ role }) => role === "target")] ?? null;
+  }
+
+  /** What the plan that has the robot does, if it says so. */
+  get mode(): string {
+    const { plan, time_s } = this.view.state;
+    return this.plans[plan]?.carrying?.modeAt(time_s) ?? "";
+  }
+
   /** Where the eye stands for a standard view. */
   eye(view: StandardView): Eye {
     const { width, height, wholeHeight } = this.stage.free;
@@ -134,11 +142,12 @@ export class SceneView {
   }
 
   private move(state: ViewState): void {
-    this.posture = postureOf(state, this.plans, this.kinematics);
-    const { worldFromLinks } = this.posture;
-    const places = worldFromNodes(this.nodes.nodes, worldFromLinks);
-    this.nodes.pose(places);
-    if (state.layers.collision) this.collision.pose(this.collision.nodes.map((shape) => onParent(shape, places)));
+    this.posture = postureOf(state, this.movers);
+    const { worldFromLinks, worldFromNodes, moved } = this.posture;
+    this.nodes.pose(worldFromNodes);
+    if (state.layers.collision) {
+      this.collision.pose(this.collision.nodes.map((shape) => onParent(shape, worldFromNodes, moved)));
+    }
     this.spheres.pose(worldFromLinks);
     const others = this.plans.filter(({ index }) => state.layers.others && index !== state.plan);
     this.ghosts.showOthers(others, state.time_s);

@@ -2,6 +2,7 @@ import { ClearancePlot } from "./clearance_plot.ts";
 import { button, element } from "./element.ts";
 import { millimetres, progress, seconds, words } from "./figures.ts";
 import { icon } from "./icons.ts";
+import { ModeStrip } from "./mode_strip.ts";
 import type { Player } from "./player.ts";
 import type { Theme } from "./theme.ts";
 import type { ShownPlan } from "./trajectory.ts";
@@ -18,6 +19,7 @@ export class TimeLine {
   private readonly clock = element("output", { class: "clock" });
   private readonly closest = element("div", { class: "closest" });
   private readonly plot: ClearancePlot;
+  private readonly modes: ModeStrip;
   private readonly plans: ShownPlan[];
   private readonly player: Player;
 
@@ -38,12 +40,17 @@ export class TimeLine {
     for (const value of SPEEDS) speed.append(element("option", { value }, `${value}×`));
     speed.addEventListener("change", () => view.set({ speed: Number(speed.value) }));
     this.plot = new ClearancePlot(plans, player.duration_s, (time_s) => player.seek(time_s));
+    this.modes = new ModeStrip(player.duration_s, (time_s) => player.seek(time_s));
     const hasPlot = !this.plot.isEmpty;
+    const hasModes = plans.some(({ carrying }) => carrying);
     this.element = element(
       "section",
-      { class: hasPlot ? "dock" : "dock without-plot", "aria-label": "Time line" },
+      {
+        class: ["dock", ...(hasPlot ? [] : ["without-plot"]), ...(hasModes ? ["with-modes"] : [])].join(" "),
+        "aria-label": "Time line",
+      },
       element("div", { class: "transport" }, this.play, this.clock),
-      this.scrub,
+      element("div", { class: "track" }, this.scrub, ...(hasModes ? [this.modes.element] : [])),
       speed,
       ...(hasPlot ? [this.closest, this.plot.canvas] : []),
     );
@@ -70,8 +77,9 @@ export class TimeLine {
     const shownPlan = this.plans[state.plan];
     const isTimed = shownPlan?.plan.is_timed ?? true;
     // A path without time has a length of its own, which the time of other plans is not.
-    const end = isTimed ? this.player.duration_s : shownPlan.trajectory.duration_s;
-    const now = Math.min(time_s, end);
+    const last_s = isTimed ? this.player.duration_s : shownPlan.trajectory.duration_s;
+    const gone = (at_s: number): number => at_s - (isTimed ? 0 : (shownPlan.carrying?.stoodUntil(at_s) ?? 0));
+    const [now, end] = [gone(Math.min(time_s, last_s)), gone(last_s)];
     this.scrub.setAttribute("aria-valuetext", `${progress(now, isTimed)} of ${progress(end, isTimed)}`);
     this.clock.replaceChildren(
       element("b", {}, now.toFixed(2)),
@@ -79,6 +87,7 @@ export class TimeLine {
     );
     this.clock.title = isTimed ? "" : "No time, but the length of the path, at a nominal pace";
     speed.value = String(state.speed);
+    this.modes.show(shownPlan, time_s);
     const shown = this.plans.filter(({ index }) => index === state.plan || state.layers.others);
     this.plot.draw(state.plan, shown, time_s);
     if (state.q) {

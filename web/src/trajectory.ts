@@ -1,3 +1,4 @@
+import type { Carrying } from "./carrying.ts";
 import type { Clearance, Plan, SearchTree } from "./page_data.ts";
 import { floats32, floats64, unsigned32 } from "./numbers.ts";
 
@@ -115,6 +116,8 @@ export interface ShownPlan {
   plan: Plan;
   trajectory: Trajectory;
   clearance: ClearanceCurve | null;
+  /** Of a plan that takes its object away. */
+  carrying: Carrying | null;
   tree: SearchTree | null;
   /** `#rrggbb` */
   colour: string;

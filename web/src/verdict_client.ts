@@ -1,7 +1,7 @@
-import type { Verdict } from "./page_data.ts";
+import type { Held, Verdict, VerdictQuestion } from "./page_data.ts";
 
 /** Asks somebody who knows; rejects if there is no answer. */
-export type Ask = (q: number[]) => Promise<Verdict>;
+export type Ask = (question: VerdictQuestion) => Promise<Verdict>;
 
 export interface VerdictListener {
   /** `q` is what was asked about. */
@@ -17,7 +17,7 @@ export class VerdictClient {
   private readonly askServer: Ask;
   private readonly listener: VerdictListener;
   private readonly pause_ms: number;
-  private waiting: number[] | null = null;
+  private waiting: VerdictQuestion | null = null;
   private isBusy = false;
 
   /** `pause_ms`: the least time between an answer and the next question. */
@@ -27,8 +27,9 @@ export class VerdictClient {
     this.pause_ms = pause_ms;
   }
 
-  ask(q: ArrayLike<number>): void {
-    this.waiting = Array.from(q);
+  /** `held`: what is in the hand, if anything is. */
+  ask(q: ArrayLike<number>, held: Held | null = null): void {
+    this.waiting = { q: Array.from(q), ...(held ? { held } : {}) };
     if (!this.isBusy) void this.work();
   }
 
@@ -43,12 +44,12 @@ export class VerdictClient {
   private async work(): Promise<void> {
     this.isBusy = true;
     while (this.waiting) {
-      const q = this.waiting;
+      const question: VerdictQuestion = this.waiting;
       this.waiting = null;
       this.isCancelled = false;
       try {
-        const verdict = await this.askServer(q);
-        if (!this.isCancelled) this.listener.onVerdict(verdict, q);
+        const verdict = await this.askServer(question);
+        if (!this.isCancelled) this.listener.onVerdict(verdict, question.q);
       } catch (error) {
         if (!this.isCancelled) this.listener.onFailure(error instanceof Error ? error.message : String(error));
       }
@@ -62,13 +63,13 @@ export class VerdictClient {
 const PAUSE_MS = 15;
 
 /** The server behind the page. */
-export async function askServer(q: number[]): Promise<Verdict> {
+export async function askServer(question: VerdictQuestion): Promise<Verdict> {
   let answer: Response;
   try {
     answer = await fetch("verdict", {
       method: "POST",
       headers: { "content-type": "application/json" },
-      body: JSON.stringify({ q }),
+      body: JSON.stringify(question),
     });
   } catch {
     throw new Error("cranny view does not answer any more");

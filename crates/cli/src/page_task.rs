@@ -1,11 +1,10 @@
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use cranny_collision::{Cell, Margins};
+use cranny_collision::Margins;
 use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, audit};
 use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints};
 use cranny_solve::{Timing, ik_statuses};
-use cranny_view::{PageData, PagePlan, PageSettings};
+use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
@@ -16,7 +15,7 @@ use crate::{recording, search_replay};
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
-    /// The scenario.
+    /// The scenario, or the file of a recording.
     pub id: &'a str,
     /// Plan files or way points.
     pub plans: &'a [PathBuf],
@@ -26,16 +25,25 @@ pub struct PageRequest<'a> {
     pub search_trees: bool,
 }
 
-/// A page, and the cell that it measured in.
+/// A page, and what postures are judged in where it has a robot.
 pub struct PageTask {
     pub page: PageData,
-    pub cell: Arc<Cell>,
+    pub cells: Option<PageCells>,
 }
 
 impl PageTask {
     pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
-        if recording::file_of(request.id).is_some() {
-            return Err(recording::no_page(request.id));
+        if let Some(file) = recording::file_of(request.id) {
+            let recording = recording::read(
+                file,
+                &[
+                    ("--robot", request.robot.is_some()),
+                    ("--geometry", request.geometry.is_some()),
+                    ("--search-tree", request.search_trees),
+                    ("the plan", !request.plans.is_empty()),
+                ],
+            )?;
+            return Ok(Self { page: PageData::of_recording(&recording), cells: None });
         }
         let files =
             request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
@@ -69,9 +77,10 @@ impl PageTask {
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-            let (trajectory, verification) =
-                (plan.trajectory(&problem)?, plan.audit(&problem, AuditSettings::default())?);
-            let mut shown_plan = PagePlan::of_file(name, plan, robot, trajectory.as_ref(), verification)?;
+            let timed = plan.trajectories(robot, problem.cell().map(AsRef::as_ref))?;
+            let verification = plan.audit(&problem, AuditSettings::default())?;
+            let grip = plan.grip(&problem)?;
+            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, grip)?;
             if let Some(stop) = &stop {
                 shown_plan.search_tree = Some(search_replay::replay(file, plan, &problem, stop, output)?);
             }
@@ -81,7 +90,7 @@ impl PageTask {
         let statuses = ik_statuses(&exact, &shown.ik)?;
         let page = PageData::of(&shown, &plans, cell, &statuses, PageSettings::default())?;
         spinner.finish_and_clear();
-        Ok(Self { page, cell: cell.clone() })
+        Ok(Self { page, cells: Some(PageCells::of(cell.clone(), &plans)) })
     }
 }
 

@@ -21,13 +21,13 @@ pub fn file_of(what: &str) -> Option<&Path> {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")).then_some(path)
 }
 
-/// The page is one of scenarios.
-pub fn no_page(file: &str) -> Failure {
-    let problem =
-        "a recording is no scenario, which the page shows; draw it: cranny render RECORDING -o FILE, with a \
-                   name that ends in .gif, .apng, .png or .glb"
-            .to_owned();
-    Failure::File { path: file.into(), problem }
+/// The recording of a file, to which nothing can be added: `others` are what would add to it, and whether it is given.
+pub fn read(file: &Path, others: &[(&str, bool)]) -> Result<BodyRecording, Failure> {
+    if let Some((what, _)) = others.iter().find(|(_, is_given)| *is_given) {
+        let problem = format!("a recording is complete in itself; leave out {what}");
+        return Err(Failure::File { path: file.to_owned(), problem });
+    }
+    Ok(BodyRecording::read(file)?)
 }
 
 /// What `--record` is to write.

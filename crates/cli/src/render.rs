@@ -1,12 +1,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_collision::Margins;
+use cranny_plan::Problem;
 use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
-    Animation, BodyRecording, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough,
-    ShownPath, StandardView,
+    Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
+    StandardView,
 };
 use serde::Serialize;
 use strum::VariantArray as _;
@@ -185,7 +185,6 @@ fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) ->
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
     let plan = arguments.plans.first().map(PathBuf::as_path);
     let scene = match recording::file_of(id) {
-        Some(_) if format == Format::Html => return Err(recording::no_page(id)),
         Some(file) => recorded(file, arguments, is_moving.then_some(rate_hz))?,
         None => scene(id, plan, arguments, rate_hz, output)?,
     };
@@ -327,18 +326,14 @@ fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failur
 
 /// What is seen of a recording, with as many instants a second as pictures.
 fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
-    let others = [
-        ("robot", arguments.robot.is_some()),
-        ("geometry", arguments.geometry.is_some()),
-        ("output", !arguments.plans.is_empty()),
-    ];
-    if let Some((name, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
-        return Err(flag(
-            name,
-            "a recording is complete in itself: give its file alone, without plan or robot",
-        ));
-    }
-    let recording = BodyRecording::read(file)?;
+    let recording = recording::read(
+        file,
+        &[
+            ("--robot", arguments.robot.is_some()),
+            ("--geometry", arguments.geometry.is_some()),
+            ("the plan", !arguments.plans.is_empty()),
+        ],
+    )?;
     let recording = rate_hz.map_or_else(|| recording.clone(), |rate_hz| recording.thinned(rate_hz));
     Ok(Scene::of_moving_bodies(&recording))
 }
@@ -364,15 +359,16 @@ fn scene(
     let path = match (read, plan) {
         (Some(plan), Some(file)) => {
             plan.check_joints(file, &scenario.robot)?;
+            // Time alone needs no cell, but where corners are to be cut.
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
-            let trajectory = plan.trajectory(&planned.problem(plan.margins)?)?;
-            let path = ShownPath::of(&scenario.robot, &plan.waypoints, trajectory.as_ref(), rate_hz)?;
-            path.map(|path| ShownPath { grasp: plan.grasp, ..path })
+            let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;
+            let cell = problem.as_ref().and_then(Problem::cell).map(AsRef::as_ref);
+            let timed = plan.trajectories(&scenario.robot, cell)?;
+            ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
         }
         (None, Some(file)) => {
             let waypoints = read_waypoints(file, scenario.robot.dof())?;
-            let problem = scenario.problem(Margins::default())?;
-            let trajectory = Timing::default().of(&problem, &waypoints)?;
+            let trajectory = Timing::default().along(&scenario.robot, None, &waypoints)?;
             ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
         }
         (_, None) => None,

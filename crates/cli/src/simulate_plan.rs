@@ -107,7 +107,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             let ended = plan.outcome.sentence();
             return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
         }
-        plan.trajectories(&problem)?
+        plan.trajectories(&scenario.robot, problem.cell().map(AsRef::as_ref))?
     } else {
         let way = Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?;
         way.map(|way| (way, None))

@@ -19,14 +19,15 @@ use crate::text;
   cranny view 021 reach.plan.json rrt.plan.json    several plans in one scene
   cranny view 021 021.plan.json --search-tree      and how the search grew
   cranny view 021 --port 8080 --no-open            for a browser that you open yourself
+  cranny view run.json                             a recording of `cranny simulate … --record`
 
 Plans that failed are shown too, with what blocked each grasp. The page answers on this machine alone
 (127.0.0.1), and there only to who knows its address, which holds a random token; it loads nothing from
 the network, and ends with Ctrl-C. For a page to send to others:
 cranny render 021 021.plan.json -o 021.html")]
 pub struct ViewArguments {
-    /// Built-in scenario, or the folder of one
-    #[arg(value_name = "ID")]
+    /// Built-in scenario, or the folder of one; or a recording (.json)
+    #[arg(value_name = "ID|RECORDING")]
     pub id: String,
     /// Plan files (.plan.json) or way points (.csv, .try), side by side in one scene
     #[arg(value_name = "PLAN")]
@@ -66,11 +67,11 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
         geometry: arguments.geometry,
         search_trees: arguments.search_tree,
     };
-    let PageTask { page, cell } = PageTask::open(&request, output)?;
+    let PageTask { page, cells } = PageTask::open(&request, output)?;
     let url = server.url();
     let door = if arguments.no_open { None } else { doorway(&url).ok() };
     let mut said = Ok(());
-    server.serve(&page, cell, interrupted(), || {
+    server.serve(&page, cells, interrupted(), || {
         said = if output.json {
             text::print_json(&Viewed { scenario: &arguments.id, url: url.clone() })
         } else {

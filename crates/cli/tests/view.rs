@@ -229,6 +229,66 @@ fn a_failed_search_is_written_where_it_was_asked_for_and_shown_with_its_reasons(
     assert!(shown["blocked"].as_array().is_some_and(|blocked| !blocked.is_empty()));
 }
 
+/// A tile that rises.
+const RISING: &str = r#"{"format": "cranny-recording/1", "name": "a tile rises", "times_s": [0.0, 0.5],
+ "bodies": [{"name": "tile", "is_grasped": true,
+             "world_from_body": [[0, 0, 0, 0, 0, 0, 1], [0, 0, 0.1, 0, 0, 0, 1]],
+             "vertices": [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], "triangles": [[0, 1, 2]]}]}"#;
+
+#[test]
+fn a_recording_is_a_page_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    if !has_page(folder) {
+        return;
+    }
+    std::fs::write(folder.join("run.json"), RISING).expect("written");
+    let viewer = Viewer::start(folder, &["run.json"]);
+    let page = viewer.answer("GET", "/page.json", "");
+    assert_eq!((&page["name"], &page["is_live"]), (&"a tile rises".into(), &false.into()));
+    assert_eq!(page["recording"]["tracks"].as_array().map(Vec::len), Some(1));
+    done(folder, &["render", "run.json", "-o", "run.html"]);
+    let html = std::fs::read_to_string(folder.join("run.html")).expect("a file");
+    assert!(html.contains("id=\"page-data\">H4sI"));
+}
+
+#[test]
+fn a_bad_recording_is_refused_in_clear_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    if !has_page(folder) {
+        return;
+    }
+    let written = |name: &str, from: &str, to: &str| {
+        assert!(RISING.contains(from), "{from}");
+        std::fs::write(folder.join(name), RISING.replacen(from, to, 1)).expect("written");
+    };
+    written("run.json", "rises", "rises");
+    written("back.json", "[0.0, 0.5]", "[0.5, 0.0]");
+    written("few.json", "[0.0, 0.5]", "[0.0, 0.5, 1.0]");
+    written("bent.json", "[0, 0, 0, 0, 0, 0, 1]", "[0, 0, 0, 0, 0, 0, 3]");
+    written("plan.json", "cranny-recording/1", "cranny-plan/1");
+    written("cut.json", "\"triangles\": [[0, 1, 2]]}]}", "");
+    for (file, words) in [
+        ("back.json", &["back.json", "times_s", "ascending"][..]),
+        ("few.json", &["body 'tile' has 2 poses", "3 times_s"]),
+        ("bent.json", &["pose 0 of body 'tile'", "length 1"]),
+        ("plan.json", &["'cranny-plan/1'", "the ID of its scenario"]),
+        ("cut.json", &["cut.json:4"]),
+        ("none.json", &["none.json"]),
+    ] {
+        refused(folder, &["view", file, "--no-open"], words);
+        refused(folder, &["render", file, "-o", "x.html"], words);
+    }
+    for (more, words) in [
+        (&["run.json"][..], "leave out the plan"),
+        (&["--robot", "r.urdf"], "leave out --robot"),
+        (&["--search-tree"], "leave out --search-tree"),
+    ] {
+        refused(folder, &[&["view", "run.json", "--no-open"], more].concat(), &["run.json", words]);
+    }
+}
+
 /// What a page for the typical plan may weigh.
 const MOST_BYTES: u64 = 3_000_000;
 

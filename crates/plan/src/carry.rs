@@ -297,6 +297,11 @@ impl Carrier {
 }
 
 impl Grip {
+    /// The cell in which the object is taken off what it rests on, and the one in which it is carried on from there.
+    pub fn cells(&self) -> [&Arc<Cell>; 2] {
+        [&self.lifting, &self.carrying]
+    }
+
     /// The problem of moving the object on the way off what it rests on.
     ///
     /// # Errors

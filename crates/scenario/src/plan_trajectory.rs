@@ -1,10 +1,11 @@
 use std::path::Path;
 
+use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, Trajectory, audit_with,
+    Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, Trajectory, audit_with,
 };
 use cranny_robot::Robot;
-use cranny_solve::{Segment, Timing, audit_segments};
+use cranny_solve::{Mode, Segment, Timing, audit_segments};
 
 use crate::{PlanFile, PlanSegment, ScenarioError};
 
@@ -22,23 +23,51 @@ impl PlanFile {
         self.timing_asked().of(problem, &self.waypoints)
     }
 
-    /// The same for the way to the grasp by itself, and for all that follows the closing of the hand, if anything does.
+    /// The same for the way to the grasp by itself, and for all that follows the closing of the hand, if anything does
+    /// ([`Self::ways`]); `cell` is asked only where corners are to be cut ([`Self::is_blended`]).
     ///
     /// # Errors
     /// [`PlanError`] for what is no path of the robot.
     pub fn trajectories(
         &self,
-        problem: &Problem,
+        robot: &Robot,
+        cell: Option<&Cell>,
     ) -> Result<Option<(Trajectory, Option<Trajectory>)>, PlanError> {
-        let Some((reach, onward)) = self.segments.split_first() else { return Ok(None) };
-        let Some(reach) = self.timing_asked().of(problem, &reach.waypoints)? else { return Ok(None) };
-        let mut way: Vec<Vec<f64>> = Vec::new();
-        for segment in onward {
+        let timed = |way: &[Vec<f64>]| match way {
+            [] => Ok(None),
+            way => self.timing_asked().along(robot, cell, way),
+        };
+        let [reach, onward] = self.ways();
+        let Some(reach) = timed(&reach)? else { return Ok(None) };
+        Ok(Some((reach, timed(&onward)?)))
+    }
+
+    /// The way to the grasp, and the way on from there after the hand has closed: none, unless the object is carried away.
+    pub fn ways(&self) -> [Vec<Vec<f64>>; 2] {
+        let is_reach = |segment: &PlanSegment| segment.mode == Mode::Reach.name();
+        let mut ways = [Vec::new(), Vec::new()];
+        for segment in &self.segments {
+            let way: &mut Vec<Vec<f64>> = &mut ways[usize::from(!is_reach(segment))];
             way.pop();
             way.extend_from_slice(&segment.waypoints);
         }
-        let onward = if way.is_empty() { None } else { self.timing_asked().of(problem, &way)? };
-        Ok(Some((reach, onward)))
+        ways
+    }
+
+    /// Whether its time is that of cut corners.
+    pub fn is_blended(&self) -> bool {
+        self.timing_asked().blend
+    }
+
+    /// The object in the hand, as it closes where the way to the grasp ends; `None` for a plan that does not carry it, or
+    /// where the hand does not close on it.
+    ///
+    /// # Errors
+    /// As [`Carrier::new`].
+    pub fn grip(&self, problem: &Problem) -> Result<Option<Grip>, PlanError> {
+        let [reach, onward] = self.ways();
+        let Some(grasp) = reach.last().filter(|_| !onward.is_empty()) else { return Ok(None) };
+        Ok(Carrier::new(problem, LiftOffSettings::default())?.close(grasp).ok())
     }
 
     fn timing_asked(&self) -> Timing {

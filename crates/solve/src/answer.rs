@@ -79,6 +79,10 @@ pub enum Mode {
     Carry,
 }
 
+/// How long a robot stands at a grasp while its hand closes, in seconds, where the files of the robot do not say it: the
+/// fingers of common hands go through their whole stroke in about twice that.
+pub const CLOSING_S: f64 = 0.4;
+
 impl Mode {
     /// What files call it.
     pub fn name(self) -> &'static str {

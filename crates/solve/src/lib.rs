@@ -15,7 +15,7 @@ mod solve;
 mod task;
 mod ways_out;
 
-pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed, joined};
+pub use answer::{Answer, CLOSING_S, Mode, Optimisation, Segment, Shortening, Timed, joined};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};

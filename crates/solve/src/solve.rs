@@ -1,10 +1,13 @@
+use std::sync::Arc;
 use std::time::Instant;
 
+use cranny_collision::Cell;
 use cranny_plan::{
     Audit, AuditSettings, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer, Outcome, PlanError,
     PlanReport, Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with,
     optimise, search, shortcut,
 };
+use cranny_robot::Robot;
 
 use crate::answer::joined;
 use crate::task::Task;
@@ -172,8 +175,21 @@ impl Timing {
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
     pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Trajectory>, PlanError> {
-        let Ok(limits) = MotionLimits::of(problem.robot(), self.method) else { return Ok(None) };
-        let trajectory = match problem.cell().filter(|_| self.blend) {
+        self.along(problem.robot(), problem.cell().map(Arc::as_ref), path)
+    }
+
+    /// The same without a problem. Corners are cut in `cell`; where none are to be cut, none is needed.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn along(
+        self,
+        robot: &Robot,
+        cell: Option<&Cell>,
+        path: &[Vec<f64>],
+    ) -> Result<Option<Trajectory>, PlanError> {
+        let Ok(limits) = MotionLimits::of(robot, self.method) else { return Ok(None) };
+        let trajectory = match cell.filter(|_| self.blend) {
             Some(cell) => Trajectory::blended(path, &limits, cell)?,
             None => Trajectory::along(path, &limits)?,
         };

@@ -1,4 +1,8 @@
+use std::borrow::Cow;
+
 use cranny_collision::{Cell, Closest, Collider};
+use cranny_plan::Grip;
+use cranny_robot::Hold;
 use cranny_spatial::{Point, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -22,27 +26,35 @@ impl ClearanceProfile {
     /// At `most` instants of the path at most, evenly over its samples, the first and the last among them; by the
     /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
     /// nothing to touch.
-    pub fn along(path: &ShownPath, cell: &Cell, most: usize) -> Option<Self> {
-        let last = path.times_s.len().checked_sub(1)?;
-        let count = path.times_s.len().min(most.max(2));
+    ///
+    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, held by `grip`;
+    /// without that nothing is said of the rest of the path. What it rests on counts from the end of the lift-off on.
+    pub fn along(path: &ShownPath, cell: &Cell, grip: Option<&Grip>, most: usize) -> Option<Self> {
+        let shown = path.carry.as_ref().map_or(path.times_s.len(), |carry| match grip {
+            Some(_) => path.times_s.len(),
+            None => path.times_s.partition_point(|&time_s| time_s <= carry.modes[0].until_s),
+        });
+        let last = shown.checked_sub(1)?;
+        let count = shown.min(most.max(2));
         // The same place twice only where there is but one.
         let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
         places.dedup();
-        let closest: Option<Vec<Closest>> = places
-            .par_iter()
-            .map_init(|| cell.scratch(), |scratch, &place| cell.closest(&path.configurations[place], scratch))
-            .collect();
-        let closest = closest?;
-        let name = |collider: Collider| cell.name(collider).to_owned();
-        let mut names: Vec<(String, String)> = Vec::new();
-        let mut name_indices = Vec::new();
-        for pair in &closest {
-            let pair = (name(pair.first), name(pair.second));
-            let known = names.iter().position(|other| *other == pair).unwrap_or_else(|| {
-                names.push(pair);
-                names.len() - 1
-            });
-            name_indices.push(number_row::index(known));
+        let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
+        for Stretch { cell, places } in stretches(path, cell, grip, &places) {
+            let nearest = places.par_iter().map_init(
+                || cell.scratch(),
+                |scratch, &place| cell.closest(&path.configurations[place], scratch),
+            );
+            let nearest: Vec<Closest> = nearest.collect::<Option<_>>()?;
+            let name = |collider: Collider| cell.name(collider).to_owned();
+            for pair in nearest.iter().map(|pair| (name(pair.first), name(pair.second))) {
+                let known = names.iter().position(|other| *other == pair).unwrap_or_else(|| {
+                    names.push(pair);
+                    names.len() - 1
+                });
+                name_indices.push(number_row::index(known));
+            }
+            closest.extend(nearest);
         }
         let times_s = places.iter().map(|&place| path.times_s[place]).collect();
         Some(Self { times_s, closest, names, name_indices })
@@ -63,6 +75,42 @@ impl ClearanceProfile {
             points: number_row::floats32(points),
         }
     }
+}
+
+/// Instants of a path, and what is checked there.
+struct Stretch<'a, 'b> {
+    cell: Cow<'a, Cell>,
+    places: &'b [usize],
+}
+
+/// The hand empty; while it closes, at each instant another cell; the object taken off what it rests on; and carried on.
+fn stretches<'a, 'b>(
+    path: &ShownPath,
+    empty: &'a Cell,
+    grip: Option<&'a Grip>,
+    places: &'b [usize],
+) -> Vec<Stretch<'a, 'b>> {
+    let Some((carry, grip)) = path.carry.as_ref().zip(grip) else {
+        return vec![Stretch { cell: Cow::Borrowed(empty), places }];
+    };
+    let [reach, lift_off, carrying] = &carry.modes;
+    let [lifting, held] = grip.cells();
+    let until =
+        |is_before: &dyn Fn(f64) -> bool| places.partition_point(|&place| is_before(path.times_s[place]));
+    let closes = until(&|time_s| time_s <= reach.until_s);
+    let lifts = until(&|time_s| time_s < lift_off.from_s);
+    let carries = until(&|time_s| time_s < carrying.from_s);
+    let mut stretches = vec![Stretch { cell: Cow::Borrowed(empty), places: &places[..closes] }];
+    for place in places[closes..lifts].chunks(1) {
+        let closing = carry.closing_at(path.times_s[place[0]]);
+        // A hand that is less closed holds as well what the closed one holds.
+        let cell = lifting.with_hold(Hold { closing, ..grip.hold });
+        let cell = cell.map_or(Cow::Borrowed(lifting.as_ref()), Cow::Owned);
+        stretches.push(Stretch { cell, places: place });
+    }
+    stretches.push(Stretch { cell: Cow::Borrowed(lifting), places: &places[lifts..carries] });
+    stretches.push(Stretch { cell: Cow::Borrowed(held), places: &places[carries..] });
+    stretches
 }
 
 /// The same as a page reads it.

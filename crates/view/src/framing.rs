@@ -125,7 +125,7 @@ impl Scene {
     }
 
     /// Instants at which a translucent robot shows the way to `frame`: equally far apart along the way of the
-    /// gripper, from the start on.
+    /// gripper, from the start on; where something is carried then, from where the hand has closed on it.
     pub(crate) fn ghost_frames(&self, frame: Option<usize>, count: usize) -> Vec<usize> {
         let (Some(motion), Some(frame)) = (&self.motion, frame) else { return Vec::new() };
         // Bodies that move without a hand have no such way.
@@ -135,8 +135,14 @@ impl Scene {
         for step in steps {
             travelled.push(travelled.last().copied().unwrap_or(0.0) + step);
         }
-        let whole = travelled[frame];
-        let at = |share: f64| travelled.partition_point(|&way| way < share * whole).min(frame);
+        let closed = motion
+            .modes
+            .get(1)
+            .map_or(0, |onward| motion.times_s.partition_point(|&time_s| time_s < onward.from_s));
+        let begin = if closed < frame { closed } else { 0 };
+        let (before, whole) = (travelled[begin], travelled[frame] - travelled[begin]);
+        let at =
+            |share: f64| travelled.partition_point(|&way| way < before + share * whole).clamp(begin, frame);
         let mut frames: Vec<usize> = (0..count).map(|ghost| at(ghost as f64 / count as f64)).collect();
         frames.dedup();
         frames.retain(|&ghost| ghost < frame);

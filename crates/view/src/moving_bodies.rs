@@ -110,6 +110,7 @@ impl Scene {
             waypoint_times_s: Vec::new(),
             configurations: Vec::new(),
             gripper_path: path.iter().map(|pose| pose.translation.vector.into()).collect(),
+            modes: Vec::new(),
         });
         scene
     }

@@ -4,10 +4,11 @@ use cranny_scenario::Scenario;
 use serde::Serialize;
 
 use crate::page_grasps::{self, PageGrasp};
-use crate::page_plan::PlanEntry;
+use crate::page_plan::{PlanEntry, rate_hz};
+use crate::page_recording::RecordingRows;
 use crate::page_robot::{FloorArea, PageRobot};
 use crate::page_scene::PageScene;
-use crate::{PagePlan, Scene, SceneSettings, ViewError, number_row};
+use crate::{BodyRecording, PagePlan, Scene, SceneSettings, ViewError, number_row};
 
 /// What a page is told of a task and its plans: the one JSON document that `web/src/page_data.ts` describes.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +23,8 @@ pub struct PageData {
     floor_area: Option<FloorArea>,
     grasps: Vec<PageGrasp>,
     plans: Vec<PlanEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<RecordingRows>,
     is_live: bool,
 }
 
@@ -68,8 +71,28 @@ impl PageData {
             grasps: page_grasps::all(&scenario.grasps, statuses, plans),
             plans: plans.iter().map(|plan| plan.entry(cell, settings.clearance_instants)).collect(),
             scene: PageScene::of(scene, &scenario.robot),
+            recording: None,
             is_live: false,
         })
+    }
+
+    /// What moved where, whatever moved it: the page has no robot then, no grasps and no plans.
+    pub fn of_recording(recording: &BodyRecording) -> Self {
+        let duration_s = recording.times_s.last().copied().unwrap_or_default();
+        let scene = Scene::of_moving_bodies(&recording.thinned(rate_hz(duration_s)));
+        Self {
+            format: "cranny-page/1",
+            name: recording.name.clone(),
+            robot: PageRobot::none(),
+            link_spheres: Vec::new(),
+            world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
+            floor_area: None,
+            grasps: Vec::new(),
+            plans: Vec::new(),
+            recording: scene.motion.as_ref().map(RecordingRows::of),
+            scene: PageScene::of_bodies(&scene),
+            is_live: false,
+        }
     }
 
     /// The document. Whoever serves it says whether questions are answered.

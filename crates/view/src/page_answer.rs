@@ -1,6 +1,3 @@
-use std::sync::Arc;
-
-use cranny_collision::Cell;
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{
@@ -12,12 +9,13 @@ use serde::Serialize;
 use tokio::time::timeout;
 
 use crate::page_token::PageToken;
-use crate::{PageLimits, page_bundle, verdict};
+use crate::{PageCells, PageLimits, page_bundle, verdict};
 
 /// What all answers of a server share.
 pub(crate) struct Served {
     pub page: Bytes,
-    pub cell: Arc<Cell>,
+    /// None of a page on which nothing can be asked.
+    pub cells: Option<PageCells>,
     pub token: PageToken,
     pub limits: PageLimits,
     /// The names by which this server can be meant. A page of another origin that has its name resolved to this
@@ -88,7 +86,10 @@ impl Served {
 
     async fn routed(&self, path: &str, request: Request<Incoming>) -> Answer {
         match (request.method(), path) {
-            (&Method::POST, "/verdict") => self.judge(request.into_body()).await,
+            (&Method::POST, "/verdict") => match &self.cells {
+                Some(cells) => self.judge(cells, request.into_body()).await,
+                None => told(StatusCode::NOT_FOUND, TEXT, "this page has no robot to judge"),
+            },
             // Addresses in the page are relative to the folder that it is in.
             (&Method::GET | &Method::HEAD, "") => {
                 let mut answer = told(StatusCode::PERMANENT_REDIRECT, TEXT, "");
@@ -106,7 +107,7 @@ impl Served {
         }
     }
 
-    async fn judge(&self, body: Incoming) -> Answer {
+    async fn judge(&self, cells: &PageCells, body: Incoming) -> Answer {
         let body = timeout(self.limits.request, Limited::new(body, MOST_BODY_BYTES).collect()).await;
         let refused = |status, error: String| json(status, &Refusal { error });
         let question = match body {
@@ -118,7 +119,7 @@ impl Served {
             Ok(Err(fault)) => return refused(StatusCode::BAD_REQUEST, fault.to_string()),
             Err(_) => return refused(StatusCode::REQUEST_TIMEOUT, "the question did not come".to_owned()),
         };
-        match verdict::answer(&self.cell, &question) {
+        match verdict::answer(cells, &question) {
             Ok(verdict) => json(StatusCode::OK, &verdict),
             Err(fault) => refused(StatusCode::BAD_REQUEST, fault.to_string()),
         }

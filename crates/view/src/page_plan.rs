@@ -1,12 +1,12 @@
 use cranny_collision::Cell;
-use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
+use cranny_plan::{Audit, GraspFailure, Grip, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
 use crate::tree_recording::SearchTreeRows;
-use crate::{ClearanceProfile, ShownPath, TreeRecording, ViewError, number_row};
+use crate::{ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, number_row};
 
 /// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct PagePlan {
     pub path: Option<ShownPath>,
     /// What `verify` says; `None` for a plan without a path.
     pub verification: Option<Audit>,
+    /// How the hand holds the object, of a plan that carries it away.
+    pub grip: Option<Grip>,
     /// What stood between the robot and each grasp.
     pub failures: Vec<GraspFailure>,
     /// The trees of the search, if they were recorded.
@@ -33,8 +35,14 @@ pub struct PagePlan {
 const RATE_HZ: f64 = 60.0;
 const MOST_SAMPLES: f64 = 2400.0;
 
+/// Of a motion that lasts so long.
+pub(crate) fn rate_hz(duration_s: f64) -> f64 {
+    RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
+}
+
 impl PagePlan {
-    /// The plan of a file, as [`Self::of_waypoints`].
+    /// The plan of a file, with the times of [`PlanFile::trajectories`], what `verify` says of it, and how it holds what it
+    /// carries away ([`PlanFile::grip`]).
     ///
     /// # Errors
     /// As [`ShownPath::of`].
@@ -42,14 +50,24 @@ impl PagePlan {
         name: impl Into<String>,
         plan: &PlanFile,
         robot: &Robot,
-        trajectory: Option<&Trajectory>,
+        timed: Option<&(Trajectory, Option<Trajectory>)>,
         verification: Option<Audit>,
+        grip: Option<Grip>,
     ) -> Result<Self, ViewError> {
+        let path_length = path_length(&plan.waypoints);
+        let duration_s = timed.map_or(path_length, |(reach, onward)| {
+            reach.duration_s() + onward.as_ref().map_or(0.0, Trajectory::duration_s)
+        });
         Ok(Self {
+            name: name.into(),
             planner: plan.planner.clone(),
             outcome: Some(plan.outcome),
+            path_length,
+            path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
+            verification,
+            grip,
             failures: plan.failures.clone(),
-            ..Self::of_waypoints(name, &plan.waypoints, robot, trajectory, verification)?
+            search_tree: None,
         })
     }
 
@@ -66,14 +84,14 @@ impl PagePlan {
     ) -> Result<Self, ViewError> {
         let path_length = path_length(waypoints);
         let duration_s = trajectory.map_or(path_length, Trajectory::duration_s);
-        let rate_hz = RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE));
         Ok(Self {
             name: name.into(),
             planner: String::new(),
             outcome: None,
             path_length,
-            path: ShownPath::of(robot, waypoints, trajectory, rate_hz)?,
+            path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
             verification,
+            grip: None,
             failures: Vec::new(),
             search_tree: None,
         })
@@ -108,7 +126,8 @@ impl PagePlan {
             number_row::floats64(path.map(pick).into_iter().flatten().copied())
         };
         let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
-        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, most_instants));
+        let profile =
+            path.and_then(|path| ClearanceProfile::along(path, cell, self.grip.as_ref(), most_instants));
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
@@ -120,6 +139,7 @@ impl PagePlan {
             waypoint_times_s: row(|path| &path.waypoint_times_s),
             is_timed: path.is_some_and(|path| path.is_timed),
             path_length: self.path_length,
+            carry: path.and_then(|path| path.carry.as_ref()).map(CarryEntry::of),
             grasp: self.grasp(),
             clearance: profile.as_ref().map(ClearanceProfile::rows),
             blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
@@ -145,11 +165,45 @@ pub(crate) struct PlanEntry {
     waypoint_times_s: String,
     is_timed: bool,
     path_length: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    carry: Option<CarryEntry>,
     grasp: Option<usize>,
     clearance: Option<ClearanceRows>,
     blocked: Vec<BlockedGrasp>,
     blocked_counts: Vec<BlockedCount>,
     search_tree: Option<SearchTreeRows>,
+}
+
+/// What becomes of the object, as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+struct CarryEntry {
+    object: String,
+    grasp: Vec<f64>,
+    closing: f64,
+    modes: Vec<ModeEntry>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ModeEntry {
+    name: &'static str,
+    from_s: f64,
+    until_s: f64,
+}
+
+impl CarryEntry {
+    fn of(carry: &ShownCarry) -> Self {
+        let mode = |&ShownMode { mode, from_s, until_s }: &ShownMode| ModeEntry {
+            name: mode.name(),
+            from_s,
+            until_s,
+        };
+        Self {
+            object: carry.object.clone(),
+            grasp: carry.grasp.clone(),
+            closing: carry.closing,
+            modes: carry.modes.iter().map(mode).collect(),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]

@@ -1,4 +1,4 @@
-use cranny_robot::{JointKind, Robot};
+use cranny_robot::{JointKind, Robot, RobotFinger};
 use cranny_scenario::Scenario;
 use cranny_spatial::Pose;
 use serde::Serialize;
@@ -32,6 +32,8 @@ struct PageJoint {
     offset: f64,
     lower: Option<f64>,
     upper: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stroke: Option<f64>,
 }
 
 /// A rectangle of the plane, in metres.
@@ -42,6 +44,11 @@ pub(crate) struct FloorArea {
 }
 
 impl PageRobot {
+    /// Of a page without a robot.
+    pub fn none() -> Self {
+        Self { links: Vec::new(), joints: Vec::new(), tip: 0, start: Vec::new() }
+    }
+
     pub fn of(scenario: &Scenario) -> Self {
         let robot = &scenario.robot;
         let link = |link: &cranny_robot::Link| PageLink { name: link.name.clone(), parent: link.parent };
@@ -72,7 +79,14 @@ impl PageJoint {
             offset: 0.0,
             lower: None,
             upper: None,
+            stroke: None,
         };
+        let fingers = robot.hand().into_iter().flat_map(|hand| &hand.fingers);
+        if let Some(finger) = fingers.filter(|finger| finger.link == child).next_back() {
+            let RobotFinger { kind, axis_in_link, range, .. } = finger;
+            let (kind, stroke) = (kind_name(*kind), Some(range.closed - range.open));
+            return Some(Self { kind, axis: (*axis_in_link).into(), stroke, ..fixed });
+        }
         let Some(mover) = robot.ancestors(child).last().filter(|mover| mover.child_link == child) else {
             return Some(fixed);
         };
@@ -80,10 +94,7 @@ impl PageJoint {
         let limits = &robot.limits()[mover.joint];
         Some(Self {
             name: own.map_or(fixed.name, |joint| joint.name.clone()),
-            kind: match mover.kind {
-                JointKind::Revolute => "revolute",
-                JointKind::Prismatic => "prismatic",
-            },
+            kind: kind_name(mover.kind),
             axis: mover.axis_in_child.into(),
             variable: Some(mover.joint),
             factor: mover.multiplier,
@@ -91,6 +102,13 @@ impl PageJoint {
             upper: limits.upper.is_finite().then_some(limits.upper),
             ..fixed
         })
+    }
+}
+
+fn kind_name(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Prismatic => "prismatic",
     }
 }
 

@@ -58,11 +58,16 @@ impl PageScene {
         let bodies = |node: &&Node| matches!(node.role, Role::Obstacle(_) | Role::Target);
         let mut collision_shapes: Vec<PageNode> = link_shapes(&mut scene, robot);
         collision_shapes.extend(scene.nodes.iter().filter(bodies).filter_map(PageNode::of));
+        Self { collision_shapes, ..Self::of_bodies(&scene) }
+    }
+
+    /// What is seen alone, of a scene in which nothing is checked for collision.
+    pub fn of_bodies(scene: &Scene) -> Self {
         Self {
             nodes: scene.nodes.iter().filter_map(PageNode::of).collect(),
             materials: scene.materials.iter().map(PageMaterial::of).collect(),
             meshes: scene.meshes.iter().map(PageMesh::of).collect(),
-            collision_shapes,
+            collision_shapes: Vec::new(),
         }
     }
 }

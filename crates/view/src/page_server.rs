@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::task::Poll;
 use std::time::Duration;
 
-use cranny_collision::Cell;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -16,7 +15,7 @@ use tokio::time::{sleep, timeout};
 
 use crate::page_answer::Served;
 use crate::page_token::PageToken;
-use crate::{PageData, ViewError, page_bundle};
+use crate::{PageCells, PageData, ViewError, page_bundle};
 
 /// Serves one page to this machine alone, and there to who knows its address: the page's own files, which are part
 /// of the program, its data, and verdicts on configurations.
@@ -80,21 +79,22 @@ impl PageServer {
         format!("http://{}/{}/", self.address, self.token.text())
     }
 
-    /// Answers until `stop` is done; answers that are under way then get a second more. `ready` is called once
-    /// the first request can come and `stop` is watched.
+    /// Answers until `stop` is done, questions as well where there are cells to judge in; answers that are under way
+    /// then get a second more. `ready` is called once the first request can come and `stop` is watched.
     ///
     /// # Errors
     /// [`ViewError::Server`] if the system gives no means to listen, [`ViewError::PageData`].
     pub fn serve(
         self,
         page: &PageData,
-        cell: Arc<Cell>,
+        cells: Option<PageCells>,
         stop: impl Future<Output = ()> + Send + 'static,
         ready: impl FnOnce(),
     ) -> Result<(), ViewError> {
         let Self { listener, address, token, limits } = self;
         let hosts = hosts(address.port());
-        let served = Arc::new(Served { page: page.to_json(true)?.into(), cell, token, limits, hosts });
+        let page = page.to_json(cells.is_some())?.into();
+        let served = Arc::new(Served { page, cells, token, limits, hosts });
         let fault = |reason| ViewError::Server { reason };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(fault)?;
         runtime.block_on(async {

@@ -210,7 +210,13 @@ impl Stage {
                 ..material.clone()
             };
             for (node, pose) in scene.nodes.iter().zip(&poses) {
-                if let (Role::Link(_), Some(mesh)) = (node.role, node.mesh) {
+                // An object that stands is no ghost.
+                let is_moved = match node.role {
+                    Role::Link(_) => true,
+                    Role::Target => *pose != node.parent_from_node,
+                    _ => false,
+                };
+                if let (true, Some(mesh)) = (is_moved, node.mesh) {
                     list.add(&scene.meshes[mesh], pose, 0, &scene.materials, look);
                     far = distance(pose);
                 }

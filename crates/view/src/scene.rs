@@ -1,6 +1,6 @@
 use cranny_spatial::{Point, Pose};
 
-use crate::{Colour, Mesh};
+use crate::{Colour, Mesh, ShownMode};
 
 /// Everything that a picture, a glTF file or a page shows of a task: plain data, complete in itself.
 ///
@@ -74,7 +74,7 @@ pub enum Role {
     GripperPath,
 }
 
-/// Where the links are at each of a row of instants.
+/// Where links, and what they take along, are at each of a row of instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneMotion {
     /// The instants, in seconds, ascending from 0.
@@ -87,6 +87,8 @@ pub struct SceneMotion {
     pub configurations: Vec<Vec<f64>>,
     /// Where the gripper frame's origin is at each instant, in the planning frame.
     pub gripper_path: Vec<Point>,
+    /// What the robot does, one after the other; empty where it does one thing.
+    pub modes: Vec<ShownMode>,
 }
 
 /// One moving node.

@@ -1,7 +1,9 @@
 use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
 use cranny_robot::{Robot, between, distance};
+use cranny_scenario::PlanFile;
+use cranny_solve::CLOSING_S;
 
-use crate::ViewError;
+use crate::{ShownCarry, ViewError};
 
 /// A path that is shown with a scene: where the robot is at each of a row of instants.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,8 @@ pub struct ShownPath {
     /// Whether the limits of the robot give it its time; else it has none, and is shown at an even pace: a length
     /// of 1 (metres and radians alike) in a second.
     pub is_timed: bool,
+    /// What becomes of the object, of a path on which it is carried away.
+    pub carry: Option<ShownCarry>,
 }
 
 /// How fast a path without timing is shown, in the plain norm of `q` (m and rad alike) per second: a robot at
@@ -50,12 +54,57 @@ impl ShownPath {
         }
     }
 
+    /// The path of a plan in the same way: in the times of [`PlanFile::trajectories`], if it has any. Where the object is
+    /// carried away, the robot stands at the grasp for [`CLOSING_S`] while its hand closes.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn of_plan(
+        robot: &Robot,
+        plan: &PlanFile,
+        timed: Option<&(Trajectory, Option<Trajectory>)>,
+        rate_hz: f64,
+    ) -> Result<Option<Self>, ViewError> {
+        let [reach, onward] = plan.ways();
+        let (to_grasp, from_grasp) = timed.map(|(reach, onward)| (reach, onward.as_ref())).unzip();
+        let Some(reach) = Self::of(robot, &reach, to_grasp, rate_hz)? else { return Ok(None) };
+        let reach = Self { grasp: plan.grasp, ..reach };
+        Ok(Some(match Self::of(robot, &onward, from_grasp.flatten(), rate_hz)? {
+            Some(onward) => reach.carried(onward, robot, plan, rate_hz),
+            None => reach,
+        }))
+    }
+
+    /// The path to a grasp, the closing of the hand there, and the way on.
+    fn carried(mut self, onward: Self, robot: &Robot, plan: &PlanFile, rate_hz: f64) -> Self {
+        let closes_s = self.ends_s();
+        let goes_on_s = closes_s + CLOSING_S;
+        let grasp = onward.configurations[0].clone();
+        let steps = (CLOSING_S * rate_hz).ceil().clamp(1.0, 1e5);
+        // Between 1 and 10⁵; the last is the first of the way on.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        for step in 1..steps as u32 {
+            self.times_s.push(closes_s + CLOSING_S * f64::from(step) / steps);
+            self.configurations.push(grasp.clone());
+        }
+        self.carry = Some(ShownCarry::of(robot, plan, &grasp, closes_s, &onward));
+        self.times_s.extend(onward.times_s.iter().map(|time_s| goes_on_s + time_s));
+        self.configurations.extend(onward.configurations);
+        self.waypoint_times_s.extend(onward.waypoint_times_s[1..].iter().map(|time_s| goes_on_s + time_s));
+        self
+    }
+
+    /// When it ends, in seconds.
+    pub fn ends_s(&self) -> f64 {
+        self.times_s.last().copied().unwrap_or_default()
+    }
+
     fn sampled(trajectory: &Trajectory, rate_hz: f64) -> Result<Self, ViewError> {
         let rate_hz = within(rate_hz, trajectory.duration_s());
         let (times_s, configurations) =
             trajectory.samples(rate_hz)?.map(|sample| (sample.time_s, sample.position)).unzip();
         let waypoint_times_s = trajectory.waypoint_times_s().to_vec();
-        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None, is_timed: true })
+        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None, is_timed: true, carry: None })
     }
 
     /// At an even pace, each edge in a whole number of steps.
@@ -66,6 +115,7 @@ impl ShownPath {
             waypoint_times_s: vec![0.0],
             grasp: None,
             is_timed: false,
+            carry: None,
         };
         let rate_hz = within(rate_hz, path_length(waypoints) / UNTIMED_SPEED);
         let mut begin_s = 0.0;

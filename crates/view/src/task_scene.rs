@@ -1,13 +1,15 @@
 use cranny_collision::Body;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
-use cranny_spatial::{Point, Pose};
+use cranny_solve::Mode;
+use cranny_spatial::Pose;
 
 use crate::colour::of_score;
 use crate::paint::painted;
 use crate::scene::{Node, Role, SceneMotion, Track};
+use crate::stance::{Placed, Stance};
 use crate::stroke::{small_gripper, tube};
-use crate::{Colour, Material, MeshPiece, Scene, ShownPath, ViewError, robot_look};
+use crate::{Colour, Material, MeshPiece, Scene, ShownMode, ShownPath, ViewError, robot_look};
 
 /// What is shown of a task besides robot and bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +31,13 @@ const OBSTACLES: [u32; 4] = [0x0094_aac0, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd]
 /// The colour of the grasp that was taken, and of the gripper's way to it.
 const CHOSEN: u32 = 0x00e8_3f6f;
 
+/// What that is darkened with where the object is carried.
+const DEEP: u32 = 0x0020_1838;
+
 /// Half the thickness of lines, in metres.
 const PATH_RADIUS_M: f64 = 0.0045;
+/// Where the robot comes back as it went, the way back is seen.
+const CARRY_RADIUS_M: f64 = 1.2 * PATH_RADIUS_M;
 const GRASP_RADIUS_M: f64 = 0.0014;
 const CHOSEN_RADIUS_M: f64 = 0.0024;
 
@@ -51,8 +58,11 @@ impl Scene {
         settings: &SceneSettings,
     ) -> Result<Self, ViewError> {
         let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
-        scene.add_robot(scenario, path)?;
+        let carried = scene.add_robot(scenario, path)?;
         scene.add_bodies(scenario.world.bodies(), scenario.target);
+        if let Some(carried) = carried {
+            scene.carry_target(&carried);
+        }
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
         Ok(scene)
@@ -75,20 +85,16 @@ impl Scene {
         scene
     }
 
-    fn add_robot(&mut self, scenario: &Scenario, path: Option<&ShownPath>) -> Result<(), ViewError> {
+    /// Adds the robot, and returns by how much what it carries away has moved at each instant of the path.
+    fn add_robot(
+        &mut self,
+        scenario: &Scenario,
+        path: Option<&ShownPath>,
+    ) -> Result<Option<Vec<Pose>>, ViewError> {
         let robot = &scenario.robot;
         let meshes = robot_look::link_meshes(robot, self)?;
-        let mut frames = robot.frames();
-        let mut local_poses = |q: &[f64]| -> (Vec<Pose>, Point) {
-            robot.forward_kinematics(q, &mut frames);
-            let local = |link: usize| match robot.links()[link].parent {
-                Some(parent) => frames.link(parent).inv_mul(frames.link(link)),
-                None => *frames.link(link),
-            };
-            let tip = frames.link(robot.tip()).translation.vector.into();
-            ((0..robot.links().len()).map(local).collect(), tip)
-        };
-        let (start, _) = local_poses(path.map_or(&scenario.start, |path| &path.configurations[0]));
+        let mut stance = Stance::of(robot, path.and_then(|path| path.carry.as_ref()));
+        let start = stance.at(path.map_or(&scenario.start, |path| &path.configurations[0]), 0.0).local;
         // Links are the first nodes: node and link have the same index.
         for (index, (link, mesh)) in robot.links().iter().zip(meshes).enumerate() {
             self.nodes.push(Node {
@@ -99,21 +105,31 @@ impl Scene {
                 role: Role::Link(index),
             });
         }
-        let Some(path) = path else { return Ok(()) };
-        let (rows, gripper_path): (Vec<_>, Vec<_>) =
-            path.configurations.iter().map(|q| local_poses(q)).unzip();
+        let Some(path) = path else { return Ok(None) };
+        let instants = path.configurations.iter().zip(&path.times_s);
+        let rows: Vec<Placed> = instants.map(|(q, &time_s)| stance.at(q, time_s)).collect();
         let has_joint = |&link: &usize| robot.ancestors(link).last().is_some_and(|m| m.child_link == link);
-        let moved: Vec<usize> = (0..robot.links().len()).filter(has_joint).collect();
-        let track =
-            |node: usize| Track { node, poses: rows.iter().map(|row: &Vec<Pose>| row[node]).collect() };
+        let moved = (0..robot.links().len()).filter(has_joint).chain(stance.fingers());
+        let track = |node: usize| Track { node, poses: rows.iter().map(|row| row.local[node]).collect() };
         self.motion = Some(SceneMotion {
             times_s: path.times_s.clone(),
-            tracks: moved.into_iter().map(track).collect(),
+            tracks: moved.map(track).collect(),
             waypoint_times_s: path.waypoint_times_s.clone(),
             configurations: path.configurations.clone(),
-            gripper_path,
+            gripper_path: rows.iter().map(|row| row.tip).collect(),
+            modes: path.carry.iter().flat_map(|carry| carry.modes).collect(),
         });
-        Ok(())
+        Ok(rows.into_iter().map(|row| row.carried).collect())
+    }
+
+    /// The target goes along: `carried` is by how much it has moved at each instant.
+    fn carry_target(&mut self, carried: &[Pose]) {
+        let Some(motion) = &mut self.motion else { return };
+        let targets = self.nodes.iter().enumerate().filter(|(_, node)| node.role == Role::Target);
+        motion.tracks.extend(targets.map(|(index, node)| Track {
+            node: index,
+            poses: carried.iter().map(|moved| moved * node.parent_from_node).collect(),
+        }));
     }
 
     /// Bodies of a world, `target` among them.
@@ -187,15 +203,39 @@ impl Scene {
 
     fn add_gripper_path(&mut self) {
         let Some(motion) = &self.motion else { return };
-        let points = motion.gripper_path.clone();
-        let material = self.material(Material::matt("gripper path", Colour::hex(CHOSEN)));
-        let piece = tube(&points, PATH_RADIUS_M, material);
-        if piece.triangles.is_empty() {
-            return;
+        let mut pieces = Vec::new();
+        for ShownMode { mode, from_s, until_s } in &motion.modes {
+            let first = motion.times_s.partition_point(|time_s| time_s < from_s);
+            let end = motion.times_s.partition_point(|time_s| time_s <= until_s);
+            let name = format!("gripper path, {}", mode.name());
+            let (colour, radius_m) = way_look(*mode);
+            pieces.push((name, colour, radius_m, motion.gripper_path[first..end].to_vec()));
         }
-        let mesh = Some(self.mesh("gripper path", vec![piece]));
-        let (name, parent_from_node) = ("gripper path".to_owned(), Pose::identity());
-        self.nodes.push(Node { name, parent: None, parent_from_node, mesh, role: Role::GripperPath });
+        if pieces.is_empty() {
+            let (colour, radius_m) = way_look(Mode::Reach);
+            pieces.push(("gripper path".to_owned(), colour, radius_m, motion.gripper_path.clone()));
+        }
+        for (name, colour, radius_m, points) in pieces {
+            let material = self.material(Material::matt(name.clone(), colour));
+            let piece = tube(&points, radius_m, material);
+            if piece.triangles.is_empty() {
+                continue;
+            }
+            let mesh = Some(self.mesh(name.clone(), vec![piece]));
+            let parent_from_node = Pose::identity();
+            self.nodes.push(Node { name, parent: None, parent_from_node, mesh, role: Role::GripperPath });
+        }
+    }
+}
+
+/// Colour and radius in metres of the gripper's way: with the object in the hand lighter as long as it is lifted, then
+/// darker, which every eye tells apart.
+fn way_look(mode: Mode) -> (Colour, f64) {
+    let chosen = Colour::hex(CHOSEN);
+    match mode {
+        Mode::Reach => (chosen, PATH_RADIUS_M),
+        Mode::LiftOff => (chosen.mix(Colour::WHITE, 0.6), CARRY_RADIUS_M),
+        Mode::Carry => (chosen.mix(Colour::hex(DEEP), 0.7), CARRY_RADIUS_M),
     }
 }
 

@@ -1,14 +1,29 @@
-use cranny_collision::{Cell, Collider};
+use std::str::FromStr as _;
+
+use cranny_collision::Collider;
+use cranny_solve::Mode;
 use serde::{Deserialize, Serialize};
 
 use crate::clearance_profile::PairNames;
-use crate::number_row;
+use crate::{PageCells, number_row};
 
 /// What a page asks: is this configuration free?
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct VerdictQuestion {
     /// One value per joint (m, rad).
     pub q: Vec<f64>,
+    /// Left out while the hand is empty.
+    #[serde(default)]
+    pub held: Option<HeldQuestion>,
+}
+
+/// What is in the hand: what a plan has there while it does something.
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct HeldQuestion {
+    /// By index.
+    pub plan: usize,
+    /// By name.
+    pub mode: String,
 }
 
 /// The answer, by the exact check.
@@ -29,11 +44,20 @@ pub(crate) enum QuestionError {
     JointCount { expected: usize, actual: usize, joints: String },
     #[error("value {index} of 'q' is not finite")]
     NotFinite { index: usize },
+    #[error("plan {plan} has nothing in the hand in mode '{mode}'")]
+    NothingHeld { plan: usize, mode: String },
 }
 
 /// Answers the question in the body of a request.
-pub(crate) fn answer(cell: &Cell, body: &[u8]) -> Result<Verdict, QuestionError> {
-    let VerdictQuestion { q } = serde_json::from_slice(body)?;
+pub(crate) fn answer(cells: &PageCells, body: &[u8]) -> Result<Verdict, QuestionError> {
+    let VerdictQuestion { q, held } = serde_json::from_slice(body)?;
+    let cell = match held {
+        None => cells.empty(),
+        Some(HeldQuestion { plan, mode }) => {
+            let held = Mode::from_str(&mode).ok().and_then(|mode| cells.held(plan, mode));
+            held.ok_or(QuestionError::NothingHeld { plan, mode })?
+        }
+    };
     let robot = cell.robot();
     if q.len() != robot.dof() {
         let joints = robot.joint_names().join(", ");

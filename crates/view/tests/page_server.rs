@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use cranny_collision::{Cell, Margins};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageData, PageLimits, PageServer, PageSettings, ViewError};
+use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings, ViewError};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
@@ -42,7 +42,7 @@ impl Running {
         assert_eq!(address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (stop, told) = oneshot::channel();
         let (tell_ready, ready) = mpsc::channel();
-        let of_server = cell.clone();
+        let of_server = Some(PageCells::of(cell.clone(), &[]));
         let thread = std::thread::spawn(move || {
             let stop = async {
                 let _ = told.await;

@@ -46,6 +46,7 @@ test("ghosts stand at the start, at the end, and equally far between", () => {
     plan,
     trajectory,
     clearance: null,
+    carrying: null,
     tree: null,
     colour: "#000000",
     reasons: new Map(),

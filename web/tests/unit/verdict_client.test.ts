@@ -12,7 +12,7 @@ function server(pause_ms = 0) {
   const answers: { resolve(verdict: Verdict): void; reject(error: Error): void }[] = [];
   const heard: (number[] | string)[] = [];
   const client = new VerdictClient(
-    (q) => {
+    ({ q }) => {
       asked.push(q);
       return new Promise((resolve, reject) => answers.push({ resolve, reject }));
     },
@@ -38,7 +38,7 @@ test("a thousand moves of a slider are few questions, the last of them is answer
   const asked: number[][] = [];
   let last: number[] = [];
   const client = new VerdictClient(
-    async (q) => {
+    async ({ q }) => {
       asked.push(q);
       await wait(1);
       return FREE;

@@ -8,7 +8,7 @@ use std::thread;
 
 use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_view::{PageData, PageLimits, PageServer, PageSettings};
+use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings};
 
 /// Asks the page of a built-in scenario what the file holds, over the connection that a browser would use. The server
 /// runs until the program ends.
@@ -36,10 +36,11 @@ fn serve() -> String {
     let problem = scenario.problem(Margins::default()).expect("a problem");
     let cell = problem.cell().expect("an exact problem").clone();
     let page = PageData::of(&scenario, &[], &cell, &[], PageSettings::default()).expect("a page");
+    let cells = Some(PageCells::of(cell, &[]));
     let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
     let url = server.url();
     let (tell, ready) = mpsc::channel();
-    thread::spawn(move || server.serve(&page, cell, pending(), || tell.send(()).expect("somebody waits")));
+    thread::spawn(move || server.serve(&page, cells, pending(), || tell.send(()).expect("somebody waits")));
     ready.recv().expect("it is ready");
     url.strip_prefix("http://").expect("an address").to_owned()
 }
