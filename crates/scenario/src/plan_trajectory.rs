@@ -148,6 +148,33 @@ mod tests {
         );
     }
 
+    /// A hand does not close between two pieces of the way to the grasp, and a cell is asked only for cut corners.
+    #[test]
+    fn what_follows_the_closing_of_the_hand_is_timed_by_itself() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let plan = plan(&scenario);
+        let [start, end] = [plan.waypoints[0].clone(), plan.waypoints[1].clone()];
+        let segment = |mode, ends: [&Vec<f64>; 2]| {
+            let waypoints = ends.map(Clone::clone).to_vec();
+            PlanSegment::of(&Segment { mode, ..Segment::reach(waypoints, Vec::new()) })
+        };
+        let there = [segment(Mode::Reach, [&start, &end]), segment(Mode::Reach, [&end, &start])];
+        let back = [segment(Mode::LiftOff, [&start, &end]), segment(Mode::Carry, [&end, &start])];
+        let reaching = PlanFile { segments: there.to_vec(), ..plan };
+        assert_eq!(reaching.ways(), [vec![start.clone(), end.clone(), start.clone()], Vec::new()]);
+        let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
+        assert_eq!(carrying.ways()[1], [start.clone(), end, start]);
+        assert!(!carrying.is_blended());
+        let durations = |plan: &PlanFile| {
+            let (reach, onward) = plan.trajectories(&scenario.robot, None).unwrap().unwrap();
+            (reach.duration_s(), onward.map(|onward| onward.duration_s()))
+        };
+        let (reach_s, none) = durations(&reaching);
+        assert_eq!((none, durations(&carrying)), (None, (reach_s, Some(reach_s))));
+        let problem = scenario.problem(Margins::default()).unwrap();
+        assert!(reaching.grip(&problem).unwrap().is_none());
+    }
+
     #[test]
     fn a_plan_of_another_robot_is_refused_by_its_joint() {
         let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
