@@ -35,6 +35,20 @@ def joint_trajectory(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> 
     return of_samples(plan.sample(rate), frame_id=frame_id)
 
 
+def task(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> list[tuple[str, dict[str, Any]]]:
+    """What to send to whom, one after the other, each once the one before has ended: pairs of "arm" and a
+    `trajectory_msgs/JointTrajectory`, or "gripper" and a `control_msgs/GripperCommand` (`position`, between the fingers, in
+    m; `max_effort` in N). A plan that carries its target opens the hand, reaches, closes, and goes on; another one is its
+    way to the grasp."""
+    ways = [("arm", of_samples(samples, frame_id=frame_id)) for samples in plan.sample_ways(rate)]
+    closing = plan._closing()
+    if closing is None:
+        return ways
+    openings, force = closing
+    hand = [("gripper", {"position": opening, "max_effort": force}) for opening in openings]
+    return [step for pair in zip(hand, ways, strict=True) for step in pair]
+
+
 def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
     """The same of samples that are there already."""
     rows = zip(samples.times, samples.positions, samples.velocities, samples.accelerations, strict=True)

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Trajectory};
+use cranny_plan::AuditSettings;
 use cranny_scenario::Scenario;
-use cranny_solve::ik_statuses;
+use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_view::{
     Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,
     StandardView, ViewError,
@@ -133,10 +133,10 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
 }
 
 /// When a plan is where, if it is one for the robot of the scenario.
-fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<(Trajectory, Option<Trajectory>)>> {
+fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<TaskTrajectory>> {
     plan.file.check_joints(Path::new(IN_MEMORY), &scenario.robot).map_err(fault)?;
     let cell = plan.task.problem.cell().map(AsRef::as_ref);
-    plan.file.trajectories(&scenario.robot, cell).map_err(fault)
+    plan.file.trajectory(&scenario.robot, cell).map_err(fault)
 }
 
 fn standard_view(name: &str) -> PyResult<StandardView> {

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{AuditSettings, Outcome, PlanError, Trajectory};
+use cranny_plan::{AuditSettings, Outcome, PlanError, robot_hand};
 use cranny_scenario::{PlanFile, PlanSegment, write_trajectory_csv};
+use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
@@ -23,7 +24,7 @@ use crate::verification::PyVerification;
 pub struct PyPlan {
     pub task: Task,
     pub file: PlanFile,
-    pub trajectory: Option<Arc<Trajectory>>,
+    pub trajectory: Option<Arc<TaskTrajectory>>,
     pub is_valid: bool,
 }
 
@@ -130,6 +131,21 @@ impl PyPlan {
         py.detach(|| PySamples::of(&trajectory, rate)).map_err(fault)
     }
 
+    /// The same for the way to the grasp by itself and, where the target is carried on, for the way from there, each from 0
+    /// on: between them the hand closes.
+    #[pyo3(signature = (rate=100.0))]
+    fn sample_ways(&self, py: Python<'_>, rate: f64) -> PyResult<Vec<PySamples>> {
+        let trajectory = self.timed()?;
+        py.detach(|| PySamples::of_ways(&trajectory, rate)).map_err(fault)
+    }
+
+    /// The hand as `cranny.ros` commands it: how far the fingers are apart before and after they close (m), and their force
+    /// (N); None where they close on nothing.
+    fn _closing(&self) -> PyResult<Option<([f64; 2], f64)>> {
+        let force_n = robot_hand(self.task.problem.robot()).closing_force_n;
+        Ok(self.timed()?.openings_m().map(|openings_m| (openings_m, force_n)))
+    }
+
     /// Judges the path again, as anybody's: from the way points alone.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
         let judge = || self.file.audit(&self.task.problem, AuditSettings::default());
@@ -142,7 +158,8 @@ impl PyPlan {
         self.file.write(&path).map_err(fault)
     }
 
-    /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations.
+    /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations, and, where the hand closes on
+    /// something, how far the fingers are apart.
     #[pyo3(signature = (path, rate=100.0))]
     fn save_trajectory(&self, path: PathBuf, rate: f64) -> PyResult<()> {
         let trajectory = self.timed()?;
@@ -201,7 +218,7 @@ impl PyPlan {
         let judged = || {
             Ok::<_, PlanError>((
                 file.audit(&task.problem, AuditSettings::default())?,
-                file.trajectory(&task.problem)?,
+                file.trajectory(task.problem.robot(), task.problem.cell().map(AsRef::as_ref))?,
             ))
         };
         let (audit, trajectory) = py.detach(judged).map_err(fault)?;
@@ -210,7 +227,7 @@ impl PyPlan {
         Ok(Self { task, file, trajectory, is_valid })
     }
 
-    fn timed(&self) -> PyResult<Arc<Trajectory>> {
+    fn timed(&self) -> PyResult<Arc<TaskTrajectory>> {
         self.trajectory.clone().ok_or_else(|| {
             bad_value(if self.file.waypoints.is_empty() {
                 "there is no path to sample"

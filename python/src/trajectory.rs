@@ -1,6 +1,7 @@
 //! `Samples`: a trajectory at even instants.
 
-use cranny_plan::{PlanError, Trajectory};
+use cranny_plan::{PlanError, Trajectory, TrajectorySample};
+use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
@@ -15,24 +16,40 @@ pub struct PySamples {
     positions: Vec<f64>,
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
+    /// How far the fingers are apart, where they close on something.
+    openings: Option<Vec<f64>>,
 }
 
 impl PySamples {
-    pub fn of(trajectory: &Trajectory, rate_hz: f64) -> Result<Self, PlanError> {
+    pub fn of(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Self, PlanError> {
+        let mut samples = Self::collected(trajectory.joint_names(), trajectory.samples(rate_hz)?);
+        let opening = |time_s: &f64| trajectory.opening_m(*time_s);
+        samples.openings = samples.times.iter().map(opening).collect();
+        Ok(samples)
+    }
+
+    /// Those of the way to the grasp, and of the way on if there is one, each from 0 on.
+    pub fn of_ways(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Self>, PlanError> {
+        let ways = std::iter::once(trajectory.reach()).chain(trajectory.onward());
+        ways.map(|way: &Trajectory| Ok(Self::collected(way.joint_names(), way.samples(rate_hz)?))).collect()
+    }
+
+    fn collected(joint_names: &[String], all: impl Iterator<Item = TrajectorySample>) -> Self {
         let mut samples = Self {
-            joint_names: trajectory.joint_names().to_vec(),
+            joint_names: joint_names.to_vec(),
             times: Vec::new(),
             positions: Vec::new(),
             velocities: Vec::new(),
             accelerations: Vec::new(),
+            openings: None,
         };
-        for sample in trajectory.samples(rate_hz)? {
+        for sample in all {
             samples.times.push(sample.time_s);
             samples.positions.extend(sample.position);
             samples.velocities.extend(sample.velocity);
             samples.accelerations.extend(sample.acceleration);
         }
-        Ok(samples)
+        samples
     }
 
     fn rows<'py>(&self, py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
@@ -49,6 +66,7 @@ pub fn restored_samples(
     positions: &Bound<'_, PyAny>,
     velocities: &Bound<'_, PyAny>,
     accelerations: &Bound<'_, PyAny>,
+    openings: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PySamples> {
     let times = Numbers::read(times, "times")?.values()?.to_vec();
     let read = |rows: &Bound<'_, PyAny>| {
@@ -60,7 +78,12 @@ pub fn restored_samples(
     };
     let (positions, velocities) = (read(positions)?, read(velocities)?);
     let accelerations = read(accelerations)?;
-    Ok(PySamples { joint_names, times, positions, velocities, accelerations })
+    let openings = match openings.map(|openings| Numbers::read(openings, "openings")).transpose()? {
+        Some(openings) if *openings.shape() != [times.len()] => return Err(openings.wrong_shape("(T,)")),
+        Some(openings) => Some(openings.values()?.to_vec()),
+        None => None,
+    };
+    Ok(PySamples { joint_names, times, positions, velocities, accelerations, openings })
 }
 
 #[pymethods]
@@ -95,10 +118,17 @@ impl PySamples {
         self.rows(py, &self.accelerations)
     }
 
+    /// How far the fingers are apart, (T,), in m; None where they close on nothing.
+    #[getter]
+    fn openings<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        self.openings.as_ref().map(|openings| shaped(py, openings.clone(), &[self.times.len()])).transpose()
+    }
+
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let rows = (own.times(py)?, own.positions(py)?, own.velocities(py)?, own.accelerations(py)?);
-        restored_by(py, "_restored_samples", (own.joint_names(), rows.0, rows.1, rows.2, rows.3))
+        let openings = own.openings(py)?;
+        restored_by(py, "_restored_samples", (own.joint_names(), rows.0, rows.1, rows.2, rows.3, openings))
     }
 
     fn __len__(&self) -> usize {

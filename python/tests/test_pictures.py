@@ -30,3 +30,12 @@ def test_a_scenario_and_a_plan_have_pictures(
         scenario.show(view="below").png()
     with pytest.raises(ValueError, match="8192"):
         scenario.show(width=100_000).png()
+
+
+def test_the_object_of_a_plan_that_carries_it_home_is_seen_in_the_hand(scenario: cranny.Scenario) -> None:
+    plan = cranny.plan(scenario, carry="home")
+    show = {"width": 160, "height": 120}
+    assert plan.times is not None and plan.path[0].tolist() == plan.path[-1].tolist()
+    carried, standing = scenario.show(plan, **show), scenario.show(**show)
+    assert carried.png() != standing.png()
+    assert carried.html().startswith(("<iframe", "<img"))

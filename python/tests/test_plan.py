@@ -37,12 +37,17 @@ def test_a_target_is_carried_home(scenario: cranny.Scenario, tmp_path: Path) -> 
     reach, lift_off, carry = plan.segments
     assert [piece["mode"] for piece in plan.segments] == ["reach", "lift-off", "carry"]
     assert reach["attached"] is None and lift_off["attached"] == carry["attached"] is not None
-    assert 0.0 < carry["opening_m"] < 0.08
+    assert 0.0 < carry["opening_m"] < 0.08 and carry["uneven_m"] >= 0.0
     assert np.array_equal(reach["path"][-1], lift_off["path"][0])
     assert np.array_equal(carry["path"][-1], scenario.start)
     plan.save(tmp_path / "task.plan.json")
     again = cranny.Plan.load(tmp_path / "task.plan.json")
     assert len(again.segments) == 3 and again.verify()
+    samples = plan.sample(50.0)
+    assert samples.openings is not None and samples.times[-1] == plan.duration_s
+    assert samples.openings[0] == 0.08 and abs(samples.openings[-1] - carry["opening_m"]) < 1e-12
+    out = cranny.plan(scenario, carry="out", clear_m=0.1)
+    assert out and out.verify() and not np.array_equal(out.path[-1], scenario.start)
     aside = scenario.start + [0, 0, 0.2, 0, 0, 0, 0, 0, 0]
     assert np.array_equal(cranny.plan(scenario, carry=aside).path[-1], aside)
     with pytest.raises(ValueError, match="carry is 'away'"):

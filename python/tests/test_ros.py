@@ -25,6 +25,19 @@ def test_a_trajectory_is_a_message_and_comes_back(scenario: cranny.Scenario, pla
     assert verdict, verdict.violations
 
 
+def test_a_task_is_messages_to_arm_and_gripper(scenario: cranny.Scenario, plan: cranny.Plan) -> None:
+    assert [whom for whom, _ in cranny.ros.task(plan)] == ["arm"]
+    carried = cranny.plan(scenario, carry="home")
+    steps = cranny.ros.task(carried, rate=50.0)
+    assert [whom for whom, _ in steps] == ["gripper", "arm", "gripper", "arm"]
+    (_, opened), (_, reach), (_, closed), (_, onward) = steps
+    assert opened["position"] == 0.08 and closed["max_effort"] > 0.0
+    assert abs(closed["position"] - carried.segments[1]["opening_m"]) < 1e-12
+    assert reach["points"][-1]["positions"] == onward["points"][0]["positions"]
+    assert onward["points"][-1]["positions"] == carried.path[-1].tolist()
+    assert all(speed == 0.0 for speed in onward["points"][0]["velocities"])
+
+
 def test_its_yaml_is_what_a_yaml_reader_reads(plan: cranny.Plan, tmp_path: Path) -> None:
     yaml = package("yaml")
     message = cranny.ros.joint_trajectory(plan, rate=20.0)

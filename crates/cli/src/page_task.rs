@@ -68,7 +68,7 @@ impl PageTask {
             let Some(plan) = read else {
                 let waypoints = read_waypoints(file, robot.dof())?;
                 let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                let trajectory = Timing::default().of(&problem, &waypoints)?;
+                let trajectory = Timing::default().along(robot, None, &waypoints)?;
                 let verification = Some(audit(&problem, &waypoints)?);
                 let path =
                     PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
@@ -77,7 +77,7 @@ impl PageTask {
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-            let timed = plan.trajectories(robot, problem.cell().map(AsRef::as_ref))?;
+            let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
             let verification = plan.audit(&problem, AuditSettings::default())?;
             let grip = plan.grip(&problem)?;
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, grip)?;

@@ -276,7 +276,11 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
     if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
         let (duration_s, method) = (timing.duration_s, timing.method.name());
         let corners = if timing.blended { ", corners cut where proven" } else { "" };
-        line("trajectory", format!("{duration_s:.3} s, {method}{corners}; {:.3} ms to time", seconds * 1e3));
+        let closes = timing.closing_s.map_or_else(String::new, |[begin_s, end_s]| {
+            format!(", the hand closes from {begin_s:.3} to {end_s:.3} s")
+        });
+        let cost = format!("{:.3} ms to time", seconds * 1e3);
+        line("trajectory", format!("{duration_s:.3} s, {method}{corners}{closes}; {cost}"));
     } else if let (true, Some(hindrance)) = (answered.valid, &answered.untimed) {
         line("trajectory", format!("none: {hindrance}"));
     }

@@ -363,7 +363,7 @@ fn scene(
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
             let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;
             let cell = problem.as_ref().and_then(Problem::cell).map(AsRef::as_ref);
-            let timed = plan.trajectories(&scenario.robot, cell)?;
+            let timed = plan.trajectory(&scenario.robot, cell)?;
             ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
         }
         (None, Some(file)) => {

@@ -34,7 +34,7 @@ pub enum SimulateCommand {
   cranny simulate grasps 021
   cranny simulate grasps 031 --support-only --friction 0.5 --json
   cranny simulate grasps 041 --grasp 7 --record grasp7.glb    or .gif, to be looked at
-  cranny simulate grasps 041 --grasp 7 --record grasp7.json   for `cranny render grasp7.json -o grasp7.gif`
+  cranny simulate grasps 041 --grasp 7 --record grasp7.json   for `cranny view grasp7.json`, or `render`
   cranny simulate grasps 011 --trials 32                       a robust score: slightly wrong grasps too
   cranny simulate grasps 011 --trials 32 -o scored.csv         the grasps with it, beside the geometric score
   cranny simulate grasps mug --grasps mug.csv --pose 0         an object on the ground

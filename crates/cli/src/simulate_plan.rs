@@ -8,7 +8,7 @@ use cranny_sim::{
     DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, PlanContact, PlanRun, PlanTest,
     TrackingError,
 };
-use cranny_solve::Timing;
+use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
 
 use crate::Answer;
@@ -101,18 +101,18 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let scenario = open_scenario(&arguments.id, &options, output)?;
     let problem = scenario.problem(plan.as_ref().map(|plan| plan.margins).unwrap_or_default())?;
     let refused = |problem: String| Failure::File { path: file.clone(), problem };
-    let trajectories = if let Some(plan) = &plan {
+    let timed = if let Some(plan) = &plan {
         check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
         if plan.waypoints.is_empty() {
             let ended = plan.outcome.sentence();
             return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
         }
-        plan.trajectories(&scenario.robot, problem.cell().map(AsRef::as_ref))?
+        plan.trajectory(&scenario.robot, problem.cell().map(AsRef::as_ref))?
     } else {
-        let way = Timing::default().of(&problem, &read_waypoints(file, scenario.robot.dof())?)?;
-        way.map(|way| (way, None))
+        let reach = Segment::reach(read_waypoints(file, scenario.robot.dof())?, Vec::new());
+        TaskTrajectory::of(Timing::default(), &scenario.robot, None, &[reach])?
     };
-    let (reach, onward) = trajectories.ok_or_else(|| {
+    let timed = timed.ok_or_else(|| {
         refused(
             "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
         )
@@ -128,10 +128,11 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         let sample = trajectory.sample(time_s);
         (sample.position, sample.velocity)
     };
-    let to_grasp = |time_s: f64| sampled(&reach, time_s);
+    let (reach, onward) = (timed.reach(), timed.onward());
+    let to_grasp = |time_s: f64| sampled(reach, time_s);
     let reach = JointMotion { duration_s: reach.duration_s(), at: &to_grasp };
-    let beyond = |time_s: f64| onward.as_ref().map_or_else(|| to_grasp(time_s), |way| sampled(way, time_s));
-    let then = match &onward {
+    let beyond = |time_s: f64| onward.map_or_else(|| to_grasp(time_s), |way| sampled(way, time_s));
+    let then = match onward {
         Some(way) => Onward::Follow(JointMotion { duration_s: way.duration_s(), at: &beyond }),
         None => Onward::Lift(lift_m),
     };

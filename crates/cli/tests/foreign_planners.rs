@@ -126,7 +126,7 @@ fn a_planner_may_carry_the_target_home_and_is_believed_nothing() {
         change(&mut segments);
         // To a program that asks for it, and is told what it holds.
         format!(
-            "grep -q '\"carry\":{{\"clear_m\":null.*\"to\":\"home\".*\"target\":\"sugar box\"' && echo '{}'\n",
+            "grep -q '\"carry\":{{\"clear_m\":null.*\"to\":\"home\".*\"target\":\"box\"' && echo '{}'\n",
             serde_json::json!({"protocol": 2, "segments": segments})
         )
     };

@@ -69,5 +69,5 @@ pub use reach::Reach;
 pub use registry::{default_planner, planner, planner_names, planner_with};
 pub use shortcut::{ShortcutSettings, Shortened, shortcut};
 pub use task_audit::{TaskPath, audit_task};
-pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample};
+pub use trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};
 pub use violation::{JointOffset, Place, Violation};

@@ -167,13 +167,21 @@ impl Trajectory {
         &self,
         rate_hz: f64,
     ) -> Result<impl Iterator<Item = TrajectorySample> + use<'_>, PlanError> {
-        if !(rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ) {
-            return Err(PlanError::SampleRate { rate_hz, greatest_hz: MAX_SAMPLE_RATE_HZ });
-        }
-        // A sample this close to the end, as a part of the interval, is the end.
-        const SAME_INSTANT: f64 = 1e-6;
-        let latest_s = self.duration_s() - SAME_INSTANT / rate_hz;
-        let times = (0_u32..).map(move |k| f64::from(k) / rate_hz).take_while(move |t| *t < latest_s);
-        Ok(times.chain(std::iter::once(self.duration_s())).map(|t| self.sample(t)))
+        Ok(sample_times(self.duration_s(), rate_hz)?.map(|time_s| self.sample(time_s)))
     }
+}
+
+/// The instants 0, 1/`rate_hz`, 2/`rate_hz`, … and the end, in seconds.
+///
+/// # Errors
+/// [`PlanError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
+pub fn sample_times(duration_s: f64, rate_hz: f64) -> Result<impl Iterator<Item = f64>, PlanError> {
+    if !(rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ) {
+        return Err(PlanError::SampleRate { rate_hz, greatest_hz: MAX_SAMPLE_RATE_HZ });
+    }
+    // A sample this close to the end, as a part of the interval, is the end.
+    const SAME_INSTANT: f64 = 1e-6;
+    let latest_s = duration_s - SAME_INSTANT / rate_hz;
+    let times = (0_u32..).map(move |k| f64::from(k) / rate_hz).take_while(move |t| *t < latest_s);
+    Ok(times.chain(std::iter::once(duration_s)))
 }

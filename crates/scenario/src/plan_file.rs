@@ -5,9 +5,9 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
-    Trajectory, path_length,
+    path_length,
 };
-use cranny_solve::{Answer, Carry, Request};
+use cranny_solve::{Answer, Carry, Request, TaskTrajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
@@ -116,6 +116,9 @@ pub struct PlanTiming {
     pub duration_s: f64,
     /// When each way point is passed, or its cut corner half passed, in seconds.
     pub waypoint_times_s: Vec<f64>,
+    /// From when to when the hand closes at the grasp, in seconds, where the target is carried on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closing_s: Option<[f64; 2]>,
 }
 
 /// What a plan is of: what an [`Answer`] does not know.
@@ -135,12 +138,13 @@ pub struct PlanSource {
 
 impl PlanTiming {
     /// What a plan says of its trajectory.
-    fn of(trajectory: &Trajectory) -> Self {
+    fn of(trajectory: &TaskTrajectory) -> Self {
         Self {
             method: trajectory.method(),
             blended: trajectory.is_blended(),
             duration_s: trajectory.duration_s(),
-            waypoint_times_s: trajectory.waypoint_times_s().to_vec(),
+            waypoint_times_s: trajectory.waypoint_times_s(),
+            closing_s: trajectory.closing_s(),
         }
     }
 }
@@ -304,7 +308,9 @@ impl PlanFile {
         let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
             self.statistics;
         let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
-        let timing = self.timing.iter().flat_map(|t| t.waypoint_times_s.iter().chain([&t.duration_s]));
+        let timing = self.timing.iter().flat_map(|t| {
+            t.waypoint_times_s.iter().chain([&t.duration_s]).chain(t.closing_s.iter().flatten())
+        });
         let optimisation = self.optimisation.iter().flat_map(|o| {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
             improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
@@ -371,6 +377,7 @@ mod tests {
                 blended: false,
                 duration_s: 0.1 + 0.7,
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
+                closing_s: Some([0.1, 0.1 + 0.2]),
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
             shortening: Some(PlanShortening { attempts: 100 }),

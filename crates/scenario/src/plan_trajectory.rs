@@ -1,45 +1,26 @@
 use std::path::Path;
 
 use cranny_collision::Cell;
-use cranny_plan::{
-    Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, Trajectory, audit_with,
-};
+use cranny_plan::{Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, audit_with};
 use cranny_robot::Robot;
-use cranny_solve::{Mode, Segment, Timing, audit_segments};
+use cranny_solve::{Mode, Segment, TaskTrajectory, Timing, audit_segments};
 
 use crate::{PlanFile, PlanSegment, ScenarioError};
 
 impl PlanFile {
     /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it
     /// has none, as fast as those of velocity and acceleration allow. `None` for a plan without a path, and for a
-    /// robot without the limits that this needs.
+    /// robot without the limits that this needs. `cell` is asked only where corners are to be cut ([`Self::is_blended`]).
     ///
     /// # Errors
     /// [`PlanError`] for what is no path of the robot.
-    pub fn trajectory(&self, problem: &Problem) -> Result<Option<Trajectory>, PlanError> {
-        if self.waypoints.is_empty() {
-            return Ok(None);
-        }
-        self.timing_asked().of(problem, &self.waypoints)
-    }
-
-    /// The same for the way to the grasp by itself, and for all that follows the closing of the hand, if anything does
-    /// ([`Self::ways`]); `cell` is asked only where corners are to be cut ([`Self::is_blended`]).
-    ///
-    /// # Errors
-    /// [`PlanError`] for what is no path of the robot.
-    pub fn trajectories(
+    pub fn trajectory(
         &self,
         robot: &Robot,
         cell: Option<&Cell>,
-    ) -> Result<Option<(Trajectory, Option<Trajectory>)>, PlanError> {
-        let timed = |way: &[Vec<f64>]| match way {
-            [] => Ok(None),
-            way => self.timing_asked().along(robot, cell, way),
-        };
-        let [reach, onward] = self.ways();
-        let Some(reach) = timed(&reach)? else { return Ok(None) };
-        Ok(Some((reach, timed(&onward)?)))
+    ) -> Result<Option<TaskTrajectory>, PlanError> {
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        TaskTrajectory::of(self.timing_asked(), robot, cell, &segments.map_err(|_| PlanError::Segments)?)
     }
 
     /// The way to the grasp, and the way on from there after the hand has closed: none, unless the object is carried away.
@@ -113,7 +94,7 @@ impl PlanFile {
 #[cfg(test)]
 mod tests {
     use cranny_collision::Margins;
-    use cranny_plan::TimingMethod;
+    use cranny_plan::{TimingMethod, Trajectory};
 
     use super::*;
     use crate::{OpenOptions, PlanTiming, Scenario};
@@ -136,17 +117,50 @@ mod tests {
     fn a_plan_has_the_trajectory_that_its_timing_says() {
         let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
         let problem = scenario.problem(Margins::default()).unwrap();
-        let plan = plan(&scenario);
-        assert_eq!(plan.trajectory(&problem).unwrap().unwrap().method(), TimingMethod::TimeOptimal);
+        let (plan, robot) = (plan(&scenario), &scenario.robot);
+        assert_eq!(plan.trajectory(robot, None).unwrap().unwrap().method(), TimingMethod::TimeOptimal);
         let method = TimingMethod::JerkLimited;
-        let timing = PlanTiming { method, blended: false, duration_s: 1.0, waypoint_times_s: Vec::new() };
+        let timing = PlanTiming {
+            method,
+            blended: false,
+            duration_s: 1.0,
+            waypoint_times_s: Vec::new(),
+            closing_s: None,
+        };
         let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
-        assert_eq!(smooth.trajectory(&problem).unwrap().unwrap().method(), method);
-        let none = PlanFile { waypoints: Vec::new(), ..plan };
+        assert_eq!(smooth.trajectory(robot, None).unwrap().unwrap().method(), method);
+        let none = PlanFile { waypoints: Vec::new(), segments: Vec::new(), ..plan };
         assert!(
-            none.trajectory(&problem).unwrap().is_none()
+            none.trajectory(robot, None).unwrap().is_none()
                 && none.audit(&problem, AuditSettings::default()).unwrap().is_none()
         );
+    }
+
+    /// A hand does not close between two pieces of the way to the grasp, and a cell is asked only for cut corners.
+    #[test]
+    fn what_follows_the_closing_of_the_hand_is_timed_by_itself() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let plan = plan(&scenario);
+        let [start, end] = [plan.waypoints[0].clone(), plan.waypoints[1].clone()];
+        let segment = |mode, ends: [&Vec<f64>; 2]| {
+            let waypoints = ends.map(Clone::clone).to_vec();
+            PlanSegment::of(&Segment { mode, ..Segment::reach(waypoints, Vec::new()) })
+        };
+        let there = [segment(Mode::Reach, [&start, &end]), segment(Mode::Reach, [&end, &start])];
+        let back = [segment(Mode::LiftOff, [&start, &end]), segment(Mode::Carry, [&end, &start])];
+        let reaching = PlanFile { segments: there.to_vec(), ..plan };
+        assert_eq!(reaching.ways(), [vec![start.clone(), end.clone(), start.clone()], Vec::new()]);
+        let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
+        assert_eq!(carrying.ways()[1], [start.clone(), end, start]);
+        assert!(!carrying.is_blended());
+        let durations = |plan: &PlanFile| {
+            let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
+            (timed.reach().duration_s(), timed.onward().map(Trajectory::duration_s))
+        };
+        let (reach_s, none) = durations(&reaching);
+        assert_eq!((none, durations(&carrying)), (None, (reach_s, Some(reach_s))));
+        let problem = scenario.problem(Margins::default()).unwrap();
+        assert!(reaching.grip(&problem).unwrap().is_none());
     }
 
     #[test]

@@ -1,9 +1,11 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
     Audit, Budget, CarryEnd, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome,
-    Statistics, Trajectory,
+    Statistics,
 };
 use strum::{EnumString, IntoStaticStr};
+
+use crate::TaskTrajectory;
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -79,10 +81,6 @@ pub enum Mode {
     Carry,
 }
 
-/// How long a robot stands at a grasp while its hand closes, in seconds, where the files of the robot do not say it: the
-/// fingers of common hands go through their whole stroke in about twice that.
-pub const CLOSING_S: f64 = 0.4;
-
 impl Mode {
     /// What files call it.
     pub fn name(self) -> &'static str {
@@ -101,8 +99,8 @@ impl Segment {
 /// A path's time, and what it took to find it.
 #[derive(Clone, Debug)]
 pub struct Timed {
-    /// Where the robot is at each instant.
-    pub trajectory: Trajectory,
+    /// Where the robot is at each instant, and what its hand does.
+    pub trajectory: TaskTrajectory,
     /// Seconds that it took to compute.
     pub time_s: f64,
 }

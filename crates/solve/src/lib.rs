@@ -13,11 +13,13 @@ mod ik_status;
 mod request;
 mod solve;
 mod task;
+mod task_trajectory;
 mod ways_out;
 
-pub use answer::{Answer, CLOSING_S, Mode, Optimisation, Segment, Shortening, Timed, joined};
+pub use answer::{Answer, Mode, Optimisation, Segment, Shortening, Timed, joined};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
 pub use solve::{audit_segments, solve};
 pub use task::Carry;
+pub use task_trajectory::{CLOSING_S, TaskTrajectory};

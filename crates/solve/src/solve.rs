@@ -9,9 +9,10 @@ use cranny_plan::{
 };
 use cranny_robot::Robot;
 
-use crate::answer::joined;
 use crate::task::Task;
-use crate::{Answer, Mode, Optimisation, Request, Segment, Shortening, SolveError, Timed, Timing};
+use crate::{
+    Answer, Mode, Optimisation, Request, Segment, Shortening, SolveError, TaskTrajectory, Timed, Timing,
+};
 
 /// Solves a problem as a request says.
 ///
@@ -109,7 +110,8 @@ pub fn solve(
     let timed = match request.timing {
         Some(timing) if holds => {
             let begin = Instant::now();
-            let trajectory = timing.of(&problem, &joined(&segments))?;
+            let cell = problem.cell().map(Arc::as_ref);
+            let trajectory = TaskTrajectory::of(timing, problem.robot(), cell, &segments)?;
             trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() })
         }
         _ => None,
@@ -170,18 +172,11 @@ pub fn audit_segments(
 }
 
 impl Timing {
-    /// A path in time; `None` for a robot without the limits that this needs.
+    /// A path in time; `None` for a robot without the limits that this needs. Corners are cut in `cell`; where none are to be
+    /// cut, none is needed.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
-    pub fn of(self, problem: &Problem, path: &[Vec<f64>]) -> Result<Option<Trajectory>, PlanError> {
-        self.along(problem.robot(), problem.cell().map(Arc::as_ref), path)
-    }
-
-    /// The same without a problem. Corners are cut in `cell`; where none are to be cut, none is needed.
-    ///
-    /// # Errors
-    /// As [`Self::of`].
     pub fn along(
         self,
         robot: &Robot,

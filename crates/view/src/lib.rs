@@ -22,7 +22,8 @@
 //! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
 //! light from thing to thing. What can be seen through casts no shadow; several such things are laid over each
 //! other from the farthest to the nearest by where they stand, which is wrong where they pass through each other.
-//! The clearance that a page plots is measured at instants; what lies between them only the verdict says.
+//! The clearance that a page plots is measured at instants; what lies between them only the verdict says. Fingers
+//! close evenly and together, and a hand that carries nothing away stays open. Recordings have one colour a body.
 
 mod camera;
 mod clearance_profile;

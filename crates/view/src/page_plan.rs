@@ -2,6 +2,7 @@ use cranny_collision::Cell;
 use cranny_plan::{Audit, GraspFailure, Grip, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
+use cranny_solve::TaskTrajectory;
 use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
@@ -50,14 +51,12 @@ impl PagePlan {
         name: impl Into<String>,
         plan: &PlanFile,
         robot: &Robot,
-        timed: Option<&(Trajectory, Option<Trajectory>)>,
+        timed: Option<&TaskTrajectory>,
         verification: Option<Audit>,
         grip: Option<Grip>,
     ) -> Result<Self, ViewError> {
         let path_length = path_length(&plan.waypoints);
-        let duration_s = timed.map_or(path_length, |(reach, onward)| {
-            reach.duration_s() + onward.as_ref().map_or(0.0, Trajectory::duration_s)
-        });
+        let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
         Ok(Self {
             name: name.into(),
             planner: plan.planner.clone(),

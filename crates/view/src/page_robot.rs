@@ -81,14 +81,17 @@ impl PageJoint {
             upper: None,
             stroke: None,
         };
-        let fingers = robot.hand().into_iter().flat_map(|hand| &hand.fingers);
-        if let Some(finger) = fingers.filter(|finger| finger.link == child).next_back() {
-            let RobotFinger { kind, axis_in_link, range, .. } = finger;
-            let (kind, stroke) = (kind_name(*kind), Some(range.closed - range.open));
-            return Some(Self { kind, axis: (*axis_in_link).into(), stroke, ..fixed });
-        }
         let Some(mover) = robot.ancestors(child).last().filter(|mover| mover.child_link == child) else {
-            return Some(fixed);
+            let mut fingers = robot.hand().into_iter().flat_map(|hand| &hand.fingers);
+            return Some(match fingers.find(|finger| finger.link == child) {
+                Some(RobotFinger { kind, axis_in_link, range, .. }) => Self {
+                    kind: kind_name(*kind),
+                    axis: (*axis_in_link).into(),
+                    stroke: Some(range.closed - range.open),
+                    ..fixed
+                },
+                None => fixed,
+            });
         };
         let own = robot.joints().iter().find(|joint| joint.child_link == child);
         let limits = &robot.limits()[mover.joint];

@@ -1,7 +1,7 @@
 use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
 use cranny_robot::{Robot, between, distance};
 use cranny_scenario::PlanFile;
-use cranny_solve::CLOSING_S;
+use cranny_solve::{CLOSING_S, TaskTrajectory};
 
 use crate::{ShownCarry, ViewError};
 
@@ -54,7 +54,7 @@ impl ShownPath {
         }
     }
 
-    /// The path of a plan in the same way: in the times of [`PlanFile::trajectories`], if it has any. Where the object is
+    /// The path of a plan in the same way: in the times of [`PlanFile::trajectory`], if it has any. Where the object is
     /// carried away, the robot stands at the grasp for [`CLOSING_S`] while its hand closes.
     ///
     /// # Errors
@@ -62,11 +62,11 @@ impl ShownPath {
     pub fn of_plan(
         robot: &Robot,
         plan: &PlanFile,
-        timed: Option<&(Trajectory, Option<Trajectory>)>,
+        timed: Option<&TaskTrajectory>,
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
         let [reach, onward] = plan.ways();
-        let (to_grasp, from_grasp) = timed.map(|(reach, onward)| (reach, onward.as_ref())).unzip();
+        let (to_grasp, from_grasp) = timed.map(|timed| (timed.reach(), timed.onward())).unzip();
         let Some(reach) = Self::of(robot, &reach, to_grasp, rate_hz)? else { return Ok(None) };
         let reach = Self { grasp: plan.grasp, ..reach };
         Ok(Some(match Self::of(robot, &onward, from_grasp.flatten(), rate_hz)? {

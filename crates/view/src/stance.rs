@@ -54,14 +54,13 @@ impl<'a> Stance<'a> {
             Some(parent) => frames.link(parent).inv_mul(frames.link(index)),
             None => *frames.link(index),
         };
-        let carried = carry.as_ref().map(|carry| match carry.shown.is_held_at(time_s) {
-            true => *frames.link(carry.held),
-            false => Pose::identity(),
-        });
+        let moved = |Carrying { shown, held, .. }: &Carrying| {
+            if shown.is_held_at(time_s) { *frames.link(*held) } else { Pose::identity() }
+        };
         Placed {
             local: robot.links().iter().enumerate().map(local).collect(),
             tip: frames.link(robot.tip()).translation.vector.into(),
-            carried,
+            carried: carry.as_ref().map(moved),
         }
     }
 

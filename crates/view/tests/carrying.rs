@@ -3,10 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Problem, Trajectory, Unobserved};
+use cranny_plan::{AuditSettings, Problem, Unobserved};
 use cranny_robot::Hold;
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{CLOSING_S, Carry, Mode, Request, Timing, solve};
+use cranny_solve::{CLOSING_S, Carry, Mode, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_view::{
     ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer, PageSettings, Picture,
@@ -18,7 +18,7 @@ struct Carried {
     scenario: Scenario,
     problem: Problem,
     plan: PlanFile,
-    timed: (Trajectory, Option<Trajectory>),
+    timed: TaskTrajectory,
 }
 
 fn carried() -> &'static Carried {
@@ -31,7 +31,7 @@ fn carried() -> &'static Carried {
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved());
         let plan = PlanFile::of(&answer, &PlanSource { scenario: "031".to_owned(), ..PlanSource::default() });
-        let timed = plan.trajectories(&scenario.robot, None).unwrap().unwrap();
+        let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
         Carried { scenario, problem, plan, timed }
     })
 }
@@ -99,8 +99,9 @@ fn the_object_stands_until_the_hand_has_closed_and_then_stays_in_it() {
             let parts = standing.inv_mul(&scene.nodes[node].parent_from_node);
             assert!(is_near(&world_from_nodes[node], &(first * parts)));
         }
-        for link in 0..carried.scenario.robot.links().len() {
-            assert!(is_near(&world_from_nodes[link], frames.link(link)), "link {link} at {time_s} s");
+        let links = carried.scenario.robot.links().len();
+        for (link, world_from_link) in world_from_nodes[..links].iter().enumerate() {
+            assert!(is_near(world_from_link, frames.link(link)), "link {link} at {time_s} s");
         }
     }
     let closing = carry_of(&path).closing_at(path.ends_s());
@@ -264,7 +265,7 @@ fn a_robot_whose_hand_is_not_known_carries_with_fingers_as_they_are() {
         segment.waypoints = ways.map(|q| vec![q]).to_vec();
     }
     let path = ShownPath::of_plan(&scenario.robot, &plan, None, 10.0).unwrap().unwrap();
-    assert_eq!(carry_of(&path).closing, 0.0);
+    assert_eq!(carry_of(&path).closing.to_bits(), 0.0_f64.to_bits());
     let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings { grasps: 0 }).unwrap();
     let target = scene.nodes.iter().position(|node| node.role == Role::Target).unwrap();
     let moved = scene.world_from_nodes(scene.last_frame())[target].translation.vector

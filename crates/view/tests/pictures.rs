@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario, builtin_object};
 use cranny_solve::Timing;
 use cranny_view::{
@@ -23,8 +22,7 @@ fn bent_path(scenario: &Scenario) -> ShownPath {
     let mut end = middle.clone();
     (end[2], end[5], end[7]) = (0.6, -1.6, 2.2);
     let waypoints = [scenario.start.clone(), middle, end];
-    let problem = scenario.problem(Margins::default()).expect("a problem");
-    let trajectory = Timing::default().of(&problem, &waypoints).expect("a path");
+    let trajectory = Timing::default().along(&scenario.robot, None, &waypoints).expect("a path");
     let path = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
     path.expect("a path").expect("with way points")
 }

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use cranny_collision::Margins;
 use cranny_plan::Trajectory;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
@@ -23,7 +22,7 @@ fn moved(scenario: &Scenario) -> Vec<Vec<f64>> {
 }
 
 fn trajectory(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Option<Trajectory> {
-    Timing::default().of(&scenario.problem(Margins::default()).unwrap(), waypoints).unwrap()
+    Timing::default().along(&scenario.robot, None, waypoints).unwrap()
 }
 
 fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> ShownPath {
