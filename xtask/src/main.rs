@@ -25,6 +25,7 @@ Usage: cargo xtask <TASK>
 Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
                  web (the viewer's page in a browser), Python, pages
+  test --long    the same, with the tests that have a longer form in it
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
@@ -55,7 +56,7 @@ Exit codes: 0 done, 1 a check failed, 2 not runnable as asked";
 enum Task {
     Help,
     Tidy { generated: tidy::Generated },
-    Test,
+    Test { is_long: bool },
 }
 
 /// The task that `words` name, or what is wrong with them.
@@ -66,7 +67,8 @@ fn task_of(words: &[&str]) -> Result<Task, String> {
         [_, rest @ ..] if rest.iter().any(|word| matches!(*word, "--help" | "-h")) => Ok(Task::Help),
         ["tidy"] => Ok(Task::Tidy { generated: tidy::Generated::Compare }),
         ["tidy", "--write"] => Ok(Task::Tidy { generated: tidy::Generated::Write }),
-        ["test"] => Ok(Task::Test),
+        ["test"] => Ok(Task::Test { is_long: false }),
+        ["test", "--long"] => Ok(Task::Test { is_long: true }),
         ["tidy" | "test", rest @ ..] => Err(format!("`{}` does not take `{}`", words[0], rest.join(" "))),
         [unknown, ..] => Err(format!("there is no task `{unknown}`")),
     }
@@ -81,7 +83,7 @@ fn main() -> ExitCode {
             Ok(true)
         }
         Ok(Task::Tidy { generated }) => tidy::run(generated),
-        Ok(Task::Test) => test::run(),
+        Ok(Task::Test { is_long }) => test::run(is_long),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };
     match outcome {
@@ -100,7 +102,8 @@ mod tests {
 
     #[test]
     fn each_task_is_found_by_its_name() {
-        assert_eq!(task_of(&["test"]), Ok(Task::Test));
+        assert_eq!(task_of(&["test"]), Ok(Task::Test { is_long: false }));
+        assert_eq!(task_of(&["test", "--long"]), Ok(Task::Test { is_long: true }));
         assert_eq!(task_of(&["tidy"]), Ok(Task::Tidy { generated: tidy::Generated::Compare }));
         assert_eq!(task_of(&["tidy", "--write"]), Ok(Task::Tidy { generated: tidy::Generated::Write }));
         assert_eq!(task_of(&["help"]), Ok(Task::Help));

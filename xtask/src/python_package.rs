@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn without_a_python_the_step_is_missing_something() {
-        let here = Surroundings { root: ".".into(), data: None, python: None, all_required: false };
+        let here =
+            Surroundings { root: ".".into(), data: None, python: None, all_required: false, is_long: false };
         assert!(matches!(readiness(&here), Readiness::Missing(_)));
         let here = Surroundings { python: Some("no such program".into()), ..here };
         assert!(matches!(readiness(&here), Readiness::Missing(reason) if reason.contains("maturin")));

@@ -19,7 +19,12 @@ pub struct Surroundings {
     pub python: Option<PathBuf>,
     /// Whether a step that lacks its tool fails instead of being skipped.
     pub all_required: bool,
+    /// Whether tests that have a longer form run in it.
+    pub is_long: bool,
 }
+
+/// Tells tests that have a longer form to run in it.
+const LONG: &str = "CRANNY_LONG";
 
 /// Tells tests where the command is.
 pub const PROGRAM: &str = "CRANNY_BIN";
@@ -57,7 +62,11 @@ impl Surroundings {
             .current_dir(&self.root)
             .env_remove(DATA)
             .env_remove(PYTHON)
-            .env_remove(REQUIRE_ALL);
+            .env_remove(REQUIRE_ALL)
+            .env_remove(LONG);
+        if self.is_long {
+            command.env(LONG, "1");
+        }
         if let Some(data) = &self.data {
             command.env(DATA, data);
         }
@@ -176,7 +185,7 @@ mod tests {
     };
 
     fn surroundings(all_required: bool) -> Surroundings {
-        Surroundings { root: PathBuf::from("."), data: None, python: None, all_required }
+        Surroundings { root: PathBuf::from("."), data: None, python: None, all_required, is_long: false }
     }
 
     #[test]

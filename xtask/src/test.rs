@@ -44,7 +44,7 @@ const STEPS: [Step; 9] = [
 /// # Errors
 /// If the run cannot begin: no workspace here, or the released data or a Python are missing where they must
 /// not be.
-pub fn run() -> Result<bool, String> {
+pub fn run(is_long: bool) -> Result<bool, String> {
     let start = Instant::now();
     let data = released_data::folder()?;
     let (root, _) = member::read_workspace()?;
@@ -61,7 +61,7 @@ pub fn run() -> Result<bool, String> {
             None
         }
     };
-    let here = Surroundings { root, data, python, all_required };
+    let here = Surroundings { root, data, python, all_required, is_long };
 
     // Said before, and again where the end of the run is read.
     warn(&lacking);
@@ -140,7 +140,8 @@ mod tests {
 
     #[test]
     fn the_summary_names_what_did_not_run() {
-        let here = Surroundings { root: ".".into(), data: None, python: None, all_required: false };
+        let here =
+            Surroundings { root: ".".into(), data: None, python: None, all_required: false, is_long: false };
         let record = Record {
             passed: vec!["format"],
             skipped: vec![Skipped { name: "lints", missing: "no clippy".to_owned() }],
@@ -160,6 +161,7 @@ mod tests {
             data: Some("data".into()),
             python: Some("python3".into()),
             all_required: true,
+            is_long: false,
         };
         let record = Record { passed: vec!["format", "tests"], ..Record::default() };
         assert_eq!(summary(&record, &here, 2.0), "xtask test: passed: format, tests; skipped: none in 2.0 s");
