@@ -4,19 +4,18 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
+use crate::cell_parts::{CellParts, Surroundings};
 use crate::contact::{Collider, Contact};
 use crate::holding::HeldBody;
-use crate::lane_part::LanePart;
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_reaches, group_separation};
 use crate::motion::WorkList;
 use crate::pairs::{Held, Other, Pair, Pairs, PartPairs};
-use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
 use crate::travel::Travel;
 use crate::unchecked::Unchecked;
-use crate::world::{Body, Part, World};
+use crate::world::{Part, World};
 use crate::{CollisionError, Margins};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
@@ -36,27 +35,6 @@ pub struct Cell {
     /// Pairs of links that are checked though they touch in every sample.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
-}
-
-/// A world, and what every check needs of it, whatever robot stands in it.
-#[derive(Debug)]
-pub(crate) struct Surroundings {
-    world: World,
-    parts: Vec<(usize, Part)>,
-    lanes: Arc<[LanePart]>,
-    tree: PartTree,
-}
-
-impl Surroundings {
-    fn new(world: World) -> Self {
-        let of_body = |(body, b): (usize, &Body)| {
-            b.parts.iter().map(move |part| (body, part.clone())).collect::<Vec<_>>()
-        };
-        let parts: Vec<(usize, Part)> = world.bodies().iter().enumerate().flat_map(of_body).collect();
-        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
-        let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
-        Self { world, parts, lanes, tree }
-    }
 }
 
 /// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
@@ -90,10 +68,7 @@ impl Cell {
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
-        margins.check()?;
-        let body = RobotBody::of(&robot);
-        let around = Arc::new(Surroundings::new(world));
-        Ok(Self::checking(robot, body, around, margins, Arc::default(), Arc::default(), None))
+        Ok(Self::of(CellParts::new(robot, world, margins, Vec::new())?))
     }
 
     /// [`Self::new`] where the body of index `target` is to be grasped: between it and its supports and the hand
@@ -110,24 +85,13 @@ impl Cell {
         target: usize,
         margins: Margins,
     ) -> Result<Self, CollisionError> {
-        margins.check()?;
         let mut grasp_bodies = world.supports_of(target);
         grasp_bodies.push(target);
-        let body = RobotBody::of(&robot);
-        let around = Arc::new(Surroundings::new(world));
-        Ok(Self::checking(robot, body, around, margins, grasp_bodies.into(), Arc::default(), None))
+        Ok(Self::of(CellParts::new(robot, world, margins, grasp_bodies)?))
     }
 
-    /// [`Self::new`] with these pairs of links checked even if they touch in every sample.
-    pub(crate) fn checking(
-        robot: Arc<Robot>,
-        body: Arc<RobotBody>,
-        around: Arc<Surroundings>,
-        margins: Margins,
-        grasp_bodies: Arc<[usize]>,
-        asked_for: Arc<[(usize, usize)]>,
-        held: Option<HeldBody>,
-    ) -> Self {
+    pub(crate) fn of(question: CellParts) -> Self {
+        let CellParts { robot, body, around, margins, grasp_bodies, asked_for, held } = question;
         let bodies = body.links.clone();
         let Surroundings { parts, tree, lanes, .. } = &*around;
         let (checked, always_touching) = body.self_pairs.split(&bodies, &asked_for);
@@ -152,19 +116,24 @@ impl Cell {
         }
     }
 
+    /// What the cell is made of, to make another that differs in some of it.
+    pub(crate) fn parts_of(&self) -> CellParts {
+        CellParts {
+            robot: self.robot.clone(),
+            body: self.body.clone(),
+            around: self.around.clone(),
+            margins: self.margins,
+            grasp_bodies: self.grasp_bodies.clone(),
+            asked_for: self.asked_for.clone(),
+            held: self.held.clone(),
+        }
+    }
+
     /// The same cell with these pairs of links checked too.
     #[must_use]
     pub fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
-        let asked_for = [&self.asked_for[..], pairs].concat();
-        Self::checking(
-            self.robot.clone(),
-            self.body.clone(),
-            self.around.clone(),
-            self.margins,
-            self.grasp_bodies.clone(),
-            asked_for.into(),
-            self.held.clone(),
-        )
+        let asked_for = [&self.asked_for[..], pairs].concat().into();
+        Self::of(CellParts { asked_for, ..self.parts_of() })
     }
 
     /// The robot.

@@ -6,6 +6,7 @@ use crate::CollisionError;
 #[cfg(doc)]
 use crate::Resting;
 use crate::cell::{Cell, Scratch};
+use crate::cell_parts::CellParts;
 use crate::link_body::{LinkBody, group_separation};
 
 /// A body of the world in the hand.
@@ -40,16 +41,12 @@ impl Cell {
             thing.parts.iter().map(|part| (held_from_world * part.world_from_solid, part.solid.clone()));
         let link = robot.held_link().ok_or_else(unusable)?;
         let held = LinkBody::of_shapes(link, shapes.collect()).ok_or_else(unusable)?;
-        let body_of_robot = Arc::new(self.body.holding(&robot, held));
-        Ok(Self::checking(
-            Arc::new(robot),
-            body_of_robot,
-            self.around.clone(),
-            self.margins,
-            self.grasp_bodies.clone(),
-            self.asked_for.clone(),
-            Some(HeldBody { body, spared: Arc::default(), hold }),
-        ))
+        Ok(Self::of(CellParts {
+            body: Arc::new(self.body.holding(&robot, held)),
+            robot: Arc::new(robot),
+            held: Some(HeldBody { body, spared: Arc::default(), hold }),
+            ..self.parts_of()
+        }))
     }
 
     /// How far what is held is from the bodies of the world at `q`, floors aside, in metres, certified from below: at most
@@ -78,15 +75,7 @@ impl Cell {
     #[must_use]
     pub fn sparing(&self, spared: &[usize]) -> Self {
         let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
-        Self::checking(
-            self.robot.clone(),
-            self.body.clone(),
-            self.around.clone(),
-            self.margins,
-            self.grasp_bodies.clone(),
-            self.asked_for.clone(),
-            held,
-        )
+        Self::of(CellParts { held, ..self.parts_of() })
     }
 
     /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.

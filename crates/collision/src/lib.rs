@@ -18,6 +18,7 @@
 mod ball_pack;
 mod batch;
 mod cell;
+mod cell_parts;
 mod closest;
 mod closing;
 mod contact;

@@ -1,0 +1,67 @@
+use std::sync::Arc;
+
+use cranny_robot::Robot;
+
+use crate::holding::HeldBody;
+use crate::lane_part::LanePart;
+use crate::part_tree::PartTree;
+use crate::robot_body::RobotBody;
+use crate::world::{Body, Part, World};
+use crate::{CollisionError, Margins};
+
+/// What a cell is made of.
+pub(crate) struct CellParts {
+    pub robot: Arc<Robot>,
+    pub body: Arc<RobotBody>,
+    pub around: Arc<Surroundings>,
+    pub margins: Margins,
+    pub grasp_bodies: Arc<[usize]>,
+    /// Pairs of links that are checked though they touch in every sample.
+    pub asked_for: Arc<[(usize, usize)]>,
+    pub held: Option<HeldBody>,
+}
+
+impl CellParts {
+    /// Of an empty hand; the bodies to be grasped, and those that carry them, are given by index.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    pub fn new(
+        robot: Arc<Robot>,
+        world: World,
+        margins: Margins,
+        grasp_bodies: Vec<usize>,
+    ) -> Result<Self, CollisionError> {
+        margins.check()?;
+        Ok(Self {
+            body: RobotBody::of(&robot),
+            robot,
+            around: Arc::new(Surroundings::new(world)),
+            margins,
+            grasp_bodies: grasp_bodies.into(),
+            asked_for: Arc::default(),
+            held: None,
+        })
+    }
+}
+
+/// A world, and what every check needs of it, whatever robot stands in it.
+#[derive(Debug)]
+pub(crate) struct Surroundings {
+    pub world: World,
+    pub parts: Vec<(usize, Part)>,
+    pub lanes: Arc<[LanePart]>,
+    pub tree: PartTree,
+}
+
+impl Surroundings {
+    fn new(world: World) -> Self {
+        let of_body = |(body, b): (usize, &Body)| {
+            b.parts.iter().map(move |part| (body, part.clone())).collect::<Vec<_>>()
+        };
+        let parts: Vec<(usize, Part)> = world.bodies().iter().enumerate().flat_map(of_body).collect();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
+        Self { world, parts, lanes, tree }
+    }
+}
