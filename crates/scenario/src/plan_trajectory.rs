@@ -97,6 +97,7 @@ mod tests {
     use cranny_plan::{TimingMethod, Trajectory};
 
     use super::*;
+    use crate::plan_segment::segments_of;
     use crate::{OpenOptions, PlanTiming, Scenario};
 
     fn plan(scenario: &Scenario) -> PlanFile {
@@ -110,7 +111,8 @@ mod tests {
             "clearances_per_edge_m": [], "path_length": 0.1, "waypoints": [scenario.start, end],
             "statistics": cranny_plan::Statistics::default(),
         });
-        serde_json::from_value(plan).unwrap()
+        let plan: PlanFile = serde_json::from_value(plan).unwrap();
+        PlanFile { segments: segments_of(&plan.waypoints, &[]), ..plan }
     }
 
     #[test]
