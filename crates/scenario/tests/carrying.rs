@@ -6,6 +6,7 @@ use cranny_plan::{
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
 use cranny_solve::{Answer, Carry, Mode, Request, Timing, solve};
+use cranny_spatial::Stream;
 
 fn problem(id: &str, margins: Margins) -> Problem {
     Scenario::open(id, &OpenOptions::default()).unwrap().problem(margins).unwrap()
@@ -117,10 +118,17 @@ fn where_the_object_is_carried_to_can_be_said() {
     let answer = carried(&problem, to(&end));
     assert!(answer.is_solved());
     assert_eq!(answer.waypoints().last(), Some(&end));
-    // An end in the wall, whatever is held: no grasp will do, which is known without a search.
-    let mut walled = problem.start().to_vec();
-    (walled[0], walled[1]) = (0.6, 1.0);
-    let answer = carried(&problem, to(&walled));
+    // An end in which the arm touches something, whatever is held: no grasp will do, which is known without a search.
+    let cell = problem.cell().expect("the default criterion is exact");
+    let mut scratch = cell.scratch();
+    let mut random = Stream::new(0, 0);
+    let mut draws = (0..10_000).map(|_| cell.robot().random_configuration(&mut random));
+    let is_in_the_floor = |q: &Vec<f64>| {
+        let contacts = cell.contacts(q, &mut scratch);
+        contacts.iter().any(|contact| contact.names(cell) == ["panda_link5", "floor"].map(str::to_owned))
+    };
+    let low = draws.find(is_in_the_floor).expect("a low elbow");
+    let answer = carried(&problem, to(&low));
     assert_eq!(answer.outcome, Outcome::NoReachableGrasp);
     let is_of_end = |reason: &FailureReason| matches!(reason, FailureReason::EndBlocked { .. });
     assert!(answer.failures.iter().any(|failure| is_of_end(&failure.reason)), "{:?}", answer.failures);
