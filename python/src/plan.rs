@@ -67,7 +67,7 @@ impl PyPlan {
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
         let times = self.trajectory.as_ref().map(|trajectory| trajectory.waypoint_times_s());
-        times.map(|times| shaped(py, times.to_vec(), &[times.len()])).transpose()
+        times.map(|times| shaped(py, times.clone(), &[times.len()])).transpose()
     }
 
     /// From the first way point to the last, in seconds; None where `times` is None.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use cranny_collision::Margins;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{AuditSettings, Budget, CarryEnd, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
-use cranny_scenario::{PlanFile, read_waypoints, write_trajectory_csv};
+use cranny_scenario::{PlanFile, PlanTiming, read_waypoints, write_trajectory_csv};
 use cranny_solve::{Carry, Request, Timing, solve};
 use serde::Serialize;
 
@@ -187,6 +187,16 @@ fn carried(plan: &PlanFile) -> Option<String> {
     ))
 }
 
+/// When the path is run through, and what it took to find that.
+fn timed(timing: &PlanTiming, seconds: f64) -> String {
+    let corners = if timing.blended { ", corners cut where proven" } else { "" };
+    let closes = timing.closing_s.map_or_else(String::new, |[begin_s, end_s]| {
+        format!(", the hand closes from {begin_s:.3} to {end_s:.3} s")
+    });
+    let (duration_s, method) = (timing.duration_s, timing.method.name());
+    format!("{duration_s:.3} s, {method}{corners}{closes}; {:.3} ms to time", seconds * 1e3)
+}
+
 fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
     let statistics = &plan.statistics;
@@ -274,13 +284,7 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("to see it", "plan again with -o FILE, then `cranny view` that file".to_owned());
     }
     if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
-        let (duration_s, method) = (timing.duration_s, timing.method.name());
-        let corners = if timing.blended { ", corners cut where proven" } else { "" };
-        let closes = timing.closing_s.map_or_else(String::new, |[begin_s, end_s]| {
-            format!(", the hand closes from {begin_s:.3} to {end_s:.3} s")
-        });
-        let cost = format!("{:.3} ms to time", seconds * 1e3);
-        line("trajectory", format!("{duration_s:.3} s, {method}{corners}{closes}; {cost}"));
+        line("trajectory", timed(timing, seconds));
     } else if let (true, Some(hindrance)) = (answered.valid, &answered.untimed) {
         line("trajectory", format!("none: {hindrance}"));
     }

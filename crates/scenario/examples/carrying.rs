@@ -89,7 +89,7 @@ fn grasps(scenarios: &[&str]) {
         let (mut reached, mut carried) = (0, 0);
         let mut stopped: BTreeMap<&str, usize> = BTreeMap::new();
         for grasp in all.grasps() {
-            let alone = Goal::Grasps(GraspSet::new(vec![grasp.clone()]).expect("a grasp of the set"));
+            let alone = Goal::Grasps(GraspSet::new(vec![*grasp]).expect("a grasp of the set"));
             let alone = problem.with_goal(alone).expect("a good problem");
             let budget = Budget { iterations: ITERATIONS, time: Duration::from_secs(10) };
             let reach = Request { budget, keep_path: true, ..Request::default() };

@@ -4,14 +4,14 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Criterion, GraspFailure, NotChecked, Outcome, Statistics, TimingMethod,
-    path_length,
+    AuditSettings, Budget, CarryEnd, Criterion, GraspFailure, NotChecked, Outcome, Statistics, path_length,
 };
-use cranny_solve::{Answer, Carry, Request, TaskTrajectory};
+use cranny_solve::{Answer, Carry, Request};
 use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
 use crate::plan_segment::{check_format, check_segments};
+use crate::plan_trajectory::PlanTiming;
 use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
@@ -104,23 +104,6 @@ struct Head {
     format: Option<String>,
 }
 
-/// When a path is run through. With the limits of the robot it determines the trajectory:
-/// [`Trajectory::along`] the way points by the same method, or [`Trajectory::blended`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PlanTiming {
-    /// How the path was given its time.
-    pub method: TimingMethod,
-    /// Whether corners are cut where that is proven, instead of a stop at each.
-    pub blended: bool,
-    /// From the first way point to the last, in seconds.
-    pub duration_s: f64,
-    /// When each way point is passed, or its cut corner half passed, in seconds.
-    pub waypoint_times_s: Vec<f64>,
-    /// From when to when the hand closes at the grasp, in seconds, where the target is carried on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub closing_s: Option<[f64; 2]>,
-}
-
 /// What a plan is of: what an [`Answer`] does not know.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanSource {
@@ -134,19 +117,6 @@ pub struct PlanSource {
     pub grasps: Option<PathBuf>,
     /// The clearance that was demanded.
     pub margins: Margins,
-}
-
-impl PlanTiming {
-    /// What a plan says of its trajectory.
-    fn of(trajectory: &TaskTrajectory) -> Self {
-        Self {
-            method: trajectory.method(),
-            blended: trajectory.is_blended(),
-            duration_s: trajectory.duration_s(),
-            waypoint_times_s: trajectory.waypoint_times_s(),
-            closing_s: trajectory.closing_s(),
-        }
-    }
 }
 
 /// What a search was allowed to spend.
@@ -337,7 +307,7 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use cranny_plan::{FailureReason, Improvement, NotCheckedReason};
+    use cranny_plan::{FailureReason, Improvement, NotCheckedReason, TimingMethod};
 
     use std::fs;
 

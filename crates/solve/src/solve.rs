@@ -84,11 +84,7 @@ pub fn solve(
     let (mut carrier, mut carry_to) = (None, None);
     if let Some(task) = task {
         task.tell_failures(&problem, &mut failures);
-        carrier = Some(task.carrier.clone());
-        carry_to = Some(match task.carrier.ends(&task.end) {
-            Some(ends) => CarryEnd::Configurations(ends),
-            None => task.end.clone(),
-        });
+        (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.end()));
         segments.extend(task.into_onward(is_shortened)?);
     }
     let audit = match &segments[..] {

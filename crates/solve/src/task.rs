@@ -21,7 +21,7 @@ pub struct Carry {
 /// grasp that is good for nothing is none.
 pub(crate) struct Task<'a> {
     pub carrier: Carrier,
-    pub end: CarryEnd,
+    end: CarryEnd,
     ways_out: WaysOut,
     observer: &'a mut dyn Observer,
     /// The way on from the grasp that was taken: off what the object rests on, and to where it is to go, with the problem
@@ -41,6 +41,11 @@ impl<'a> Task<'a> {
         let carrier = Carrier::new(problem, carry.lift_off)?;
         let ways_out = WaysOut::new(problem, &carrier, &carry.end, seed)?;
         Ok(Self { carrier, end: carry.end.clone(), ways_out, observer, onward: None, failures: Vec::new() })
+    }
+
+    /// Where the object is to go, home as the configuration that this is.
+    pub fn end(&self) -> CarryEnd {
+        self.carrier.ends(&self.end).map_or_else(|| self.end.clone(), CarryEnd::Configurations)
     }
 
     /// Says of each grasp that will not do why that is so.

@@ -42,7 +42,7 @@ pub(crate) fn rate_hz(duration_s: f64) -> f64 {
 }
 
 impl PagePlan {
-    /// The plan of a file, with the times of [`PlanFile::trajectories`], what `verify` says of it, and how it holds what it
+    /// The plan of a file, with the times of [`PlanFile::trajectory`], what `verify` says of it, and how it holds what it
     /// carries away ([`PlanFile::grip`]).
     ///
     /// # Errors
