@@ -67,7 +67,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
-    carry=None, clear_m=CarryEnd::CLEAR_M))]
+    carry=None, clear_m=0.05))]
 #[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
 pub fn plan(
     scenario: &Bound<'_, PyAny>,
