@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::Solid;
-use cranny_spatial::{LANES, Pose, Stream, Vector};
+use cranny_spatial::{LANES, Pose, Stream, Vector, simd_levels};
 use cranny_test_robots::ball;
 use fearless_simd::Level;
 use proptest::prelude::*;
@@ -36,19 +36,6 @@ const ARM: &str = r#"<robot name="arm">
   <joint name="to_left" type="fixed"><parent link="palm"/><child link="left"/></joint>
   <joint name="to_right" type="fixed"><parent link="palm"/><child link="right"/></joint>
 </robot>"#;
-
-/// Every level that this machine can run, the fallback without vector instructions among them.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    let mut levels = vec![Level::fallback(), best];
-    #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_sse2().map(Level::Sse2));
-        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-        levels.extend(best.as_avx2().map(Level::Avx2));
-    }
-    levels
-}
 
 fn robot(urdf: &str) -> Arc<Robot> {
     Arc::new(Robot::from_urdf_text(urdf, "test.urdf", None, &RobotOptions::default()).expect("a good URDF"))
@@ -126,7 +113,7 @@ proptest! {
         for urdf in [ARM, &ball(2.0), &ARM.replacen("prismatic", "revolute", 1)] {
             let cell = Cell::new(robot(urdf), world(&mut random), margins).expect("a good margin");
             let configurations = configurations(&cell, &mut random, 400, 1e-6);
-            for level in levels() {
+            for (_, level) in simd_levels() {
                 prop_assert_eq!(disagreements(&cell, &configurations, level), 0, "{:?}", level);
             }
         }

@@ -297,20 +297,7 @@ fn solve<S: Simd>(
 mod tests {
     use super::*;
     use crate::RobotOptions;
-    use cranny_spatial::Stream;
-
-    /// Fallback, SSE2, SSE4.2, AVX2, AVX-512, as far as this machine has them.
-    fn levels() -> Vec<Level> {
-        let best = Level::new();
-        let mut levels = vec![Level::fallback(), best];
-        #[cfg(target_arch = "x86_64")]
-        {
-            levels.extend(best.as_sse2().map(Level::Sse2));
-            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-            levels.extend(best.as_avx2().map(Level::Avx2));
-        }
-        levels
-    }
+    use cranny_spatial::{Stream, simd_levels};
 
     fn robot() -> Robot {
         let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -342,9 +329,9 @@ mod tests {
         let mut reached = 0;
         for _ in 0..100 {
             let drawn = drawn(&robot, &mut random);
-            let ended: Vec<_> = levels()
+            let ended: Vec<_> = simd_levels()
                 .into_iter()
-                .map(|level| {
+                .map(|(_, level)| {
                     let mut lanes = drawn.clone();
                     lanes.run_at(level, LANES);
                     (0..LANES).map(|lane| ends(&lanes, lane)).collect::<Vec<_>>()

@@ -8,8 +8,7 @@ use cranny_collision::{Cell, Collider, Margins};
 use cranny_plan::{Carrier, LiftOffSettings, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Carry, Request, solve};
-use cranny_spatial::Stream;
-use fearless_simd::Level;
+use cranny_spatial::{Stream, simd_levels};
 
 /// Configurations of each kind in a scenario.
 const UNIFORM: usize = 50_000;
@@ -61,7 +60,7 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
             let along: Vec<&Vec<f64>> = answer.segments[2].waypoints.iter().collect();
             let (rows, exact) = judged_held(cell, &along, count, &mut random);
             let mut verdicts = Vec::new();
-            for level in levels() {
+            for (_, level) in simd_levels() {
                 cell.are_free_with(level, &rows, &mut cell.scratch(), &mut verdicts);
                 let differ = exact.iter().zip(&verdicts).filter(|(a, b)| a != b).count();
                 assert_eq!(differ, 0, "{id}, seed {seed}, {level:?}");
@@ -128,7 +127,7 @@ fn verdicts_are_exact(environment: usize) {
         let cell = problem.cell().expect("the default criterion is exact");
         let (configurations, exact) = judged(cell, &mut Stream::new(level, environment as u64));
         let mut verdicts = Vec::new();
-        for level in levels() {
+        for (_, level) in simd_levels() {
             cell.are_free_with(level, &configurations, &mut cell.scratch(), &mut verdicts);
             let differ = exact.iter().zip(&verdicts).filter(|(a, b)| a != b).count();
             assert_eq!(differ, 0, "{id} {level:?}");
@@ -172,17 +171,4 @@ fn judged(cell: &Cell, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
         last = Some((q, is_free));
     }
     (rows, verdicts)
-}
-
-/// Every level that this machine can run, the fallback without vector instructions among them.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    let mut levels = vec![Level::fallback(), best];
-    #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_sse2().map(Level::Sse2));
-        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-        levels.extend(best.as_avx2().map(Level::Avx2));
-    }
-    levels
 }

@@ -4,31 +4,31 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x16, i32x16};
 
 /// The instructions that vector lanes use: the widest that the machine has, or those that the environment
-/// variable `CRANNY_SIMD` names (`sse2`, `sse4.2`, `avx2`, `avx512`), where the machine has them. Results are
-/// the same bits with all of them.
+/// variable `CRANNY_SIMD` names (`sse2`, `avx2`, `avx512`), where the machine has them. Results are the same
+/// bits with all of them.
 pub fn simd_level() -> Level {
     static LEVEL: OnceLock<Level> = OnceLock::new();
     *LEVEL.get_or_init(|| {
-        let best = Level::new();
-        std::env::var("CRANNY_SIMD").ok().and_then(|name| named_level(best, &name)).unwrap_or(best)
+        let named = std::env::var("CRANNY_SIMD").ok().and_then(|asked| {
+            simd_levels().into_iter().find(|(name, _)| *name == asked).map(|(_, level)| level)
+        });
+        named.unwrap_or_else(Level::new)
     })
 }
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fn named_level(best: Level, name: &str) -> Option<Level> {
-    match name {
-        "sse2" => best.as_sse2().map(Level::Sse2),
-        "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
-        "avx2" => best.as_avx2().map(Level::Avx2),
-        "avx512" => best.as_avx512().map(Level::Avx512),
-        _ => None,
-    }
-}
-
-/// Other machines have one level each.
-#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-fn named_level(_best: Level, _name: &str) -> Option<Level> {
-    None
+/// What lanes are compiled for, as far as this machine has it: SSE4.2 is left to SSE2 (`.cargo/config.toml`), and other
+/// machines than those of x86 have one level each.
+pub fn simd_levels() -> Vec<(&'static str, Level)> {
+    let best = Level::new();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    let levels = [
+        ("sse2", best.as_sse2().map(Level::Sse2)),
+        ("avx2", best.as_avx2().map(Level::Avx2)),
+        ("avx512", best.as_avx512().map(Level::Avx512)),
+    ];
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    let levels = [("widest", Some(best))];
+    levels.into_iter().filter_map(|(name, level)| Some((name, level?))).collect()
 }
 
 /// How many configurations are computed with at once: one register of the widest instruction set in use.
