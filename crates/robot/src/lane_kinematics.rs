@@ -283,8 +283,10 @@ impl LanePlace {
     /// Axes and origin of the frame, given its parent.
     #[inline(always)]
     fn within<S: Simd>(&self, simd: S, parent: &LaneFrame) -> ([LaneVector<S>; 3], LaneVector<S>) {
-        let origin = parent.mixed(simd, self.translation).plus(LaneVector::load(simd, &parent.origin));
-        (self.columns.map(|column| parent.mixed(simd, column)), origin)
+        // Written out: a closure is compiled without the instructions of its lanes.
+        let [x, y, z] = self.columns;
+        let axes = [parent.mixed(simd, x), parent.mixed(simd, y), parent.mixed(simd, z)];
+        (axes, parent.mixed(simd, self.translation).plus(LaneVector::load(simd, &parent.origin)))
     }
 
     #[inline(always)]
