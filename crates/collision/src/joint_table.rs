@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_robot::{JointLimits, LinkFrames, Robot};
-use cranny_shape::overlap;
+use cranny_shape::{overlap, quick_lower_bound};
 use cranny_spatial::ROUNDING_M;
 
 use crate::link_body::{LinkBody, group_reaches};
@@ -236,10 +236,8 @@ impl Builder<'_> {
             others.iter().any(|(pose_b, b)| {
                 let is_convex =
                     |solid: &cranny_shape::Solid| solid.support_point(&cranny_spatial::Vector::x()).is_some();
-                // No deeper than the balls around them.
-                let between_m = (pose_a * a.ball().center - pose_b * b.ball().center).norm();
-                let is_far = a.ball().radius_m + b.ball().radius_m - between_m <= travel_m;
-                !is_far
+                // No deeper than the balls and boxes around them.
+                quick_lower_bound(a, &pose_a, b, pose_b, -travel_m) < -travel_m
                     && is_convex(a)
                     && is_convex(b)
                     && overlap(a, &pose_a, b, pose_b).is_some_and(|overlap| overlap.depth_m > travel_m)
