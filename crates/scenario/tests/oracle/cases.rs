@@ -23,8 +23,9 @@ pub struct Case {
     pub start: Vec<f64>,
     /// Way points from the start to a grasp; `None` where the planner found none.
     pub path: Option<Vec<Vec<f64>>>,
-    /// The way of the target in the closed hand, from where it is off what it rested on, and where the hand closed.
-    pub carried: Option<(Vec<f64>, Vec<Vec<f64>>)>,
+    /// The ways of the target in the closed hand: the first from where the hand closed to where the target is off what it
+    /// rested on, the second from there home.
+    pub carried: Option<[Vec<Vec<f64>>; 2]>,
 }
 
 /// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
@@ -66,13 +67,13 @@ fn case(folder: &Path) -> Case {
     }
 }
 
-/// The last segment of a task that carries the target home.
-fn carried(problem: &Problem) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+/// Lift-off and carry of a task that takes the target home.
+fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
     let request = Request { carry: Some(Carry::default()), ..Request::default() };
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
-    let [reach, _, carry] = &answer.segments[..] else { return None };
-    Some((reach.waypoints.last()?.clone(), carry.waypoints.clone()))
+    let [_, lift_off, carry] = &answer.segments[..] else { return None };
+    Some([lift_off, carry].map(|segment| segment.waypoints.clone()))
 }
 
 /// What `reach` finds with the first seed that lets it, shortened as it is delivered.

@@ -182,9 +182,15 @@ impl Oracle {
         sight
     }
 
-    /// What the target touches in the hand that closed on it at `grasp`, on the straight motion from `a` to `b`; and how
-    /// many samples were looked at.
-    pub fn watch_carried(&self, grasp: &[f64], [a, b]: [&[f64]; 2]) -> (usize, Option<(f64, Touch)>) {
+    /// What the target touches, `raised_m` higher than in the hand that closed on it at `grasp`, on the straight motion
+    /// from `a` to `b`; and how many samples were looked at.
+    pub fn watch_carried(
+        &self,
+        grasp: &[f64],
+        raised_m: f64,
+        [a, b]: [&[f64]; 2],
+    ) -> (usize, Option<(f64, Touch)>) {
+        let raise = Pose::translation(0.0, 0.0, raised_m);
         let tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
         let grasped_from_root = tip(grasp).inverse();
         let still = Pose::identity();
@@ -197,7 +203,7 @@ impl Oracle {
         let mut samples = 0;
         for t in self.samples(a, b) {
             samples += 1;
-            let moved = tip(&between(a, b, t)) * grasped_from_root;
+            let moved = raise * tip(&between(a, b, t)) * grasped_from_root;
             for part in &mut held {
                 part.move_to(&moved);
                 let named = |name: &str| Touch { first: target.name.clone(), second: name.to_owned() };
@@ -210,6 +216,14 @@ impl Oracle {
             }
         }
         (samples, None)
+    }
+
+    /// How far up the target is out of all that it rests on, in metres, to 0.1 mm.
+    pub fn resting_depth_m(&self) -> f64 {
+        let rises = (0..100).map(|step| 1e-4 * f64::from(step));
+        let is_free =
+            |rise_m: &f64| self.watch_carried(&self.start, *rise_m, [&self.start, &self.start]).1.is_none();
+        rises.into_iter().find(is_free).expect("it rests within a centimetre")
     }
 
     /// Points of [0, 1] along the motion, both ends included, between which no link moves farther than
