@@ -54,8 +54,6 @@ const RUNG_M: f64 = 0.005;
 const PIECE: f64 = 0.25;
 /// Pieces of an edge whose lengths together are that of its way in space.
 const LOOKS_ALONG: u32 = 8;
-/// A joint that moves by more between them jumps (m, rad).
-const JUMP: f64 = 0.1;
 
 /// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
 #[derive(Clone, Debug)]
@@ -241,10 +239,7 @@ impl Carrier {
             }
             gone_m = (gone_m + RUNG_M).min(self.settings.most_m);
             let target = Pose::from_parts((way * gone_m).into(), Rotation::identity()) * world_from_tip;
-            let next = solver.solve_from(&target, last).ok_or(None)?.q;
-            if next.iter().zip(last).any(|(a, b)| (a - b).abs() > JUMP) {
-                return Err(None);
-            }
+            let next = solver.step_from(&target, last).ok_or(None)?;
             match grip.lifting.motion_is_free(last, &next, scratch) {
                 Motion::Proven => {}
                 Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {

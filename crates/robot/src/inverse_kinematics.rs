@@ -102,6 +102,17 @@ impl<'robot> IkSolver<'robot> {
         self.attempt(root_from_tip, self.settings.pull, Some(start))
     }
 
+    /// The next configuration on a way of the tip: [`Self::solve_from`] the last one, unless a joint jumps, by more than
+    /// 0.1 (m, rad).
+    ///
+    /// # Panics
+    /// As [`Self::solve_from`].
+    pub fn step_from(&mut self, root_from_tip: &Pose, last: &[f64]) -> Option<Vec<f64>> {
+        const JUMP: f64 = 0.1;
+        let next = self.solve_from(root_from_tip, last)?.q;
+        next.iter().zip(last).all(|(a, b)| (a - b).abs() <= JUMP).then_some(next)
+    }
+
     /// One attempt from a random configuration, without a pull; `draw` writes the configuration.
     pub(crate) fn solve_from_drawn(
         &mut self,
