@@ -7,10 +7,12 @@ use cranny_spatial::nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::{Matrix, Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
 use rapier3d_f64::prelude::{
-    CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group, InteractionGroups,
-    InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SolverContactGeneric, SpringCoefficients,
+    ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group,
+    InteractionGroups, InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SolverContactGeneric,
+    SpringCoefficients,
 };
 
+use crate::contact_patch::ContactPatch;
 use crate::{Physics, Piece, PieceShape, SimError};
 
 /// What belongs together does not touch itself.
@@ -67,6 +69,11 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     world
 }
 
+/// A step of a world.
+pub(crate) fn step(world: &mut PhysicsWorld) {
+    world.step_with_events(&ContactPatch, &());
+}
+
 /// Colliders without mass; of two friction coefficients that meet, the greater counts.
 pub(crate) fn colliders(
     of: &str,
@@ -86,6 +93,7 @@ pub(crate) fn colliders(
             .friction_combine_rule(CoefficientCombineRule::Max)
             .restitution(0.0)
             .collision_groups(groups)
+            .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
             .build())
     };
     pieces.iter().map(collider).collect()

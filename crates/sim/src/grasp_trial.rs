@@ -147,7 +147,7 @@ impl<'a> GraspTrial<'a> {
     fn step(&mut self) {
         let driven_m = self.test.course.closing_speed * self.closing_s();
         self.gripper.drive(&mut self.world, driven_m);
-        self.world.step();
+        engine::step(&mut self.world);
         self.steps += 1;
         self.record();
     }

@@ -5,6 +5,7 @@
 //! Everything is a function of its input: the same test gives the same bytes on any number of threads.
 
 mod arm;
+mod contact_patch;
 mod course;
 mod disturbance;
 mod engine;
@@ -17,6 +18,7 @@ mod grasp_run;
 mod grasp_test;
 mod grasp_trial;
 mod gripper;
+mod limit_surface;
 mod mjcf;
 mod object_model;
 mod physics;

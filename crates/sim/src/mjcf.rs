@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 
 use cranny_spatial::{Pose, Vector};
 
+use crate::contact_patch::PATCH_ARM_M;
 use crate::gripper::FINGER_RADIUS_M;
 use crate::{GraspTest, Physics, Piece, PieceShape};
 
@@ -234,13 +235,6 @@ const IMPEDANCE: &str = "0.99 0.999 0.0001";
 /// How much harder friction is than the normal force. At 1, what is gripped creeps visibly below the limit of friction;
 /// with this it creeps by some micrometres a second.
 const IMPEDANCE_RATIO: f64 = 1000.0;
-
-/// What presses on a pad does so on a patch, whose friction resists turning about the normal: by the friction force times
-/// this, in metres. A contact that gives way by δ = 0.3 mm, what 70 N do to one of [`Physics`], touches a ball of radius
-/// R = 33 mm on a patch of radius √(R δ) = 3.1 mm, and the pressure of Hertz on it acts at 3π/16 of that. MuJoCo sees
-/// one point where faces are not parallel to within a tenth of a degree; the engine here sees up to four, which span a
-/// patch.
-const PATCH_ARM_M: f64 = 0.00185;
 
 /// Of a palm that nothing pushes away, in kilograms: what fingers press against moves it by less than 1 µm in a step.
 const PALM_KG: f64 = 1e4;

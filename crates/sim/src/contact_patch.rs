@@ -1,0 +1,186 @@
+//! Where a contact bears: the points at which the engine solves it, and what friction they give.
+//!
+//! By itself the engine puts the middle of friction at the mean of all points that it sees up to 2 mm apart, whether they
+//! bear anything or not, so that a pad on its edge resists turning like a pad on its face; it sees one point twice, and of
+//! more than four may leave out one that bears; and it limits pull and turn each by itself.
+
+use cranny_spatial::nalgebra::Vector3;
+use rapier3d_f64::math::Vector;
+use rapier3d_f64::prelude::{
+    ContactManifold, ContactModificationContext, PhysicsHooks, RigidBodyHandle, RigidBodySet, SolverContact,
+};
+
+use crate::limit_surface::{LoadedPoint, load_factor};
+
+/// What presses on a pad does so on a patch at least, not in a point. A pad that gives way by δ = 0.3 mm touches a ball of
+/// radius R = 33 mm on a patch of radius √(R δ), in metres.
+const PATCH_RADIUS_M: f64 = 0.00314;
+
+/// Friction on that patch resists turning about its normal by the friction force times this, in metres: the pressure of
+/// Hertz acts at 3π/16 of its radius.
+pub(crate) const PATCH_ARM_M: f64 = 0.00185;
+
+/// Corners nearer to each other are one, in metres.
+const SAME_M: f64 = 1e-5;
+
+/// Gives the solver the patch on which two faces bear, in place of the points where they are near each other.
+pub(crate) struct ContactPatch;
+
+/// A corner of the polygon in which two faces meet, or of the patch.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Which of the manifold's points it is.
+    index: u8,
+    /// On the first body and on the second, in the world.
+    anchors: [Vector; 2],
+    /// Between the two; negative: they overlap.
+    gap_m: f64,
+}
+
+impl PhysicsHooks for ContactPatch {
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
+        let poses =
+            [context.collider1, context.collider2].map(|collider| *context.colliders[collider].position());
+        let moving =
+            Moving { bodies: context.bodies, first: context.rigid_body1, second: context.rigid_body2 };
+        let Some(rigid) = context.rigid_mut() else { return };
+        let mut corners: Vec<Corner> = Vec::new();
+        for (index, point) in (0..).zip(&rigid.manifold.points) {
+            let anchors =
+                [poses[0].transform_point(point.local_p1), poses[1].transform_point(point.local_p2)];
+            let corner = Corner { index, anchors, gap_m: point.dist };
+            if corners.iter().all(|known| known.distance_m(&corner) > SAME_M) {
+                corners.push(corner);
+            }
+        }
+        // While nothing touches, the engine looks ahead by itself.
+        let (Some(patch), Some(&template)) = (patch(&corners), rigid.solver_contacts.first()) else { return };
+        *rigid.friction *= share_of_limits(&patch, rigid.manifold, *rigid.normal, &moving);
+        rigid.solver_contacts.clear();
+        rigid.solver_contacts.extend(patch.iter().map(|corner| corner.contact(template)));
+    }
+}
+
+/// The corners that bear, and each other one moved to where the overlap ends on the way to the nearest that bears, or the
+/// patch at least: at most four, `None` if none bears.
+fn patch(corners: &[Corner]) -> Option<Vec<Corner>> {
+    let mut patch: Vec<Corner> = corners.iter().copied().filter(|corner| corner.gap_m <= 0.0).collect();
+    let bearing = patch.len();
+    for open in corners.iter().filter(|corner| corner.gap_m > 0.0) {
+        let near = |corner: &&Corner| corner.distance_m(open);
+        let nearest = patch[..bearing].iter().min_by(|a, b| near(a).total_cmp(&near(b)))?;
+        let end = nearest.toward_end(open);
+        patch.push(end);
+    }
+    (bearing > 0).then(|| if patch.len() > MOST_CORNERS { widest(&patch) } else { patch })
+}
+
+/// So many points of a contact the engine solves.
+const MOST_CORNERS: usize = 4;
+
+/// The deepest corner, the one farthest from it, and on each side of the line between them the one farthest from that.
+fn widest(corners: &[Corner]) -> Vec<Corner> {
+    let (Some(deepest), true) =
+        (corners.iter().min_by(|a, b| a.gap_m.total_cmp(&b.gap_m)), corners.len() > MOST_CORNERS)
+    else {
+        return corners.to_vec();
+    };
+    let farthest_by = |measure: &dyn Fn(&Corner) -> f64| {
+        corners.iter().max_by(|a, b| measure(a).total_cmp(&measure(b))).unwrap_or(deepest)
+    };
+    let farthest = farthest_by(&|corner| corner.distance_m(deepest));
+    let along = (farthest.anchors[0] - deepest.anchors[0]).normalize_or_zero();
+    let off_line = |corner: &Corner| {
+        let offset = corner.anchors[0] - deepest.anchors[0];
+        offset - along * offset.dot(along)
+    };
+    let third = farthest_by(&|corner| off_line(corner).length());
+    let side = off_line(third);
+    let fourth = farthest_by(&|corner| -off_line(corner).dot(side));
+    let mut chosen = vec![*deepest, *farthest, *third];
+    if off_line(fourth).dot(side) < 0.0 {
+        chosen.push(*fourth);
+    }
+    chosen
+}
+
+impl Corner {
+    fn distance_m(&self, other: &Self) -> f64 {
+        (self.anchors[0] - other.anchors[0]).length()
+    }
+
+    /// On the way from here, where the faces overlap, to `open`, where they do not.
+    fn toward_end(&self, open: &Self) -> Self {
+        let overlap = self.gap_m / (self.gap_m - open.gap_m);
+        let share = overlap.max(PATCH_RADIUS_M / self.distance_m(open)).min(1.0);
+        Self {
+            index: open.index,
+            anchors: [0, 1].map(|side| self.anchors[side].lerp(open.anchors[side], share)),
+            gap_m: self.gap_m + share * (open.gap_m - self.gap_m),
+        }
+    }
+
+    /// As the solver has it; `template` is another one of the same contact.
+    fn contact(&self, template: SolverContact) -> SolverContact {
+        let mut contact = template;
+        [contact.anchor1, contact.anchor2] = self.anchors;
+        contact.dist = self.gap_m;
+        contact.contact_id = [u64::from(self.index)];
+        contact
+    }
+}
+
+/// The two bodies of a contact.
+struct Moving<'a> {
+    bodies: &'a RigidBodySet,
+    first: Option<RigidBodyHandle>,
+    second: Option<RigidBodyHandle>,
+}
+
+impl Moving<'_> {
+    /// How fast the first slides along the second there, in m/s, and turns on it about `normal`, in rad/s.
+    fn slip(&self, at: Vector, normal: Vector) -> (f64, f64) {
+        let of = |body: Option<RigidBodyHandle>| {
+            let body = body.map(|body| &self.bodies[body]);
+            body.map_or((Vector::ZERO, Vector::ZERO), |body| (body.velocity_at_point(at), body.angvel()))
+        };
+        let ((velocity, turning), (other_velocity, other_turning)) = (of(self.first), of(self.second));
+        let sliding = velocity - other_velocity;
+        let along = sliding - normal * sliding.dot(normal);
+        (along.length(), (turning - other_turning).dot(normal).abs())
+    }
+}
+
+/// By what share of the engine's limits of pull and turn the patch slips under both, as it bore them in the last step:
+/// that of the loads of its points where they are, against that of each by itself, the turn about the mean of the points.
+///
+/// A patch that slides without turning bears its pull alone. The engine goes on holding the turn that was in it when it
+/// began to slide; of that counts the speed of turning by that of sliding.
+fn share_of_limits(patch: &[Corner], manifold: &ContactManifold, normal: Vector, moving: &Moving<'_>) -> f64 {
+    let count = patch.len() as f64;
+    let middle = patch.iter().map(|corner| corner.anchors[0]).sum::<Vector>() / count;
+    let (x, y) = normal.any_orthonormal_pair();
+    let (mut pull, mut turn, mut load, mut load_by_arm) = (Vector::ZERO, 0.0, 0.0, 0.0);
+    let mut points: Vec<LoadedPoint> = Vec::with_capacity(patch.len());
+    for corner in patch {
+        let data = &manifold.points[usize::from(corner.index)].data;
+        // The engine keeps both with every point, as impulses on the first body.
+        pull += data.warmstart_tangent_world / count;
+        turn -= data.warmstart_twist_impulse / count;
+        let at = corner.anchors[0] - middle;
+        let borne = data.warmstart_impulse;
+        load += borne;
+        load_by_arm += borne * at.length();
+        if borne > 0.0 {
+            points.push(([at.dot(x), at.dot(y)], borne));
+        }
+    }
+    let (sliding, turning) = moving.slip(middle, normal);
+    let turn = turn * (turning * load_by_arm / (load * sliding)).min(1.0);
+    let of_engine = (load / pull.length()).min(load_by_arm / turn.abs());
+    if points.is_empty() || !of_engine.is_finite() {
+        return 1.0;
+    }
+    let of_patch = load_factor(&points, Vector3::new(pull.dot(x), pull.dot(y), turn), PATCH_ARM_M);
+    (of_patch / of_engine).min(1.0)
+}

@@ -1,0 +1,100 @@
+//! How much friction a patch can bear that is pulled and turned at once.
+
+use cranny_spatial::nalgebra::{Matrix3, Vector3};
+
+/// A point of a patch: where it is in the plane of contact, in metres from the patch's middle, and what it bears there.
+pub(crate) type LoadedPoint = ([f64; 2], f64);
+
+/// By what factor a wrench in the plane of contact, two components of force and the moment about the middle, can grow
+/// before the patch slips: with friction 1, and each point turning on an arm of `arm_m` besides.
+///
+/// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives
+/// w·ξ: the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). It is found by
+/// weighted least squares whose weights are Nₖ by the last velocity of the point, each step of which comes down.
+pub(crate) fn load_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
+    let speed = |p: &[f64; 2], slip: &Vector3<f64>| {
+        let (x, y) = (slip.x - slip.z * p[1], slip.y + slip.z * p[0]);
+        (x * x + y * y + (arm_m * slip.z).powi(2)).sqrt()
+    };
+    let mut weights: Vec<f64> = points.iter().map(|(_, load)| *load).collect();
+    let mut factor = f64::INFINITY;
+    for _ in 0..STEPS {
+        let mut power = Matrix3::zeros();
+        for (([x, y], _), weight) in points.iter().zip(&weights) {
+            let along_x = Vector3::new(1.0, 0.0, -y);
+            let along_y = Vector3::new(0.0, 1.0, *x);
+            let turning = Vector3::new(0.0, 0.0, arm_m);
+            for row in [along_x, along_y, turning] {
+                power += row * row.transpose() * *weight;
+            }
+        }
+        let Some(slip) = power.try_inverse().map(|inverse| inverse * wrench) else { return factor };
+        let slip = slip / slip.dot(&wrench);
+        factor = points.iter().map(|(p, load)| load * speed(p, &slip)).sum();
+        for ((p, load), weight) in points.iter().zip(&mut weights) {
+            *weight = load / speed(p, &slip).max(f64::MIN_POSITIVE);
+        }
+    }
+    factor
+}
+
+/// After so many steps the factor is known to within 1 % (see the test).
+const STEPS: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The least ratio over a fine grid of slips.
+    fn by_search(points: &[LoadedPoint], [fx, fy, moment]: [f64; 3], arm_m: f64) -> f64 {
+        let mut least = f64::INFINITY;
+        for i in 0..400 {
+            let turn = std::f64::consts::PI * f64::from(i) / 400.0;
+            for j in 0..400 {
+                let share = std::f64::consts::PI * f64::from(j) / 400.0;
+                let (vx, vy, w) = (share.sin() * turn.cos(), share.sin() * turn.sin(), share.cos() / 0.01);
+                let given = (fx * vx + fy * vy + moment * w).abs();
+                let taken: f64 = points
+                    .iter()
+                    .map(|([x, y], load)| {
+                        load * ((vx - w * y).powi(2) + (vy + w * x).powi(2) + (arm_m * w).powi(2)).sqrt()
+                    })
+                    .sum();
+                if given > 0.0 {
+                    least = least.min(taken / given);
+                }
+            }
+        }
+        least
+    }
+
+    #[test]
+    fn the_load_factor_is_the_least_ratio_of_the_powers() {
+        let edge = [([-0.007, 0.0], 30.0), ([0.007, 0.0], 40.0)];
+        let face =
+            [([-0.01, -0.01], 1.0), ([0.01, -0.01], 20.0), ([0.01, 0.01], 30.0), ([-0.01, 0.01], 20.0)];
+        let point = [([0.001, 0.0], 10.0)];
+        for points in [&edge[..], &face[..], &point[..]] {
+            for wrench in
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.01], [1.0, 0.5, 0.01], [0.3, -1.0, 0.03]]
+            {
+                let (found, expected) =
+                    (load_factor(points, wrench.into(), 0.002), by_search(points, wrench, 0.002));
+                assert!(
+                    (found / expected - 1.0).abs() < 0.02,
+                    "{points:?} {wrench:?}: {found}, not {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_turns_at_the_load_of_its_ends_times_their_arms() {
+        let edge = [([-0.007, 0.0], 35.0), ([0.007, 0.0], 35.0)];
+        assert!((load_factor(&edge, Vector3::z(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
+        // Pulled across, the pull adds to the turn at one end: F/2 + M/L = N/2.
+        let pull = 20.0;
+        let moment = (35.0 - 0.5 * pull) * 0.014;
+        assert!((load_factor(&edge, Vector3::new(0.0, pull, moment), 0.0) - 1.0).abs() < 0.01);
+    }
+}
