@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use cranny_grasp::Hand;
+use cranny_scenario::TargetPhysics;
 
 use crate::Answer;
 use crate::arguments::Output;
@@ -79,18 +81,35 @@ pub struct SubjectArguments {
     /// An object rests on the ground in this one of its stable poses; without it, it floats until the hand has closed
     #[arg(long, value_name = "K")]
     pub pose: Option<usize>,
-    /// Mass of the object, in kilograms [default: its own]
-    #[arg(long, value_name = "KG", value_parser = positive)]
-    pub mass: Option<f64>,
-    /// Coefficient of friction between the object and all that touches it [default: its own]
-    #[arg(long, value_name = "MU", value_parser = positive)]
-    pub friction: Option<f64>,
-    /// With what the fingers press, in newtons [default: the hand's own]
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub closing_force: Option<f64>,
+    #[command(flatten)]
+    pub instead: InsteadArguments,
     /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
     #[arg(long, value_name = "FILE")]
     pub gripper: Option<PathBuf>,
+}
+
+/// What goes before what files say of object and hand.
+#[derive(Clone, Debug, Args)]
+pub struct InsteadArguments {
+    /// Mass of the object, in kilograms [default: its own]
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    mass: Option<f64>,
+    /// Coefficient of friction between the object and all that touches it [default: its own]
+    #[arg(long, value_name = "MU", value_parser = positive)]
+    friction: Option<f64>,
+    /// With what the fingers press, in newtons [default: the hand's own]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    closing_force: Option<f64>,
+}
+
+impl InsteadArguments {
+    pub fn of_target(&self) -> TargetPhysics {
+        TargetPhysics { mass_kg: self.mass, friction: self.friction }
+    }
+
+    pub fn of_hand(&self, hand: Hand) -> Hand {
+        Hand { closing_force_n: self.closing_force.unwrap_or(hand.closing_force_n), ..hand }
+    }
 }
 
 #[derive(Clone, Debug, Args)]

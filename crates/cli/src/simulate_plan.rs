@@ -3,9 +3,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_plan::{Trajectory, robot_hand};
-use cranny_scenario::{OpenOptions, TargetPhysics, read_waypoints};
+use cranny_scenario::{OpenOptions, read_waypoints};
 use cranny_sim::{
-    DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, PlanContact, PlanRun, PlanTest,
+    DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, PlanContact, PlanRow, PlanTest,
     TrackingError,
 };
 use cranny_solve::{Segment, TaskTrajectory, Timing};
@@ -14,9 +14,9 @@ use serde::Serialize;
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
-use crate::number_argument::positive;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
+use crate::simulate::InsteadArguments;
 use crate::task::{metres, open_scenario};
 use crate::text::{self, degrees, millimetres};
 use crate::{output_file, recording};
@@ -41,15 +41,8 @@ pub struct SimulatePlanArguments {
     /// How far up the object is lifted, in millimetres, where the plan ends at the grasp
     #[arg(long, value_name = "MM", default_value = "30")]
     pub lift: f64,
-    /// Mass of the object, in kilograms [default: its own]
-    #[arg(long, value_name = "KG", value_parser = positive)]
-    pub mass: Option<f64>,
-    /// Coefficient of friction between the object and all that touches it [default: its own]
-    #[arg(long, value_name = "MU", value_parser = positive)]
-    pub friction: Option<f64>,
-    /// With what the fingers press, in newtons [default: the hand's own]
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub closing_force: Option<f64>,
+    #[command(flatten)]
+    pub instead: InsteadArguments,
     /// Another robot's URDF (with limits.yaml and hand.yaml beside it) instead of the plan's or the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -62,24 +55,8 @@ pub struct SimulatePlanArguments {
 #[derive(Serialize)]
 struct Executed {
     scenario: String,
-    outcome: GraspOutcome,
-    reach_s: f64,
-    /// Worst on the way to the grasp.
-    tracking_on_the_way: TrackingError,
-    /// At its end.
-    tracking_at_the_end: TrackingError,
-    contacts: Vec<PlanContact>,
-    pushed_m: f64,
-    lift_m: f64,
-    rose_m: f64,
-    translation_error_m: f64,
-    rotation_error_rad: f64,
-    held_s: f64,
-    contact_force_n: f64,
-    /// Where the object ended, in the planning frame.
-    position_m: [f64; 3],
-    quaternion_xyzw: [f64; 4],
-    simulated_s: f64,
+    #[serde(flatten)]
+    row: PlanRow,
 }
 
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
@@ -117,11 +94,9 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
         )
     })?;
-    let mut hand = robot_hand(&scenario.robot);
-    hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
-    let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
+    let hand = arguments.instead.of_hand(robot_hand(&scenario.robot));
     let waiting = spinner("executing the plan", output.quiet);
-    let test = GraspTest::of_scenario(&scenario, &hand, &instead, false)?;
+    let test = GraspTest::of_scenario(&scenario, &hand, &arguments.instead.of_target(), false)?;
     let surroundings = test.surroundings().to_vec();
     let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
     let sampled = |trajectory: &Trajectory, time_s: f64| {
@@ -142,69 +117,47 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         let run = run.grasp.recording.take().unwrap_or_default();
         recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
     }
-    let is_held = run.grasp.outcome == GraspOutcome::Held;
-    let executed = Executed::of(scenario.id, run);
+    let executed = Executed { scenario: scenario.id, row: PlanRow::of(&run) };
+    let is_held = executed.row.outcome == GraspOutcome::Held;
     text::answer(&executed, || executed.page(), output)?;
     Ok(if is_held { Answer::Done } else { Answer::No })
 }
 
 impl Executed {
-    fn of(scenario: String, run: PlanRun) -> Self {
-        let rose_m = run.rose_m();
-        let ended = run.grasp.world_from_object;
-        Self {
-            scenario,
-            outcome: run.grasp.outcome,
-            reach_s: run.reach_s,
-            tracking_on_the_way: run.on_the_way,
-            tracking_at_the_end: run.at_the_end,
-            contacts: run.contacts,
-            pushed_m: run.pushed_m,
-            lift_m: run.lift_m,
-            rose_m,
-            translation_error_m: run.grasp.translation_error_m,
-            rotation_error_rad: run.grasp.rotation_error_rad,
-            held_s: run.grasp.held_s,
-            contact_force_n: run.grasp.contact_force_n,
-            position_m: ended.translation.vector.into(),
-            quaternion_xyzw: ended.rotation.coords.into(),
-            simulated_s: run.grasp.simulated_s,
-        }
-    }
-
     fn page(&self) -> String {
+        let Self { scenario, row } = self;
         let off = |error: &TrackingError| {
             format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
         };
         let mut page = format!(
             "{}: {} after a way of {:.1} s{}\n  the hand was off by {} at worst, by {} at the grasp\n",
-            self.scenario,
-            self.outcome.name(),
-            self.reach_s,
-            if self.lift_m > 0.0 {
-                format!(" and a lift of {}", millimetres(self.lift_m))
+            scenario,
+            row.outcome.name(),
+            row.reach_s,
+            if row.lift_m > 0.0 {
+                format!(" and a lift of {}", millimetres(row.lift_m))
             } else {
                 String::new()
             },
-            off(&self.tracking_on_the_way),
-            off(&self.tracking_at_the_end),
+            off(&row.tracking_on_the_way),
+            off(&row.tracking_at_the_end),
         );
-        for contact in &self.contacts {
+        for contact in &row.contacts {
             let phase = if contact.is_lifting { "after closing" } else { "before closing" };
             let PlanContact { time_s, link, body, depth_m, .. } = contact;
             let depth = millimetres(*depth_m);
             let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
         }
-        if !self.contacts.iter().any(|contact| !contact.is_lifting) {
+        if !row.contacts.iter().any(|contact| !contact.is_lifting) {
             page.push_str("  nothing was touched before the hand closed\n");
         }
         let _ = writeln!(
             page,
             "  the object was pushed by {} before, rose by {}, and moved in the hand by {}, {}",
-            millimetres(self.pushed_m),
-            millimetres(self.rose_m),
-            millimetres(self.translation_error_m),
-            degrees(self.rotation_error_rad),
+            millimetres(row.pushed_m),
+            millimetres(row.rose_m),
+            millimetres(row.translation_error_m),
+            degrees(row.rotation_error_rad),
         );
         page
     }

@@ -1,6 +1,6 @@
 use cranny_grasp::{GraspSet, Hand, read_csv};
 use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, ScenarioError, TargetPhysics, is_scenario, panda_hand, read_gripper};
+use cranny_scenario::{OpenOptions, ScenarioError, is_scenario, panda_hand, read_gripper};
 use cranny_sim::GraspTest;
 
 use crate::arguments::Output;
@@ -24,11 +24,8 @@ impl Subject {
     pub fn open(arguments: &SubjectArguments, output: Output) -> Result<Self, Failure> {
         let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
         let grasps = arguments.grasps.as_deref().map(read_csv).transpose().map_err(ScenarioError::from)?;
-        let instead = TargetPhysics { mass_kg: arguments.mass, friction: arguments.friction };
-        let with_force = |mut hand: Hand| {
-            hand.closing_force_n = arguments.closing_force.unwrap_or(hand.closing_force_n);
-            hand
-        };
+        let instead = arguments.instead.of_target();
+        let with_force = |hand: Hand| arguments.instead.of_hand(hand);
         if is_scenario(&arguments.subject) {
             if arguments.pose.is_some() {
                 return Err(flag("pose", "the object stands where the scenario has it".to_owned()));

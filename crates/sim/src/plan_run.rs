@@ -29,11 +29,6 @@ impl PlanRun {
     pub fn rose_m(&self) -> f64 {
         self.grasp.world_from_object.translation.z - self.world_from_resting.translation.z
     }
-
-    /// What was touched before the hand closed.
-    pub fn contacts_before_closing(&self) -> impl Iterator<Item = &PlanContact> {
-        self.contacts.iter().filter(|contact| !contact.is_lifting)
-    }
 }
 
 /// How far an arm is from where it should be.

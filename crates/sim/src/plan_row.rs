@@ -1,0 +1,62 @@
+use serde::Serialize;
+
+use crate::{GraspOutcome, PlanContact, PlanRun, TrackingError};
+
+/// What came of an executed plan, without what was recorded. The names of the fields are those of files.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanRow {
+    /// What became of the object.
+    pub outcome: GraspOutcome,
+    /// See [`PlanRun`].
+    pub reach_s: f64,
+    /// Worst on the way to the grasp.
+    pub tracking_on_the_way: TrackingError,
+    /// At its end.
+    pub tracking_at_the_end: TrackingError,
+    /// See [`PlanRun`].
+    pub contacts: Vec<PlanContact>,
+    /// See [`PlanRun`].
+    pub pushed_m: f64,
+    /// See [`PlanRun`].
+    pub lift_m: f64,
+    /// See [`PlanRun::rose_m`].
+    pub rose_m: f64,
+    /// See [`crate::GraspRun`], as all that follows.
+    pub translation_error_m: f64,
+    /// How far the object is turned in the hand.
+    pub rotation_error_rad: f64,
+    /// How long it was where it should be.
+    pub held_s: f64,
+    /// What a finger pressed with.
+    pub contact_force_n: f64,
+    /// Where the object ended, in the planning frame.
+    pub position_m: [f64; 3],
+    /// How it lay there, of unit length.
+    pub quaternion_xyzw: [f64; 4],
+    /// What was simulated, in seconds.
+    pub simulated_s: f64,
+}
+
+impl PlanRow {
+    /// That of a run.
+    pub fn of(run: &PlanRun) -> Self {
+        let (grasp, ended) = (&run.grasp, &run.grasp.world_from_object);
+        Self {
+            outcome: grasp.outcome,
+            reach_s: run.reach_s,
+            tracking_on_the_way: run.on_the_way,
+            tracking_at_the_end: run.at_the_end,
+            contacts: run.contacts.clone(),
+            pushed_m: run.pushed_m,
+            lift_m: run.lift_m,
+            rose_m: run.rose_m(),
+            translation_error_m: grasp.translation_error_m,
+            rotation_error_rad: grasp.rotation_error_rad,
+            held_s: grasp.held_s,
+            contact_force_n: grasp.contact_force_n,
+            position_m: ended.translation.vector.into(),
+            quaternion_xyzw: ended.rotation.coords.into(),
+            simulated_s: grasp.simulated_s,
+        }
+    }
+}
