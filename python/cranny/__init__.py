@@ -35,6 +35,7 @@ from cranny._cranny import (
     sample_grasps,
     scenario_ids,
     simulate_grasps,
+    simulate_plan,
     verify_path,
 )
 from cranny.notebook import View
@@ -66,5 +67,6 @@ __all__ = [
     "sample_grasps",
     "scenario_ids",
     "simulate_grasps",
+    "simulate_plan",
     "verify_path",
 ]

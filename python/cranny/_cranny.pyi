@@ -42,6 +42,7 @@ __all__ = [
     "scenario_ids",
     "serve_trials",
     "simulate_grasps",
+    "simulate_plan",
     "verify_path",
 ]
 
@@ -420,6 +421,24 @@ def simulate_grasps(
     closing_force_n: float | None = None,
     trials: int = 0,
     seed: int = 0,
+) -> list[dict[str, Any]]: ...
+@overload
+def simulate_plan(
+    plan: Plan,
+    *,
+    lift_m: float = 0.03,
+    mass_kg: float | None = None,
+    friction: float | None = None,
+    closing_force_n: float | None = None,
+) -> dict[str, Any]: ...
+@overload
+def simulate_plan(
+    plan: Sequence[Plan],
+    *,
+    lift_m: float = 0.03,
+    mass_kg: float | None = None,
+    friction: float | None = None,
+    closing_force_n: float | None = None,
 ) -> list[dict[str, Any]]: ...
 def picture(
     scenario: Scenario,

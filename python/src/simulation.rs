@@ -1,17 +1,20 @@
-//! `simulate_grasps`: grasps of a scenario in physics.
+//! `simulate_grasps` and `simulate_plan`: grasps of a scenario and plans in physics.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use cranny_plan::robot_hand;
+use cranny_plan::{Trajectory, robot_hand};
 use cranny_scenario::{TargetPhysics, read_gripper};
-use cranny_sim::{GraspRow, GraspTest};
+use cranny_sim::{DriveSettings, GraspRow, GraspTest, JointMotion, Onward, PlanRow, PlanTest};
 use pyo3::prelude::*;
+use rayon::prelude::*;
+use serde::Serialize;
 
-use crate::fault::{bad_value, fault};
+use crate::fault::{bad_type, bad_value, fault};
 use crate::grasp_set::PyGrasps;
 use crate::interrupt::Interrupt;
 use crate::json::python_of;
+use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
 use crate::whole;
 
@@ -67,4 +70,91 @@ pub fn simulate_grasps<'py>(
         interrupt.result()?;
     }
     python_of(py, &rows?)
+}
+
+/// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path by servos within the effort
+/// limits of its URDF, the hand closes, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that
+/// carries the object on. A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
+/// "slipped", "dropped", "never-closed", "knocked-away"), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
+/// pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
+/// quaternion_xyzw, simulated_s. Of several plans, which are executed on all cores, a list of them in their order.
+///
+/// `mass_kg`, `friction` and `closing_force_n` go before what files say.
+#[pyfunction]
+#[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None))]
+pub fn simulate_plan<'py>(
+    plan: &Bound<'py, PyAny>,
+    lift_m: f64,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = plan.py();
+    let instead = Instead { physics: TargetPhysics { mass_kg, friction }, closing_force_n };
+    if let Ok(plan) = plan.cast::<PyPlan>() {
+        let plan = plan.get();
+        return python_of(py, &py.detach(|| instead.execute(plan, lift_m))?);
+    }
+    let plans: Vec<Bound<'py, PyPlan>> =
+        plan.extract().map_err(|_| bad_type("plan: a Plan or a sequence of plans is expected"))?;
+    let plans: Vec<&PyPlan> = plans.iter().map(Bound::get).collect();
+    let interrupt = Mutex::new(Interrupt::new());
+    let rows = py.detach(|| {
+        let execute = |plan: &&PyPlan| {
+            // An exception takes the place of all rows.
+            let stops = interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
+            (!stops).then(|| instead.execute(plan, lift_m)).transpose()
+        };
+        plans.par_iter().map(execute).collect::<PyResult<Option<Vec<ExecutedPlan>>>>()
+    });
+    if let Ok(interrupt) = interrupt.into_inner() {
+        interrupt.result()?;
+    }
+    python_of(py, &rows?.unwrap_or_default())
+}
+
+/// What goes before what files say.
+struct Instead {
+    physics: TargetPhysics,
+    closing_force_n: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ExecutedPlan {
+    scenario: String,
+    #[serde(flatten)]
+    row: PlanRow,
+}
+
+impl Instead {
+    fn execute(&self, plan: &PyPlan, lift_m: f64) -> PyResult<ExecutedPlan> {
+        let Some(scenario) = &plan.task.scenario else {
+            return Err(bad_value(
+                "a plan of a Scenario is expected: nobody says what a MoveItProblem's objects weigh",
+            ));
+        };
+        if plan.file.waypoints.is_empty() {
+            return Err(bad_value("the plan has no path, so there is nothing to execute"));
+        }
+        let ways = plan.file.trajectories(&plan.task.problem).map_err(fault)?;
+        let (reach, onward) = ways.ok_or_else(|| {
+            bad_value("without limits of acceleration (a limits.yaml beside the URDF) the path has no times")
+        })?;
+        let mut hand = robot_hand(&scenario.robot);
+        hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
+        let test = GraspTest::of_scenario(scenario, &hand, &self.physics, false).map_err(fault)?;
+        let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default()).map_err(fault)?;
+        let sampled = |way: &Trajectory, time_s: f64| {
+            let sample = way.sample(time_s);
+            (sample.position, sample.velocity)
+        };
+        let to_grasp = |time_s: f64| sampled(&reach, time_s);
+        let beyond = |time_s: f64| sampled(onward.as_ref().unwrap_or(&reach), time_s);
+        let then = onward.as_ref().map_or(Onward::Lift(lift_m), |way| {
+            Onward::Follow(JointMotion { duration_s: way.duration_s(), at: &beyond })
+        });
+        let reach = JointMotion { duration_s: reach.duration_s(), at: &to_grasp };
+        let run = test.run(reach, then, false).map_err(fault)?;
+        Ok(ExecutedPlan { scenario: scenario.id.clone(), row: PlanRow::of(&run) })
+    }
 }

@@ -65,6 +65,31 @@ def test_what_weighs_too_much_is_not_held() -> None:
     assert row["held_s"] < 1.0
 
 
+def test_the_package_and_the_command_line_execute_a_plan_alike(tmp_path: Path) -> None:
+    plan = cranny.plan(cranny.Scenario("021"), "ik-rrt", iterations=3000, margin_m=0.005, grasp_margin_m=0.001)
+    plan.save(tmp_path / "a.plan.json")
+    row = cranny.simulate_plan(plan, lift_m=0.05)
+    words = ["simulate", "plan", "021", str(tmp_path / "a.plan.json"), "--lift", "50", "--json"]
+    answer = subprocess.run([program(), *words], check=False, capture_output=True)
+    assert row == json.loads(answer.stdout)
+    assert row["scenario"] == "021"
+    # A batch has a row for each, in their order.
+    heavy, light = (cranny.simulate_plan([plan, plan], lift_m=lift_m, mass_kg=mass_kg) for lift_m, mass_kg in [(0, 50), (0.05, None)])
+    assert light == [row, row]
+    assert heavy[0] == heavy[1] != row
+    assert cranny.simulate_plan([]) == []
+
+
+def test_what_is_no_plan_is_not_executed() -> None:
+    plan = cranny.plan(cranny.Scenario("021"), iterations=1)
+    with pytest.raises(ValueError, match="no path"):
+        cranny.simulate_plan(plan)
+    with pytest.raises(TypeError, match="a Plan or a sequence"):
+        cranny.simulate_plan("021.plan.json")  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match="a Plan or a sequence"):
+        cranny.simulate_plan([plan, None])  # type: ignore[list-item]
+
+
 def test_bad_input_is_refused() -> None:
     scenario = cranny.Scenario("021")
     with pytest.raises(cranny.CrannyError, match="closing force"):
