@@ -2,35 +2,50 @@
 
     python benchmarks/compare_engines.py CRANNY SCENARIO… [--support-only]
 
-CRANNY is the program; the package `cranny[mujoco]` must be installed. Prints a row of Markdown for each scenario and the
-kinds of disagreement.
+CRANNY is the program; the package `cranny[mujoco]` must be installed. Prints a row of Markdown for each scenario, and for
+each kind of disagreement how many grasps and the first of them, which `cranny simulate grasps SCENARIO --grasp K --record
+k.gif` shows.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import tempfile
-from collections import Counter
+from collections import defaultdict
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from pathlib import Path
 
 from cranny import mujoco_grasps
 
 
-def second_opinion(path: str, index: int) -> str:
+MODEL: mujoco_grasps.GraspModel
+"""That of the process."""
+
+RARE = 0.1
+"""The share of the rarer outcome from which on κ says anything."""
+
+
+def read_model(path: str) -> None:
+    """Makes the model of a process."""
+    global MODEL
+    MODEL = mujoco_grasps.GraspModel(mujoco_grasps.load(path))
+
+
+def second_opinion(index: int) -> str:
     """What MuJoCo says of one grasp."""
-    return mujoco_grasps.GraspModel(mujoco_grasps.load(path)).run(index).outcome
+    return MODEL.run(index).outcome
 
 
 def kappa(first: list[bool], second: list[bool]) -> tuple[float, float]:
-    """Raw agreement and Cohen's κ."""
+    """Raw agreement and Cohen's κ, NaN where one outcome is rare."""
     count = len(first)
     agreed = sum(a == b for a, b in zip(first, second)) / count
     chance = sum((first.count(kind) / count) * (second.count(kind) / count) for kind in (True, False))
-    return agreed, (agreed - chance) / (1.0 - chance) if chance < 1.0 else float("nan")
+    rarer = min(kinds.count(kind) / count for kinds in (first, second) for kind in (True, False))
+    return agreed, (agreed - chance) / (1.0 - chance) if rarer > RARE else float("nan")
 
 
 def main() -> None:
@@ -50,15 +65,19 @@ def main() -> None:
                 [arguments.cranny, "simulate", "grasps", scenario, *flags, "--json", "-q"], stdout=subprocess.PIPE
             )
             ours = [row["outcome"] for row in json.loads(answer.stdout)["rows"]]
-            with ProcessPoolExecutor() as pool:
-                theirs = list(pool.map(partial(second_opinion, path), range(len(ours)), chunksize=10))
+            with ProcessPoolExecutor(initializer=read_model, initargs=(path,)) as pool:
+                theirs = list(pool.map(second_opinion, range(len(ours)), chunksize=10))
         agreed, agreement = kappa([o == "held" for o in ours], [t == "held" for t in theirs])
         same = sum(o == t for o, t in zip(ours, theirs)) / len(ours)
-        kinds = Counter((o, t) for o, t in zip(ours, theirs) if o != t)
-        said = ", ".join(f"{o} / {t} {count}" for (o, t), count in kinds.most_common())
+        kinds: dict[tuple[str, str], list[int]] = defaultdict(list)
+        for grasp, kind in enumerate(zip(ours, theirs)):
+            if kind[0] != kind[1]:
+                kinds[kind].append(grasp)
+        most_first = sorted(kinds.items(), key=lambda item: -len(item[1]))
+        said = ", ".join(f"{o} / {t} {len(all_)} ({all_[0]})" for (o, t), all_ in most_first)
         print(
             f"| {Path(scenario).name} | {ours.count('held')} of {len(ours)} | {theirs.count('held')} | {agreed:.1%} | "
-            f"{agreement:.2f} | {same:.1%} | {said} |",
+            f"{'' if math.isnan(agreement) else f'{agreement:.2f}'} | {same:.1%} | {said} |",
             flush=True,
         )
 
