@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use cranny_plan::{Trajectory, robot_hand};
 use cranny_scenario::{TargetPhysics, read_gripper};
-use cranny_sim::{DriveSettings, GraspRow, GraspTest, JointMotion, Onward, PlanRow, PlanTest};
+use cranny_sim::{DriveSettings, GraspRow, GraspTest, PlanRow, PlanTest};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -136,25 +136,15 @@ impl Instead {
         if plan.file.waypoints.is_empty() {
             return Err(bad_value("the plan has no path, so there is nothing to execute"));
         }
-        let ways = plan.file.trajectories(&plan.task.problem).map_err(fault)?;
-        let (reach, onward) = ways.ok_or_else(|| {
+        let cell = plan.task.problem.cell().map(AsRef::as_ref);
+        let timed = plan.file.trajectory(&scenario.robot, cell).map_err(fault)?.ok_or_else(|| {
             bad_value("without limits of acceleration (a limits.yaml beside the URDF) the path has no times")
         })?;
         let mut hand = robot_hand(&scenario.robot);
         hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
         let test = GraspTest::of_scenario(scenario, &hand, &self.physics, false).map_err(fault)?;
         let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default()).map_err(fault)?;
-        let sampled = |way: &Trajectory, time_s: f64| {
-            let sample = way.sample(time_s);
-            (sample.position, sample.velocity)
-        };
-        let to_grasp = |time_s: f64| sampled(&reach, time_s);
-        let beyond = |time_s: f64| sampled(onward.as_ref().unwrap_or(&reach), time_s);
-        let then = onward.as_ref().map_or(Onward::Lift(lift_m), |way| {
-            Onward::Follow(JointMotion { duration_s: way.duration_s(), at: &beyond })
-        });
-        let reach = JointMotion { duration_s: reach.duration_s(), at: &to_grasp };
-        let run = test.run(reach, then, false).map_err(fault)?;
+        let run = test.run(&timed, lift_m, false).map_err(fault)?;
         Ok(ExecutedPlan { scenario: scenario.id.clone(), row: PlanRow::of(&run) })
     }
 }

@@ -2,12 +2,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_plan::{Trajectory, robot_hand};
+use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, read_waypoints};
-use cranny_sim::{
-    DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, PlanContact, PlanRow, PlanTest,
-    TrackingError,
-};
+use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanTest, TrackingError};
 use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
 
@@ -99,19 +96,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let test = GraspTest::of_scenario(&scenario, &hand, &arguments.instead.of_target(), false)?;
     let surroundings = test.surroundings().to_vec();
     let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
-    let sampled = |trajectory: &Trajectory, time_s: f64| {
-        let sample = trajectory.sample(time_s);
-        (sample.position, sample.velocity)
-    };
-    let (reach, onward) = (timed.reach(), timed.onward());
-    let to_grasp = |time_s: f64| sampled(reach, time_s);
-    let reach = JointMotion { duration_s: reach.duration_s(), at: &to_grasp };
-    let beyond = |time_s: f64| onward.map_or_else(|| to_grasp(time_s), |way| sampled(way, time_s));
-    let then = match onward {
-        Some(way) => Onward::Follow(JointMotion { duration_s: way.duration_s(), at: &beyond }),
-        None => Onward::Lift(lift_m),
-    };
-    let mut run = test.run(reach, then, recorded.is_some())?;
+    let mut run = test.run(&timed, lift_m, recorded.is_some())?;
     waiting.finish_and_clear();
     if let Some((file, kind)) = recorded {
         let run = run.grasp.recording.take().unwrap_or_default();

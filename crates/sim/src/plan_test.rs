@@ -1,6 +1,8 @@
 use std::sync::Arc;
 
+use cranny_plan::Trajectory;
 use cranny_robot::{IkSettings, IkSolver, LinkFrames, Robot};
+use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, PoseDifference};
 use rapier3d_f64::prelude::ColliderHandle;
 
@@ -11,24 +13,6 @@ use crate::grasp_trial::GraspTrial;
 use crate::gripper::Gripper;
 use crate::plan_run::{PlanContact, PlanRun, TrackingError};
 use crate::{Disturbance, DriveSettings, GraspTest, RecordedBody, SimError};
-
-/// A motion of the joints in time.
-#[derive(Clone, Copy)]
-pub struct JointMotion<'a> {
-    /// How long it takes, in seconds.
-    pub duration_s: f64,
-    /// Where the joints are to be at a time, and how fast: (m, rad) and (m/s, rad/s).
-    pub at: &'a dyn Fn(f64) -> (Vec<f64>, Vec<f64>),
-}
-
-/// What the arm does with what is in the hand.
-#[derive(Clone, Copy)]
-pub enum Onward<'a> {
-    /// Lifts it straight up, so far, in metres.
-    Lift(f64),
-    /// Follows another part of the plan.
-    Follow(JointMotion<'a>),
-}
 
 /// A robot that does what a plan says: its joints follow the timed path, the hand closes, and the arm lifts straight up
 /// what is then in it. The object lies on its support all the while.
@@ -54,33 +38,26 @@ impl PlanTest {
         Ok(Self { test, robot, arm })
     }
 
-    /// Follows a motion to the grasp, closes the hand, and goes on.
+    /// Follows a path to the grasp, closes the hand, and follows it on; a path that ends at the grasp is followed by a lift
+    /// straight up, by `lift_m`.
     ///
     /// # Errors
-    /// [`SimError::Figure`] for a lift out of its range or a motion that is too long.
+    /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
     ///
     /// # Panics
-    /// If a motion is not one of the robot's joints.
-    pub fn run(
-        &self,
-        reach: JointMotion<'_>,
-        onward: Onward<'_>,
-        is_recorded: bool,
-    ) -> Result<PlanRun, SimError> {
-        let (lift_m, onward_s) = match onward {
-            Onward::Lift(lift_m) => (lift_m, 0.0),
-            Onward::Follow(motion) => (0.0, motion.duration_s),
-        };
-        for (figure, value, range, (least, greatest)) in [
-            ("lift", lift_m, "from 0 to 1 m", (0.0, 1.0)),
-            ("time of the motion", reach.duration_s, "from 0 to 600 s", (0.0, 600.0)),
-            ("time of the motion", onward_s, "from 0 to 600 s", (0.0, 600.0)),
+    /// If the path is not one of the robot's joints.
+    pub fn run(&self, path: &TaskTrajectory, lift_m: f64, is_recorded: bool) -> Result<PlanRun, SimError> {
+        let (reach, onward) = (path.reach(), path.onward());
+        let lift_m = if onward.is_some() { 0.0 } else { lift_m };
+        for (figure, value, range, most) in [
+            ("lift", lift_m, "from 0 to 1 m", 1.0),
+            ("time of the motion", path.duration_s(), "from 0 to 600 s", 600.0),
         ] {
-            if !(least..=greatest).contains(&value) {
+            if !(0.0..=most).contains(&value) {
                 return Err(SimError::Figure { figure, value, range });
             }
         }
-        let (start, end) = ((reach.at)(0.0).0, (reach.at)(reach.duration_s).0);
+        let [start, end] = [0.0, reach.duration_s()].map(|time_s| reach.sample(time_s).position);
         let mut executed = Execution::new(self, &start, is_recorded);
         executed.rest(STANDING_S);
         let world_from_resting = executed.trial.world_from_object();
@@ -90,20 +67,20 @@ impl PlanTest {
         let pushed_m = (executed.trial.world_from_object() * resting - world_from_resting * resting).norm();
         let lift = Lift::new(&self.robot, &end, lift_m);
         let Execution { trial, arm, mut contacts, began_steps, .. } = executed;
-        let moving_s = match onward {
-            Onward::Lift(_) => self.test.course.lift_s,
-            Onward::Follow(motion) => motion.duration_s,
-        };
+        let moving_s = onward.map_or(self.test.course.lift_s, Trajectory::duration_s);
         let grasp = trial.grasp(moving_s + RESTING_S, &mut |trial, time_s| {
             let (q, velocity) = match onward {
-                Onward::Lift(_) => lift.at(time_s, moving_s),
-                Onward::Follow(motion) => (motion.at)(time_s.min(moving_s)),
+                None => lift.at(time_s, moving_s),
+                Some(onward) => {
+                    let sample = onward.sample(time_s);
+                    (sample.position, sample.velocity)
+                }
             };
             arm.aim(&q, &velocity, &mut trial.world);
             touched(self, trial, &arm, began_steps, true, &mut contacts);
         });
         Ok(PlanRun {
-            reach_s: reach.duration_s,
+            reach_s: reach.duration_s(),
             on_the_way,
             at_the_end,
             contacts,
@@ -154,16 +131,15 @@ impl<'a> Execution<'a> {
         self.began_steps = self.trial.steps();
     }
 
-    /// Follows a motion; with the worst of the tracking errors.
-    fn follow(&mut self, motion: JointMotion<'_>) -> TrackingError {
+    /// Follows a path; with the worst of the tracking errors.
+    fn follow(&mut self, path: &Trajectory) -> TrackingError {
         let mut worst = TrackingError::default();
-        let steps = self.steps(motion.duration_s);
+        let steps = self.steps(path.duration_s());
         for step in 1..=steps {
-            let time_s = motion.duration_s * f64::from(step) / f64::from(steps);
-            let (q, velocity) = (motion.at)(time_s);
-            self.arm.aim(&q, &velocity, &mut self.trial.world);
+            let sample = path.sample(path.duration_s() * f64::from(step) / f64::from(steps));
+            self.arm.aim(&sample.position, &sample.velocity, &mut self.trial.world);
             self.trial.step_open();
-            worst = worst.worst(self.tracking_error(&q));
+            worst = worst.worst(self.tracking_error(&sample.position));
             touched(self.test, &self.trial, &self.arm, self.began_steps, false, &mut self.contacts);
         }
         worst
@@ -253,12 +229,8 @@ impl Lift {
         while lifted_m < lift_m {
             let next_m = (lifted_m + RUNG_M).min(lift_m);
             let target = Pose::translation(0.0, 0.0, next_m) * world_from_gripper;
-            let last = &rungs[rungs.len() - 1];
-            let Some(next) = solver.solve_from(&target, last) else { break };
-            if next.q.iter().zip(last).any(|(a, b)| (a - b).abs() > JUMP) {
-                break;
-            }
-            rungs.push(next.q);
+            let Some(next) = solver.step_from(&target, &rungs[rungs.len() - 1]) else { break };
+            rungs.push(next);
             lifted_m = next_m;
         }
         Self { rungs, lift_m: lifted_m }
@@ -284,5 +256,3 @@ impl Lift {
 
 /// Between two configurations of a lift, in metres.
 const RUNG_M: f64 = 0.001;
-/// A joint that moves by more between them jumps (m, rad).
-const JUMP: f64 = 0.1;

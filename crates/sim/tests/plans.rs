@@ -4,16 +4,17 @@ use std::sync::{Arc, LazyLock};
 
 use cranny_collision::Body;
 use cranny_grasp::Hand;
+use cranny_plan::{MotionLimits, TimingMethod, Trajectory};
 use cranny_robot::{HandDescription, IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
-use cranny_sim::{
-    Course, DriveSettings, GraspOutcome, GraspTest, JointMotion, Onward, Physics, PlanRun, PlanTest, SimError,
-};
+use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRun, PlanTest, SimError};
+use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
 const URDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.urdf");
 const HAND: &str = include_str!("../../../robots/panda_mobile/hand.yaml");
+const LIMITS: &str = include_str!("../../../robots/panda_mobile/limits.yaml");
 const SRDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.srdf");
 
 /// How high the table is, in metres, and half a cube.
@@ -25,6 +26,7 @@ fn robot(urdf: &str) -> Arc<Robot> {
         |name: &str, text: &str| cranny_robot::TextSource::Text { name: name.into(), text: text.into() };
     let options = RobotOptions {
         srdf: Some(text("panda.srdf", SRDF)),
+        limits: Some(text("limits.yaml", LIMITS)),
         known_hands: vec![HandDescription::parse(HAND, "hand.yaml").unwrap()],
         tip: Some("panda_grasptarget".to_owned()),
         ..RobotOptions::default()
@@ -70,17 +72,14 @@ fn way(below_m: f64) -> [Vec<f64>; 2] {
     [start, end]
 }
 
-fn run(robot: &Arc<Robot>, test: GraspTest, [start, end]: &[Vec<f64>; 2]) -> PlanRun {
-    const REACH_S: f64 = 2.0;
-    let motion = |time_s: f64| {
-        let share = time_s / REACH_S;
-        let along = share * share * (3.0 - 2.0 * share);
-        let speed = 6.0 * share * (1.0 - share) / REACH_S;
-        let each = start.iter().zip(end);
-        each.map(|(a, b)| (a + along * (b - a), speed * (b - a))).unzip()
-    };
+fn timed(robot: &Robot, way: &[Vec<f64>; 2]) -> TaskTrajectory {
+    let limits = MotionLimits::of(robot, TimingMethod::TimeOptimal).unwrap();
+    TaskTrajectory::new(Trajectory::along(way, &limits).unwrap(), None)
+}
+
+fn run(robot: &Arc<Robot>, test: GraspTest, way: &[Vec<f64>; 2]) -> PlanRun {
     let plan = PlanTest::new(test, robot.clone(), DriveSettings::default()).unwrap();
-    plan.run(JointMotion { duration_s: REACH_S, at: &motion }, Onward::Lift(0.03), true).unwrap()
+    plan.run(&timed(robot, way), 0.03, true).unwrap()
 }
 
 #[test]
@@ -137,10 +136,14 @@ fn arms_that_cannot_be_simulated_are_refused() {
     assert!(fault.to_string().contains("frequency of the drives"), "{fault}");
     let plan = PlanTest::new(test(0.2, 0.5), PANDA.clone(), drives).unwrap();
     let [start, _] = way(0.0);
-    let still = |_: f64| (start.clone(), vec![0.0; 9]);
-    for (reach_s, lift_m, said) in [(f64::NAN, 0.03, "time of the motion"), (1.0, -0.1, "lift")] {
-        let motion = JointMotion { duration_s: reach_s, at: &still };
-        let fault = plan.run(motion, Onward::Lift(lift_m), false).unwrap_err();
+    let sideways = |m: f64| {
+        let mut end = start.clone();
+        end[0] += m;
+        timed(&PANDA, &[start.clone(), end])
+    };
+    for (path, lift_m, said) in [(sideways(800.0), 0.03, "time of the motion"), (sideways(0.1), -0.1, "lift")]
+    {
+        let fault = plan.run(&path, lift_m, false).unwrap_err();
         assert!(fault.to_string().contains(said), "{fault}");
     }
 }
