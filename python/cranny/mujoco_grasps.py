@@ -102,6 +102,9 @@ class GraspModel:
         course = self.experiment["course"]
         world_from_grasp = self.grasp(index)
         self.open_at(world_from_grasp)
+        blocked = self._blocked()
+        if blocked is not None:
+            return GraspRun(blocked, 0.0, 0.0, 0.0, 0.0)
         self.model.opt.gravity[:] = self._gravity if self.experiment["is_carried"] else 0.0
         world_from_rest = self._world_from_object()
         force_n = self._close()
@@ -165,6 +168,21 @@ class GraspModel:
             known = forces[finger]
             forces[finger] = force if known is None else known + force
         return [None if force is None else float(np.linalg.norm(force)) for force in forces]
+
+    def _blocked(self) -> str | None:
+        """How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
+        cannot close there."""
+        self._move_palm(self._world_from_palm)
+        self._mujoco.mj_forward(self.model, self.data)
+        hand = {self.model.body("palm").id, *self._finger_of_body}
+        blocked = None
+        for contact in self.data.contact[: self.data.ncon]:
+            bodies = {int(body) for body in self.model.geom_bodyid[contact.geom]}
+            if contact.dist < -self.experiment["blocked_m"] and bodies & hand:
+                if self._object_body in bodies:
+                    return "knocked-away"
+                blocked = "never-closed"
+        return blocked
 
     def _close(self) -> float | None:
         """Closes the hand. With what the fingers press while they are still, the mean (N); None if not all of them touch

@@ -44,7 +44,8 @@ pub enum SimulateCommand {
 The object comes to rest; the open hand stands at the grasp, closes with its closing force, lifts 100 mm and shakes
 along and about each axis (10 mm, 10°, 5 Hz). held: the object is then within 10 mm and 15° of where it was in the
 hand; slipped: elsewhere in it; dropped: no longer touched; never-closed: the fingers found nothing; knocked-away: and
-pushed it off. What simulators say of real grasps is right for about 85 in 100.")]
+pushed it off. An open hand that stands in the object (knocked-away) or with a finger in what is around (never-closed) by
+more than 1 mm begins nothing. What simulators say of real grasps is right for about 85 in 100.")]
 pub struct SimulateGraspsArguments {
     #[command(flatten)]
     pub subject: SubjectArguments,

@@ -6,6 +6,8 @@ use cranny_shape::ShapeError;
 use cranny_spatial::nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::{Matrix, Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
+use rapier3d_f64::parry::bounding_volume::BoundingVolume;
+use rapier3d_f64::parry::query;
 use rapier3d_f64::prelude::{
     ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group,
     InteractionGroups, InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SolverContactGeneric,
@@ -81,6 +83,9 @@ pub(crate) fn colliders(
     friction: f64,
     groups: InteractionGroups,
 ) -> Result<Vec<Collider>, SimError> {
+    // What stands keeps the contacts of the engine: of those some come and go with every breath, and would take the ground
+    // with them.
+    let hooks = if groups == HAND { ActiveHooks::MODIFY_SOLVER_CONTACTS } else { ActiveHooks::empty() };
     let collider = |piece: &Piece| {
         let (place, shape) = shape(piece).ok_or_else(|| SimError::Shape {
             of: of.to_owned(),
@@ -93,7 +98,7 @@ pub(crate) fn colliders(
             .friction_combine_rule(CoefficientCombineRule::Max)
             .restitution(0.0)
             .collision_groups(groups)
-            .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+            .active_hooks(hooks)
             .build())
     };
     pieces.iter().map(collider).collect()
@@ -118,6 +123,16 @@ fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {
         }
         PieceShape::HalfSpace => (place, SharedShape::halfspace(RapierVector::Z)),
     })
+}
+
+/// How deep a collider is in another, in metres; 0 if it is not. Only the other one may be a half-space.
+pub(crate) fn depth_m(own: &Collider, other: &Collider) -> f64 {
+    if !own.compute_aabb().intersects(&other.compute_aabb()) {
+        return 0.0;
+    }
+    // In this order: a half-space that comes second the engine sees from the wrong side.
+    let contact = query::contact(other.position(), other.shape(), own.position(), own.shape(), 0.0);
+    contact.ok().flatten().map_or(0.0, |contact| -contact.dist)
 }
 
 /// Mass, centre of mass, and inertia about it.

@@ -2,7 +2,7 @@ use cranny_spatial::Pose;
 use serde::Serialize;
 
 use crate::grasp_test::STILL_S;
-use crate::grasp_trial::{CLOSED_SHARE, CLOSING_GRACE_S, LOST_M};
+use crate::grasp_trial::{BLOCKED_M, CLOSED_SHARE, CLOSING_GRACE_S, LOST_M};
 use crate::object_model::STILL_M_PER_S;
 use crate::{Course, GraspTest, mjcf};
 
@@ -34,6 +34,9 @@ pub struct Experiment {
     pub strokes_m: Vec<f64>,
     /// What the hand does, and what counts as slipped.
     pub course: Course,
+    /// An open hand that is deeper than this in the object, or with a finger in what stands around, begins no grasp, in
+    /// metres.
+    pub blocked_m: f64,
     /// What the fingers get beyond the time that their stroke takes, in seconds.
     pub closing_grace_s: f64,
     /// The share of its stroke before the end from which on a hand counts as closed on nothing.
@@ -79,6 +82,7 @@ impl GraspTest {
             drive_stiffness: self.physics.drive_stiffness,
             strokes_m: self.hand.fingers.iter().map(|finger| finger.stroke_m).collect(),
             course: self.course,
+            blocked_m: BLOCKED_M,
             closing_grace_s: CLOSING_GRACE_S,
             closed_share: CLOSED_SHARE,
             still_speed: STILL_M_PER_S,

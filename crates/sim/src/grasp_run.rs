@@ -15,9 +15,10 @@ pub enum GraspOutcome {
     Slipped,
     /// No finger touches it any more.
     Dropped,
-    /// The fingers found nothing to press on, and the object is where it was.
+    /// The fingers found nothing to press on, and the object is where it was; or one stood in what is around from the
+    /// beginning.
     NeverClosed,
-    /// They found nothing, and have pushed the object away.
+    /// They found nothing, and have pushed the object away; or the open hand stood in it from the beginning.
     KnockedAway,
 }
 

@@ -15,7 +15,7 @@ use crate::{Course, Disturbance, GraspRun, Physics, Piece, SimError, engine};
 /// A test has these steps:
 /// 1. The object comes to rest where it stands, without the hand; where nothing carries it, it floats until the hand has
 ///    closed.
-/// 2. The open hand is at the grasp, and closes: with its closing force at most, until the fingers are still.
+/// 2. The open hand is at the grasp, more than 1 mm deep in nothing (a grasp without such a place ends here), and closes: with its closing force at most, until the fingers are still.
 /// 3. It takes its [`Course`] with the object, palm first: what stands around stops fingers and object, not the palm.
 /// 4. The outcome is what is then in the hand.
 #[derive(Clone, Debug)]

@@ -1,5 +1,5 @@
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
-use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
+use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 
 use crate::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
@@ -14,6 +14,10 @@ pub(crate) const CLOSED_SHARE: f64 = 1e-3;
 
 /// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
 pub(crate) const LOST_M: f64 = 0.15;
+
+/// An open hand that is deeper than this in the object, or with a finger in what stands around, is where none can be: no
+/// grasp begins there, in metres. What overlaps, engines drive apart, each in its own way.
+pub(crate) const BLOCKED_M: f64 = 0.001;
 
 /// Between two moments of a recording, in seconds.
 const RECORDED_EVERY_S: f64 = 0.02;
@@ -89,11 +93,32 @@ impl<'a> GraspTrial<'a> {
             // Farther away than anything can be, and than the engine can count.
             return self.ended(GraspOutcome::NeverClosed, (0.0, 0.0), 0.0, 0.0);
         }
+        if let Some(outcome) = self.blocked() {
+            return self.ended(outcome, (0.0, 0.0), 0.0, 0.0);
+        }
         let course = self.test.course;
         self.grasp(course.duration_s(), &mut |trial, time_s| {
             let next = course.world_from_hand(world_from_hand, time_s);
             trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
         })
+    }
+
+    /// How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
+    /// cannot close there.
+    fn blocked(&self) -> Option<GraspOutcome> {
+        let world = &self.world;
+        let of_body = |body: RigidBodyHandle| {
+            world.bodies[body].colliders().iter().map(|&collider| &world.colliders[collider])
+        };
+        let around =
+            || world.colliders.iter().map(|(_, other)| other).filter(|other| other.parent().is_none());
+        let is_in = |own: &Collider, other: &Collider| engine::depth_m(own, other) > BLOCKED_M;
+        let fingers = || self.gripper.fingers.iter().copied().flat_map(of_body);
+        let mut hand = of_body(self.gripper.palm).chain(fingers());
+        if hand.any(|own| of_body(self.object).any(|other| is_in(own, other))) {
+            return Some(GraspOutcome::KnockedAway);
+        }
+        fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
     }
 
     /// Closes the hand and, if it holds anything, has it moved for so long; `advance` hears of each step before it is

@@ -67,6 +67,25 @@ fn what_is_not_between_the_fingers_is_not_closed_on() {
 }
 
 #[test]
+fn an_open_hand_that_stands_in_something_begins_no_grasp() {
+    let beside = Pose::translation(0.0, 0.03, 0.0) * from_above(0.0);
+    let in_cube = run(&floating(&cube(0.2, 0.5)), &beside);
+    let floor = Body::floor(-0.02);
+    let standing = GraspTest::new(
+        &hand(),
+        &cube(0.2, 0.5),
+        Pose::identity(),
+        &[floor],
+        Physics::default(),
+        Course::default(),
+    );
+    let in_floor = run(&standing.unwrap(), &from_above(-0.02));
+    for (run, outcome) in [(in_cube, GraspOutcome::KnockedAway), (in_floor, GraspOutcome::NeverClosed)] {
+        assert_eq!((run.outcome, run.simulated_s), (outcome, 0.0), "{run:?}");
+    }
+}
+
+#[test]
 fn what_lies_is_lifted_off_what_carries_it() {
     let floor =
         Body::new("table", Pose::translation(0.0, 0.0, 0.25), Solid::cuboid(Vector::repeat(0.25)).unwrap());
