@@ -1,10 +1,10 @@
 use std::sync::Arc;
 
 use cranny_robot::{JointLimits, LinkFrames, Robot};
-use cranny_shape::{overlap, quick_lower_bound};
-use cranny_spatial::ROUNDING_M;
+use cranny_shape::{Solid, overlap, quick_lower_bound, reaches};
+use cranny_spatial::{ROUNDING_M, Vector};
 
-use crate::link_body::{LinkBody, group_reaches};
+use crate::link_body::LinkBody;
 use crate::pairs::{Other, Pair};
 use crate::single_lane::Verdict;
 use crate::travel::Travel;
@@ -91,11 +91,13 @@ impl JointTable {
             travel: Travel::new(robot, bodies),
             q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
             slope: vec![0.0; robot.dof()],
+            doubts: Vec::new(),
         };
         for table in &mut tables {
             builder.robot.forward_kinematics(&builder.q, &mut builder.frames);
             let mut cells = vec![!CONTACT; SIDE * SIDE];
-            builder.fill(table, &mut cells, [0, 0], SIDE, table.all_pairs());
+            builder.doubt_all(table);
+            builder.fill(table, &mut cells, [0, 0], SIDE, 0);
             table.cells = cells.into();
             table.asked = table.all_pairs() | CONTACT;
         }
@@ -171,30 +173,66 @@ struct Builder<'a> {
     travel: Travel,
     q: Vec<f64>,
     slope: Vec<f64>,
+    /// What is in doubt in the squares around the one at hand, from the outermost in: in each the doubts of one pair stand
+    /// together.
+    doubts: Vec<Doubt>,
+}
+
+/// Two solids of a pair of links that may come too close.
+#[derive(Clone, Copy, Debug)]
+struct Doubt {
+    /// The bit of the pair.
+    bit: usize,
+    /// By their numbers among the solids of the links.
+    solids: [usize; 2],
 }
 
 impl Builder<'_> {
-    /// Decides the square of cells from `corner`: as a whole if that can be, else by quarters. `doubtful` are
-    /// the pairs that were in doubt in the square around it.
-    fn fill(&mut self, table: &JointTable, cells: &mut [u8], corner: [usize; 2], side: usize, doubtful: u8) {
+    /// All solids of all pairs.
+    fn doubt_all(&mut self, table: &JointTable) {
+        self.doubts.clear();
+        for (bit, &pair) in table.pairs.iter().enumerate() {
+            let Pair { first, second: Other::Link { body, .. }, .. } = self.pairs[pair as usize] else {
+                continue;
+            };
+            let [first, second] = [first, body].map(|body| self.bodies[body].shapes.len());
+            for one in 0..first {
+                self.doubts.extend((0..second).map(|other| Doubt { bit, solids: [one, other] }));
+            }
+        }
+    }
+
+    /// Decides the square of cells from `corner`: as a whole if that can be, else by quarters. What was in doubt in the
+    /// square around it stands from `first_doubt` on.
+    fn fill(
+        &mut self,
+        table: &JointTable,
+        cells: &mut [u8],
+        corner: [usize; 2],
+        side: usize,
+        first_doubt: usize,
+    ) {
         // A pose that depends on one joint is looked up on the diagonal only.
         if table.joints[0] == table.joints[1] && corner[0] != corner[1] {
             return;
         }
-        let verdict = self.square(table, corner, side, doubtful);
+        let own_doubt = self.doubts.len();
+        let verdict = self.square(table, corner, side, first_doubt);
         if verdict != 0 && verdict & CONTACT == 0 && side > 1 {
             let half = side / 2;
             for (x, y) in [(0, 0), (0, half), (half, 0), (half, half)] {
-                self.fill(table, cells, [corner[0] + x, corner[1] + y], half, verdict);
+                self.fill(table, cells, [corner[0] + x, corner[1] + y], half, own_doubt);
             }
-            return;
+        } else {
+            for x in corner[0]..corner[0] + side {
+                cells[x * SIDE + corner[1]..][..side].fill(verdict);
+            }
         }
-        for x in corner[0]..corner[0] + side {
-            cells[x * SIDE + corner[1]..][..side].fill(verdict);
-        }
+        self.doubts.truncate(own_doubt);
     }
 
-    fn square(&mut self, table: &JointTable, corner: [usize; 2], side: usize, doubtful: u8) -> u8 {
+    /// Adds what is in doubt in the square.
+    fn square(&mut self, table: &JointTable, corner: [usize; 2], side: usize, first_doubt: usize) -> u8 {
         self.slope.fill(0.0);
         for (joint, corner) in table.joints.into_iter().zip(corner) {
             let limits = &self.robot.limits()[joint];
@@ -203,46 +241,57 @@ impl Builder<'_> {
             self.slope[joint] = cell * (0.5 * side as f64 + overhang(limits));
         }
         self.robot.update_kinematics(&self.q, &table.joints, &mut self.frames);
-        let mut left = 0;
-        for (bit, &index) in table.pairs.iter().enumerate().filter(|(bit, _)| doubtful >> bit & 1 == 1) {
-            match self.pair(&self.pairs[index as usize]) {
+        let (mut left, mut next, end) = (0, first_doubt, self.doubts.len());
+        while next < end {
+            let bit = self.doubts[next].bit;
+            let of_pair = self.doubts[next..end].iter().take_while(|doubt| doubt.bit == bit).count();
+            match self.pair(&self.pairs[table.pairs[bit] as usize], next..next + of_pair) {
                 Verdict::Contact => return CONTACT | table.all_pairs(),
                 Verdict::Doubt => left |= 1 << bit,
                 Verdict::Free => {}
             }
+            next += of_pair;
         }
         left
     }
 
     /// Certifies a pair for all configurations that are no farther from `q` than `slope` in any joint: each
-    /// lies on a straight motion from `q` whose slope is no greater.
-    fn pair(&mut self, pair: &Pair) -> Verdict {
+    /// lies on a straight motion from `q` whose slope is no greater. Of these doubts those that are left are added.
+    fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
         for body in [pair.first, body] {
             self.travel.update_body(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
-        let [first, second] = [&self.bodies[pair.first], &self.bodies[body]];
+        let links = [pair.first, body].map(|body| &self.bodies[body]);
         let enough_m = pair.required_m + travel_m;
-        let [frame, other_frame] = [first, second].map(|body| self.frames.link(body.link));
-        if first.bounds.distance_bound(frame, &second.bounds, other_frame, enough_m) > enough_m {
+        let frames = links.map(|link| *self.frames.link(link.link));
+        let bounds = links.map(|link| &link.bounds);
+        if bounds[0].distance_bound(&frames[0], bounds[1], &frames[1], enough_m) > enough_m {
             return Verdict::Free;
         }
-        let others: Vec<_> = second.placed(&self.frames).collect();
-        if group_reaches(first.placed(&self.frames), &others.iter().copied(), enough_m) {
-            return Verdict::Free;
+        let first_left = self.doubts.len();
+        for index in doubts {
+            let doubt = self.doubts[index];
+            let [(pose_a, a), (pose_b, b)] = [0, 1].map(|side| {
+                let (link_from_solid, solid) = &links[side].shapes[doubt.solids[side]];
+                (frames[side] * link_from_solid, solid)
+            });
+            let bound_m = quick_lower_bound(a, &pose_a, b, &pose_b, enough_m);
+            if bound_m > enough_m || reaches(a, &pose_a, b, &pose_b, enough_m) {
+                continue;
+            }
+            let is_convex = |solid: &Solid| solid.support_point(&Vector::x()).is_some();
+            // No deeper than the balls and boxes around them.
+            let is_deep = bound_m < -travel_m
+                && is_convex(a)
+                && is_convex(b)
+                && overlap(a, &pose_a, b, &pose_b).is_some_and(|overlap| overlap.depth_m > travel_m);
+            if is_deep {
+                return Verdict::Contact;
+            }
+            self.doubts.push(doubt);
         }
-        let is_deep = |(pose_a, a): (cranny_spatial::Pose, &cranny_shape::Solid)| {
-            others.iter().any(|(pose_b, b)| {
-                let is_convex =
-                    |solid: &cranny_shape::Solid| solid.support_point(&cranny_spatial::Vector::x()).is_some();
-                // No deeper than the balls and boxes around them.
-                quick_lower_bound(a, &pose_a, b, pose_b, -travel_m) < -travel_m
-                    && is_convex(a)
-                    && is_convex(b)
-                    && overlap(a, &pose_a, b, pose_b).is_some_and(|overlap| overlap.depth_m > travel_m)
-            })
-        };
-        if first.placed(&self.frames).any(is_deep) { Verdict::Contact } else { Verdict::Doubt }
+        if self.doubts.len() > first_left { Verdict::Doubt } else { Verdict::Free }
     }
 }
