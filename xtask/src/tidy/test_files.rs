@@ -1,31 +1,35 @@
-//! Every file of tests is a module of its crate's one test program: a file that nobody names never runs.
+//! Every file of tests is a module of its crate's one test program, or a program that the manifest names: what nobody names
+//! never runs.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Files right below a crate's `tests/` which its `tests/main.rs` does not name.
+/// Files right below a crate's `tests/` which its `tests/main.rs` does not name, and programs in folders there which its
+/// `Cargo.toml` does not.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
-    let in_tests = |file: &SourceFile| {
-        let (tests, name) = file.path.rsplit_once('/')?;
-        (tests.ends_with("/tests") && file.has_extension("rs")).then(|| (tests.to_owned(), name.to_owned()))
+    let names = |path: &str, line: &str| {
+        let text = files.iter().find(|file| file.path == path).and_then(SourceFile::text);
+        text.is_some_and(|text| text.lines().any(|other| other.trim() == line))
     };
     files
         .iter()
-        .filter_map(|file| Some((file, in_tests(file)?)))
-        .filter(|(_, (tests, name))| {
-            let main = files.iter().find(|other| other.path == format!("{tests}/main.rs"));
-            let module = format!("mod {};", name.trim_end_matches(".rs"));
-            name != "main.rs"
-                && !main
-                    .and_then(SourceFile::text)
-                    .is_some_and(|text| text.lines().any(|line| line.trim() == module))
-        })
-        .map(|(file, (tests, name))| {
-            Problem::new(
-                &file.path,
-                "these tests never run".to_owned(),
-                format!("add `mod {};` to {tests}/main.rs", name.trim_end_matches(".rs")),
-            )
+        .filter_map(|file| {
+            let (member, in_tests) = file.path.split_once("/tests/")?;
+            let (path, line) = match in_tests.strip_suffix(".rs")?.split_once('/') {
+                None if in_tests == "main.rs" => return None,
+                None => {
+                    (format!("{member}/tests/main.rs"), format!("mod {};", in_tests.trim_end_matches(".rs")))
+                }
+                Some((_, "main")) => (format!("{member}/Cargo.toml"), format!("path = \"tests/{in_tests}\"")),
+                Some(_) => return None,
+            };
+            (!names(&path, &line)).then(|| {
+                Problem::new(
+                    &file.path,
+                    "these tests never run".to_owned(),
+                    format!("add `{line}` to {path}"),
+                )
+            })
         })
         .collect()
 }
@@ -39,13 +43,24 @@ mod tests {
         let main = SourceFile::of_text("crates/plan/tests/main.rs", "mod fixture;\n\nmod twins;\n");
         let named = SourceFile::of_text("crates/plan/tests/twins.rs", "");
         let helper = SourceFile::of_text("crates/plan/tests/fixture/mod.rs", "");
-        assert_eq!(check(&[main, named, helper]), []);
+        let manifest =
+            SourceFile::of_text("crates/plan/Cargo.toml", "[[test]]\npath = \"tests/oracle/main.rs\"\n");
+        let program = SourceFile::of_text("crates/plan/tests/oracle/main.rs", "");
+        assert_eq!(check(&[main, named, helper, manifest, program]), []);
 
         let main = SourceFile::of_text("crates/plan/tests/main.rs", "// mod audit;\nmod twins;\n");
         let forgotten = SourceFile::of_text("crates/plan/tests/audit.rs", "");
         let elsewhere = SourceFile::of_text("crates/robot/tests/audit.rs", "");
+        let program = SourceFile::of_text("crates/robot/tests/oracle/main.rs", "");
         let found: Vec<String> =
-            check(&[main, forgotten, elsewhere]).into_iter().map(|problem| problem.place).collect();
-        assert_eq!(found, ["crates/plan/tests/audit.rs", "crates/robot/tests/audit.rs"]);
+            check(&[main, forgotten, elsewhere, program]).into_iter().map(|problem| problem.place).collect();
+        assert_eq!(
+            found,
+            [
+                "crates/plan/tests/audit.rs",
+                "crates/robot/tests/audit.rs",
+                "crates/robot/tests/oracle/main.rs"
+            ]
+        );
     }
 }
