@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use cranny_plan::{Trajectory, robot_hand};
+use cranny_plan::robot_hand;
 use cranny_scenario::{TargetPhysics, read_gripper};
 use cranny_sim::{DriveSettings, GraspRow, GraspTest, PlanRow, PlanTest};
 use pyo3::prelude::*;
