@@ -25,7 +25,8 @@ const MOST_TRIALS: usize = 10_000;
 /// for each grasp, with the keys of `cranny simulate grasps --json`: grasp, outcome ("held", "slipped", "dropped",
 /// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, and with
 /// `trials` also robust, a dictionary of trials, held and score: each grasp is then tried so many times more with
-/// everything a little wrong, the same for all grasps; `seed` draws others.
+/// everything a little wrong, the same for all grasps; `seed` draws others. An open hand that stands more than 1 mm deep in
+/// the object ("knocked-away") or with a finger in what is around ("never-closed") begins nothing.
 ///
 /// `grasps`: in the planning frame; by default the scenario's own. `support_only`: of what stands around only what
 /// carries the target. `gripper`: a YAML file; by default the hand of the scenario's robot. `mass_kg`, `friction` and

@@ -193,7 +193,7 @@ impl Builder<'_> {
         self.doubts.clear();
         for (bit, &pair) in table.pairs.iter().enumerate() {
             let Pair { first, second: Other::Link { body, .. }, .. } = self.pairs[pair as usize] else {
-                continue;
+                unreachable!("tables are of pairs of links");
             };
             let [first, second] = [first, body].map(|body| self.bodies[body].shapes.len());
             for one in 0..first {
