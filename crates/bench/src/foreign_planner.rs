@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cranny_grasp::rows_of_pose;
 use cranny_plan::{CarryEnd, Statistics};
-use cranny_scenario::{Recipe, ScenarioError, write_panda_mobile};
+use cranny_scenario::{Recipe, ScenarioError};
 use cranny_solve::{Carry, Segment};
 use serde_json::json;
 
@@ -204,19 +204,19 @@ impl ForeignFiles {
         let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
         let scratch = folder.join("scratch");
         std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;
+        let recipe = Recipe::of_scenario(&opened.scenario)?;
         let mut files = Self {
             released: folder.join("released"),
             cranny: folder.join("cranny").join(&opened.scenario.id),
-            urdf: folder.join("robot/panda_mobile.urdf"),
+            urdf: folder.join("robot").join(recipe.robot.urdf_name()),
             scratch,
         };
         // Written last of all, so that what has it is whole.
         let mark = folder.join(format!("{}.whole", opened.problem.criterion().name()));
         let is_whole = mark.is_file();
         if !is_whole {
-            write_panda_mobile(&folder.join("robot"))?;
-            let ik = opened.goals()?.to_vec();
-            let recipe = Recipe { ik, ..Recipe::of_scenario(&opened.scenario)? };
+            recipe.robot.write(&folder.join("robot"))?;
+            let recipe = Recipe { ik: opened.goals()?.to_vec(), ..recipe };
             recipe.write_folder(&files.cranny)?;
             recipe.write_released(&files.released)?;
             std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;

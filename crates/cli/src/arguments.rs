@@ -12,6 +12,7 @@ use crate::grasps::GraspsArguments;
 use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
+use crate::robot::RobotArguments;
 use crate::scenario::ScenarioArguments;
 use crate::simulate::SimulateArguments;
 use crate::view::ViewArguments;
@@ -79,6 +80,8 @@ pub enum Command {
     Scenario(Box<ScenarioArguments>),
     /// Sample, filter and compare grasps
     Grasps(GraspsArguments),
+    /// Make a robot of your own from its URDF, check it, list those that there are
+    Robot(RobotArguments),
     /// Make objects to grasp from meshes, and show those that there are
     Object(ObjectArguments),
     /// Try grasps in physics
@@ -109,7 +112,8 @@ pub struct TaskArguments {
     /// Check pairs of links that touch in every sample too, which are left out otherwise and named
     #[arg(long)]
     pub strict_pairs: bool,
-    /// Another robot's URDF (with SRDF, limits.yaml and hand.yaml beside it) instead of the scenario's
+    /// Another robot instead of the scenario's: a built-in one (see `cranny robot list`), the folder of one, or a URDF with
+    /// SRDF, limits.yaml and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used

@@ -17,6 +17,9 @@ pub enum Failure {
     /// What cannot be simulated.
     #[error(transparent)]
     Sim(#[from] cranny_sim::SimError),
+    /// A robot that cannot be set up.
+    #[error(transparent)]
+    Setup(cranny_setup::SetupError),
     /// What is drawn, or the file of a picture.
     #[error(transparent)]
     View(#[from] cranny_view::ViewError),

@@ -83,7 +83,7 @@ impl Subject {
             None => {
                 let problem = format!(
                     "how far the gripper of {} opens stands in no file of the scenario: give it as YAML, or write a \
-                     hand.yaml beside the URDF",
+                     robot.yaml beside the URDF",
                     scenario.robot.name()
                 );
                 return Err(Failure::Flag { flag: "gripper", problem });

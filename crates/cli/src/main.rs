@@ -27,6 +27,8 @@ mod progress;
 mod recording;
 mod render;
 mod render_format;
+mod robot;
+mod robot_picture;
 mod scenario;
 mod search_replay;
 mod simulate;
@@ -75,6 +77,7 @@ fn main() -> ExitCode {
         Chosen::Object(arguments) => object::run(arguments, cli.output),
         Chosen::Simulate(arguments) => simulate::run(arguments, cli.output),
         Chosen::Bench(arguments) => bench::run(arguments, cli.output),
+        Chosen::Robot(arguments) => robot::run(arguments, cli.output),
         Chosen::Render(arguments) => render::run(arguments, cli.output),
         Chosen::View(arguments) => view::run(arguments, cli.output),
     };

@@ -7,17 +7,18 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_collision::Margins;
 use cranny_scenario::{
-    Credits, Family, OpenOptions, Recipe, Rejections, Scenario, ScenarioError, SetMaker, SetProgress,
-    SetReport, SetSettings, TemplateRobot, check, check_free_folder, mesh_repairs, pack, scenario_schema,
-    unpack, write_set, write_sweep, write_template, write_whole_folder,
+    BUILTIN_ROBOTS, Credits, Family, OpenOptions, Recipe, RecipeRobot, Rejections, Scenario, ScenarioError,
+    SchemaFile, SetMaker, SetProgress, SetReport, SetSettings, TemplateRobot, check, check_free_folder,
+    mesh_repairs, pack, unpack, write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
+use strum::VariantArray as _;
 
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::number_argument::whole;
+use crate::number_argument::{positive, whole};
 use crate::output_file;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::text;
@@ -34,8 +35,8 @@ pub enum ScenarioCommand {
     New(NewArguments),
     /// Say everything that is wrong with a scenario, with lines
     Check(CheckArguments),
-    /// Print the JSON Schema of scenario.yaml, with which editors complete and check it
-    Schema,
+    /// Print the JSON Schema of scenario.yaml, or of another file, with which editors complete and check it
+    Schema(SchemaArguments),
     /// Pack a scenario into one .zip, with checksums, author, licence and citation
     Pack(PackArguments),
     /// Unpack what `pack` made, checksums verified
@@ -55,16 +56,18 @@ pub enum ScenarioCommand {
   cranny scenario new my_shelf
   cranny scenario check my_shelf
   cranny plan my_shelf
+  cranny scenario new my_cell --robot my_arm          (a folder that `cranny robot add` made)
   cranny scenario new my_cell --robot ur5.urdf --group manipulator --tip tool0 --package ~/ros/share
 
-The files of another robot (URDF, SRDF, limits.yaml, hand.yaml, meshes) are copied to FOLDER/robot. What stands around it
+The files of a robot that is not built in (URDF, SRDF, limits.yaml, robot.yaml, meshes) are copied to FOLDER/robot. What stands around it
 and the grasps are then to be adapted to it.")]
 pub struct NewArguments {
     /// Folder to make
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// URDF of another robot than the built-in one
-    #[arg(long, value_name = "FILE")]
+    /// Another robot than panda_mobile: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made,
+    /// or a URDF
+    #[arg(long, value_name = "ROBOT")]
     pub robot: Option<PathBuf>,
     /// Its SRDF [default: the file beside the URDF with its name, if there is one]
     #[arg(long, value_name = "FILE", requires = "robot")]
@@ -78,6 +81,14 @@ pub struct NewArguments {
     /// Folder in which package:// names of the URDF are looked for; may be given more than once
     #[arg(long = "package", value_name = "FOLDER", requires = "robot")]
     pub packages: Vec<PathBuf>,
+}
+
+#[derive(Clone, Debug, Args)]
+pub struct SchemaArguments {
+    /// scenario, robot, limits or gripper
+    #[arg(value_name = "FILE", default_value = "scenario",
+          value_parser = SchemaFile::VARIANTS.iter().map(|file| file.name()).collect::<Vec<_>>())]
+    pub file: String,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -182,6 +193,8 @@ pub struct SweepArguments {
     /// Seed of the grasps
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
+    #[command(flatten)]
+    pub stage: StageArguments,
     /// Folder to make [default: FAMILY-sweep, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
@@ -191,6 +204,7 @@ pub struct SweepArguments {
 #[command(after_help = "Examples:
   cranny scenario generate --family shelf --count 1000 --seed 7
   cranny scenario generate --family gap --count 50 --from 0.3 --to 0.4 --clutter 0 -o narrow
+  cranny scenario generate --family table --count 20 --robot my_robot
 
 The object lies anywhere it may, turned at random, and boxes and cylinders stand about. A draw where the robot
 touches something at the start, things overlap or the hand can take no grasp is drawn again. The same seed
@@ -214,22 +228,48 @@ pub struct GenerateArguments {
     /// At most so many things stand about
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u8>(0..=50))]
     pub clutter: u8,
+    #[command(flatten)]
+    pub stage: StageArguments,
     /// Folder to make [default: FAMILY-SEED, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
+}
+
+/// For whom the scenes of a set are, and how large they are.
+#[derive(Clone, Debug, Args)]
+pub struct StageArguments {
+    /// The robot: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made, or a URDF
+    #[arg(long, value_name = "ROBOT", default_value = BUILTIN_ROBOTS[0].name)]
+    pub robot: PathBuf,
+    /// How much smaller than the paper's the scenes are [default: as it suits the robot's reach]
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub scale: Option<f64>,
+}
+
+impl StageArguments {
+    /// The robot, and the settings of sets of a family for it.
+    fn settings(&self, family: Family, seed: u64) -> Result<(RecipeRobot, SetSettings), Failure> {
+        let robot = RecipeRobot::load(&self.robot)?;
+        let mut settings = SetSettings::new(family, &robot, seed);
+        if let Some(scale) = self.scale {
+            settings = settings.scaled(family, scale)?;
+        }
+        Ok((robot, settings))
+    }
 }
 
 pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         ScenarioCommand::New(arguments) => {
             let NewArguments { folder, robot, srdf, group, tip, packages } = arguments.clone();
-            let robot = robot.map(|urdf| TemplateRobot { urdf, srdf, group, tip, packages });
+            let robot = robot.map(|robot| TemplateRobot { robot, srdf, group, tip, packages });
             write_template(&folder, robot.as_ref())?;
             written("folder", &arguments.folder, output)
         }
         ScenarioCommand::Check(arguments) => checked(&arguments.id, output),
-        ScenarioCommand::Schema => {
-            text::print(&scenario_schema())?;
+        ScenarioCommand::Schema(arguments) => {
+            let file: SchemaFile = arguments.file.parse().unwrap_or(SchemaFile::Scenario);
+            text::print(&file.schema())?;
             Ok(Answer::Done)
         }
         ScenarioCommand::Pack(arguments) => packed(arguments, output),
@@ -337,7 +377,8 @@ fn sweep(arguments: &SweepArguments, output: Output) -> Result<Answer, Failure> 
     let default_name = || format!("{}-sweep", family.name()).into();
     let folder = arguments.output.clone().unwrap_or_else(default_name);
     check_free_folder(&folder)?;
-    let maker = SetMaker::new(family, SetSettings::new(family, arguments.seed))?;
+    let (robot, settings) = arguments.stage.settings(family, arguments.seed)?;
+    let maker = SetMaker::new(family, robot, settings)?;
     let values = [arguments.from, arguments.to];
     let steps = arguments.steps;
     watched(&folder, steps, output, |progress| write_sweep(&maker, &folder, values, steps as usize, progress))
@@ -348,11 +389,11 @@ fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Fai
     let default_name = || format!("{}-{}", family.name(), arguments.seed).into();
     let folder = arguments.output.clone().unwrap_or_else(default_name);
     check_free_folder(&folder)?;
-    let mut settings = SetSettings::new(family, arguments.seed);
+    let (robot, mut settings) = arguments.stage.settings(family, arguments.seed)?;
     settings.parameter_m[0] = arguments.from.unwrap_or(settings.parameter_m[0]);
     settings.parameter_m[1] = arguments.to.unwrap_or(settings.parameter_m[1]);
     settings.most_clutter = arguments.clutter.into();
-    let maker = SetMaker::new(family, settings)?;
+    let maker = SetMaker::new(family, robot, settings)?;
     let count = arguments.count;
     watched(&folder, count, output, |progress| write_set(&maker, &folder, count.into(), progress))
 }
@@ -384,12 +425,13 @@ fn watched(
     let page = || {
         format!(
             "{} scenarios in {}, listed in index.csv\nrejected draws: {} where things overlap, {} where the robot \
-             touches something at the start, {} without a free grasp\n{}",
+             touches something at the start, {} without a free grasp, {} where the arm comes to none\n{}",
             set.written,
             folder.display(),
             rejected.things_overlap,
             rejected.start_collides,
             rejected.no_free_grasp,
+            rejected.out_of_reach,
             match (set.missing, set.stopped) {
                 (0, _) => String::new(),
                 (missing, true) => format!("stopped: {missing} were not made\n"),

@@ -40,7 +40,8 @@ pub struct SimulatePlanArguments {
     pub lift: f64,
     #[command(flatten)]
     pub instead: InsteadArguments,
-    /// Another robot's URDF (with limits.yaml and hand.yaml beside it) instead of the plan's or the scenario's
+    /// Another robot instead of the plan's or the scenario's: a built-in one, the folder of one, or a URDF with limits.yaml
+    /// and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Write what moved where: .glb, .gif, or .json for `cranny render`

@@ -109,13 +109,13 @@ fn grasps_are_sampled_for_the_target_of_a_scenario() {
     let filtered = json(folder, &["grasps", "filter", "021", "--grasps", "ball.csv"]);
     assert_eq!(filtered["free"].as_u64(), Some(40), "{filtered}");
     refused(folder, &["grasps", "sample", "021", "--pose", "0"], &["--pose", "scenario"]);
-    // A scenario of another robot, whose files come along; without its hand.yaml nothing says where its gripper opens to.
+    // A scenario of another robot, whose files come along; without its robot.yaml nothing says where its gripper opens to.
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/file_readers/sound/robot/arm.urdf");
     done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
     done(folder, &["scenario", "pack", "cell"]);
     assert_eq!(json(folder, &["info", "cell.zip"])["robot"], json(folder, &["info", "cell"])["robot"]);
-    std::fs::remove_file(folder.join("cell/robot/hand.yaml")).expect("it came along");
-    refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm", "hand.yaml"]);
+    std::fs::remove_file(folder.join("cell/robot/robot.yaml")).expect("it came along");
+    refused(folder, &["grasps", "sample", "cell"], &["--gripper", "arm", "robot.yaml"]);
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn what_is_wrong_with_a_scenario_is_said_with_its_line() {
         String::from_utf8(output.stdout).expect("text")
     };
     let said = checked("robot: panda_mobile", "robot: panda");
-    assert!(said.contains("scenario.yaml:") && said.contains("neither 'panda_mobile' nor a file"), "{said}");
+    assert!(said.contains("scenario.yaml:") && said.contains("neither built in (panda_mobile, "), "{said}");
     let said = checked("cylinder: {radius: 0.03, length: 0.12}", "object: sugar_bix");
     assert!(said.contains("scenario.yaml:") && said.contains("'sugar_bix' (there are:"), "{said}");
     // What is wrong anyway is not put down to the files around it.

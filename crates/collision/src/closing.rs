@@ -1,4 +1,4 @@
-use cranny_robot::{Hold, JointKind};
+use cranny_robot::Hold;
 use cranny_spatial::{Pose, ROUNDING_M};
 
 use crate::cell::{Cell, Scratch};
@@ -30,17 +30,18 @@ impl Cell {
         let tip_from_held = held.hold.tip_from_held;
         let things: Vec<_> = thing.shapes.iter().map(|(pose, solid)| (tip_from_held * pose, solid)).collect();
         let mut touches: Vec<(f64, f64)> = Vec::new();
-        for (finger, (_, stroke)) in self.robot().finger_strokes().enumerate() {
+        let fingers = self.robot().hand()?.fingers;
+        for finger in 0..fingers {
             let own = |body: &&LinkBody| self.robot().finger_of(body.link) == Some(finger);
             let bodies: Vec<&LinkBody> = self.bodies.iter().filter(own).collect();
-            let reach = bodies.iter().map(|body| self.finger_reach(body)).fold(0.0, f64::max);
-            let way_m = stroke * reach;
+            let way_m = bodies.iter().map(|body| self.closing_way_m(body)).fold(0.0, f64::max);
             let mut closing = 0.0;
             for _ in 0..MOST_STEPS {
                 let hold = Hold { closing, ..held.hold };
                 let mut gap_m = f64::INFINITY;
+                let tip_from_loose = self.robot().tip_from_loose(&hold);
                 for body in &bodies {
-                    let tip_from_link = self.tip_from_finger_link(body.link, finger, &hold)?;
+                    let tip_from_link = self.tip_from_finger_link(body.link, &tip_from_loose)?;
                     let placed = body.shapes.iter().map(|(pose, solid)| (tip_from_link * pose, solid));
                     gap_m = gap_m.min(group_separation(placed, &things.iter().copied(), way_m).lower_m);
                 }
@@ -56,8 +57,7 @@ impl Cell {
         }
         let first = touches.iter().map(|(closing, _)| *closing).fold(f64::INFINITY, f64::min);
         let uneven_m = touches.iter().map(|(closing, way_m)| (closing - first) * way_m).fold(0.0, f64::max);
-        (touches.len() == self.robot().finger_strokes().count() && !touches.is_empty())
-            .then_some(Closing { closing: first, uneven_m })
+        (touches.len() == fingers && !touches.is_empty()).then_some(Closing { closing: first, uneven_m })
     }
 
     /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the arm
@@ -74,12 +74,7 @@ impl Cell {
         };
         let pairs: Vec<Pair> = self.pairs.iter().filter(is_swept).collect();
         let travel_of = |pair: &Pair, share: f64| {
-            let of_body = |body: usize| {
-                let link = &self.bodies[body];
-                let finger = self.robot().finger_of(link.link);
-                let stroke = finger.and_then(|finger| self.robot().finger_strokes().nth(finger));
-                stroke.map_or(0.0, |(_, stroke)| stroke * self.finger_reach(link) * share)
-            };
+            let of_body = |body: usize| self.closing_way_m(&self.bodies[body]) * share;
             let second = match pair.second {
                 Other::Link { body, .. } => of_body(body),
                 Other::Part(_) => 0.0,
@@ -119,27 +114,20 @@ impl Cell {
         None
     }
 
-    /// How far any point of a finger moves at most for a unit of its joint: 1 where it slides, in metres where it turns.
-    fn finger_reach(&self, body: &LinkBody) -> f64 {
-        let Some(finger) = self.robot().finger_of(body.link) else { return 0.0 };
-        match self.robot().finger_strokes().nth(finger) {
-            Some((JointKind::Revolute, _)) => {
-                // From the origin of the link right below the joint, through which its axis runs.
-                let Some(link) = self.robot().loose_links().nth(finger) else { return 0.0 };
-                let rest = self.robot().frames();
-                let finger_from_body = rest.link(link).inverse() * rest.link(body.link);
-                (finger_from_body * body.bounds.ball.center).coords.norm() + body.bounds.ball.radius_m
-            }
-            _ => 1.0,
-        }
+    /// A bound on how far any point of a body moves while the hand closes from open, in metres.
+    fn closing_way_m(&self, body: &LinkBody) -> f64 {
+        let ball = &body.bounds.ball;
+        self.robot().closing_way_m(body.link, (ball.center, ball.radius_m))
     }
 
-    /// Where a link of a finger stands in the frame of the tip.
-    fn tip_from_finger_link(&self, link: usize, finger: usize, hold: &Hold) -> Option<Pose> {
-        let tip_from_finger = self.robot().tip_from_loose(hold).nth(finger)?;
-        let finger_link = self.robot().loose_links().nth(finger)?;
-        let rest = self.robot().frames();
-        Some(tip_from_finger * rest.link(finger_link).inverse() * rest.link(link))
+    /// Where a link of a finger stands in the frame of the tip, the loose links where told.
+    fn tip_from_finger_link(&self, link: usize, tip_from_loose: &[Pose]) -> Option<Pose> {
+        let robot = self.robot();
+        let above = std::iter::successors(Some(link), |&link| robot.links()[link].parent);
+        let slot_of = |link: usize| robot.loose_links().position(|loose| loose == link);
+        let (slot, loose) = above.filter_map(|link| Some((slot_of(link)?, link))).next()?;
+        let rest = robot.frames();
+        Some(tip_from_loose[slot] * rest.link(loose).inverse() * rest.link(link))
     }
 }
 

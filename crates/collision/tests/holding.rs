@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Body, Cell, CollisionError, Margins, World};
-use cranny_robot::{HandDescription, Hold, Robot, RobotOptions};
+use cranny_robot::{HandDescription, Hold, Robot, RobotDescription, RobotOptions};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 use proptest::prelude::*;
@@ -57,12 +57,12 @@ fn sliding() -> Arc<Robot> {
                <axis xyz="0 {side} 0"/><limit lower="0" upper="0.07" velocity="1" effort="1"/></joint>"#
         )
     };
-    let hand = HandDescription::parse(
-        "name: pair\ntip: palm\nopening_m: 0.13\nfinger_depth_m: 0.08\nclosing_force_n: 40\nfingers:\n  \
-         to_left: { open: 0.07, closed: 0.0 }\n  to_right: { open: 0.07, closed: 0.0 }\n",
-        "hand.yaml",
+    let description = RobotDescription::parse(
+        "hand: {name: pair, tip: palm, opening_m: 0.13, finger_depth_m: 0.08, closing_force_n: 40, fingers: \
+         {to_left: {open: 0.07, closed: 0.0}, to_right: {open: 0.07, closed: 0.0}}}",
+        "robot.yaml",
     );
-    open(&arm(&finger, ""), Some(hand.unwrap()))
+    open(&arm(&finger, ""), description.unwrap().hand)
 }
 
 /// The same with fixed fingers and a thing fixed to the palm.

@@ -1,5 +1,6 @@
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Vector};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::GraspError;
@@ -34,7 +35,7 @@ pub struct Finger {
 
 /// A parallel hand as data: two equal fingers, each a box, on a palm, which is a box too. Lengths in
 /// metres, along the axes of the gripper frame (see [`Hand`]).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxHand {
     /// What it is called.

@@ -92,8 +92,8 @@ impl Carrier {
         let nothing = |needs| PlanError::NothingToCarry { needs };
         let target = problem.target().ok_or_else(|| nothing("a target"))?;
         let cell = problem.cell().ok_or_else(|| nothing("the exact criterion"))?;
-        if problem.robot().hand().is_none_or(|hand| hand.fingers.is_empty()) {
-            return Err(nothing("a hand that can close (a hand.yaml beside the URDF names its fingers)"));
+        if problem.robot().hand().is_none_or(|hand| hand.fingers == 0) {
+            return Err(nothing("a hand that can close (a robot.yaml beside the URDF names its fingers)"));
         }
         let clear_m = settings.clear_m.max(cell.margins().margin_m);
         let resting = cell.resting(target, clear_m)?;

@@ -1,8 +1,8 @@
 use cranny_collision::World;
 use cranny_grasp::{Finger, Grasp, Hand};
-use cranny_robot::{JointKind, Robot, RobotFinger, RobotHand};
+use cranny_robot::{Hold, Robot, RobotHand};
 use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, quick_lower_bound, separation};
-use cranny_spatial::{CONTACT_M, Pose, Vector};
+use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::grasp_poses;
 
@@ -21,10 +21,7 @@ pub fn robot_hand(robot: &Robot) -> Hand {
         closing_force_n: 0.0,
     };
     let known = robot.hand();
-    let fingers = known.map_or(&[][..], |known| &known.fingers[..]);
-    let is_below = |link: usize, finger: &RobotFinger| {
-        std::iter::successors(Some(link), |&link| robot.links()[link].parent).any(|link| link == finger.link)
-    };
+    let motions: Vec<Vector> = (0..robot.links().len()).map(|link| straight_stroke_m(robot, link)).collect();
     let mut add_links = |is_wanted: &dyn Fn(usize) -> bool| {
         let begin = hand.parts.len();
         for &link in robot.hand_links().iter().filter(|link| is_wanted(**link)) {
@@ -35,16 +32,13 @@ pub fn robot_hand(robot: &Robot) -> Hand {
         }
         begin..hand.parts.len()
     };
-    add_links(&|link| !fingers.iter().any(|finger| is_below(link, finger)));
-    for finger in fingers {
-        let parts = add_links(&|link| is_below(link, finger));
-        let gripper_from_link = gripper_from_root * frames.link(finger.link);
-        let stroke = finger.range.closed - finger.range.open;
-        let stroke_m = match finger.kind {
-            JointKind::Prismatic => gripper_from_link.rotation * finger.axis_in_link * stroke,
-            JointKind::Revolute => continue,
-        };
-        hand.fingers.push(Finger { parts, stroke_m });
+    let stands = |link: usize| motions[link].norm() <= 0.0;
+    add_links(&stands);
+    for finger in 0..known.map_or(0, |known| known.fingers) {
+        let moves = |link: usize| robot.finger_of(link) == Some(finger) && !stands(link);
+        let stroke_m = robot.hand_links().iter().find(|link| moves(**link)).map(|link| motions[*link]);
+        let parts = add_links(&moves);
+        hand.fingers.extend(stroke_m.map(|stroke_m| Finger { parts, stroke_m }));
     }
     if let Some(RobotHand { description, .. }) = known {
         hand.name.clone_from(&description.name);
@@ -53,6 +47,26 @@ pub fn robot_hand(robot: &Robot) -> Hand {
         hand.closing_force_n = description.closing_force_n;
     }
     hand
+}
+
+/// How far a link goes in the gripper frame while the hand closes from open, if it only shifts, in metres; 0 for one that
+/// turns, such as a knuckle of a parallel linkage.
+fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
+    /// A pad that turns by less stays parallel, in radians.
+    const PARALLEL_RAD: f64 = 0.02;
+    let holding = robot.holding("");
+    let mut frames = holding.frames();
+    let at_zero = vec![0.0; robot.dof()];
+    let mut tip_from_link_at = |closing: f64| {
+        holding.place_held(&Hold { tip_from_held: Pose::identity(), closing }, &mut frames);
+        holding.forward_kinematics(&at_zero, &mut frames);
+        frames.link(robot.tip()).inv_mul(frames.link(link))
+    };
+    let (open, closed) = (tip_from_link_at(0.0), tip_from_link_at(1.0));
+    if open.rotation.angle_to(&closed.rotation) > PARALLEL_RAD {
+        return Vector::zeros();
+    }
+    closed.translation.vector - open.translation.vector
 }
 
 /// Whether a hand can take a grasp in a world: with open fingers, at the grasp and along the last of a
@@ -73,6 +87,12 @@ pub struct HandFilter {
 /// before its palm.
 pub const APPROACH_M: f64 = 0.05;
 
+/// The corners of octahedra in balls about points.
+fn with_rounding(points: &[Point], radius_m: f64) -> Vec<Point> {
+    let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
+    points.iter().flat_map(|point| axes.clone().map(move |axis| point + axis * radius_m)).collect()
+}
+
 impl HandFilter {
     /// The filter for `hand` in `world` (object, obstacles, floor), with `approach_m` of straight approach
     /// along the gripper's z.
@@ -90,7 +110,8 @@ impl HandFilter {
             let back_in_part = gripper_from_part.rotation.inverse() * Vector::z() * -approach_m;
             // A half-space sweeps over everything, and belongs to no hand.
             let Some(solid) = solid.swept(&back_in_part) else { continue };
-            if let Some((points, _)) = solid.bounding_points() {
+            if let Some((points, radius_m)) = solid.bounding_points() {
+                let points = if radius_m > 0.0 { with_rounding(&points, radius_m) } else { points };
                 let hull = TriangleSoup::convex_hull(&points)?;
                 swept_surfaces.push((*gripper_from_part, Surface::new(&hull)?));
             }
@@ -100,7 +121,7 @@ impl HandFilter {
     }
 
     /// The same filter with one more thing in the way, which is only a surface: the scan of an object that has
-    /// holes. Rounded parts of the hand (spheres, capsules) are checked against it without their rounding.
+    /// holes. Of the rounding of parts of the hand (spheres, capsules) an octahedron in each ball is checked against it.
     #[must_use]
     pub fn with_surface(mut self, world_from_surface: Pose, surface: Surface) -> Self {
         self.open_surfaces.push((world_from_surface, surface));

@@ -33,7 +33,8 @@ pub struct Reach {
     /// Configurations looked at between two nodes, the second included. One growth looks at [`LANES`].
     /// Default 4.
     pub looks: usize,
-    /// Goals that are enough. Default 100: more do not help.
+    /// Goals that are enough at first. Default 100: more do not help, unless all are cut off; one more for every 100
+    /// iterations.
     pub goals: usize,
     /// How far beyond start and goal each joint of a random configuration may lie at first (m, rad); once more
     /// that far for every 100 iterations, up to the joint limits. Default 0.5.
@@ -45,6 +46,9 @@ pub struct Reach {
 
 /// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
 const ITERATIONS_PER_DETOUR: u64 = 100;
+
+/// After so many iterations there is one goal more than [`Reach::goals`].
+const ITERATIONS_PER_GOAL: u64 = 100;
 
 impl Default for Reach {
     fn default() -> Self {
@@ -180,7 +184,9 @@ impl Search<'_> {
             }
             self.statistics.iterations += 1;
             // 1. and 2.
-            if let Some(pool) = pool.as_mut().filter(|_| self.goals.len() < self.settings.goals) {
+            // Goals that the search does not come to may all be cut off from the start: later there are more.
+            let most = self.settings.goals + (self.statistics.iterations / ITERATIONS_PER_GOAL) as usize;
+            if let Some(pool) = pool.as_mut().filter(|_| self.goals.len() < most) {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }

@@ -13,16 +13,16 @@ use crate::joint_reach::joint_reaches;
 use crate::kinematics::{LinkFrames, Motion, Step, Value};
 use crate::limits::{RateLimits, parse_rate_limits};
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
-use crate::robot_files::{HAND, LIMITS};
+use crate::robot_files::{DESCRIPTION, LIMITS};
 use crate::tree::Tree;
 use crate::urdf::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
     GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
-    Robot, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
-    /// Builds a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `hand.yaml`
+    /// Builds a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `robot.yaml`
     /// beside it unless `options` name others.
     ///
     /// # Errors
@@ -44,14 +44,15 @@ impl Robot {
         options: &RobotOptions,
     ) -> Result<Self, RobotError> {
         // 1. What the files say, and that it fits together.
-        let urdf = Urdf::parse(text, source_name)?;
+        let mut urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
-        let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
-        let options = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
         let rates = parsed(options.limits.as_ref(), parse_rate_limits)?.unwrap_or_default();
         for (name, rate) in &rates {
-            tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at.to_string(), name))?;
+            let joint = tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at().to_string(), name))?;
+            rate.narrow(&mut urdf.joints[joint])?;
         }
+        let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
+        let (options, description) = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
         // 2. Which joints move, and how.
         let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
         let (movers, steps, rest) = motions(&urdf, &tree, &resolved);
@@ -83,19 +84,27 @@ impl Robot {
                 .collect();
         let srdf = srdf.unwrap_or_default();
         let joints = group_joints(&urdf, &tree, &resolved.group);
+        let joint_names: Vec<String> =
+            resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect();
+        let start = match description {
+            Some(description) => description.start_of(&urdf, &tree, &joint_names)?,
+            None => None,
+        };
         let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links),
             disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
             group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
-            joint_names: resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect(),
+            joint_names,
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
             full_turns: full_turns(&limits, &movers),
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
-            hand: RobotHand::of(&urdf, &tree, options),
+            hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
+            start,
+            floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),
             links,
@@ -118,12 +127,13 @@ pub struct UrdfFile {
 }
 
 impl UrdfFile {
-    /// Reads the file at `path`, which may be a pipe.
+    /// Reads the file at `path`, which may be a pipe, or the one that the `robot.yaml` of a folder names.
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`].
+    /// [`RobotError::Unreadable`], [`RobotError::NoDescription`] for a folder that is no robot's.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
-        Ok(Self { path: path.to_owned(), text: read(cranny_file::TEXT.argument(), path)? })
+        let path = RobotDescription::urdf_at(path)?;
+        Ok(Self { text: read(cranny_file::TEXT.argument(), &path)?, path })
     }
 
     /// Builds a robot of it, as [`Robot::load`] does.
@@ -136,7 +146,7 @@ impl UrdfFile {
         let mut options = options.clone();
         options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
         options.limits = options.limits.or_else(|| beside(path.with_file_name(LIMITS)));
-        options.hand = options.hand.or_else(|| beside(path.with_file_name(HAND)));
+        options.description = options.description.or_else(|| beside(path.with_file_name(DESCRIPTION)));
         Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
     }
 }
@@ -167,7 +177,7 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
             kind: motion.kind.into(),
             child_link: tree.node_of_joint[joint],
             axis_in_child: motion.axis_in_child,
-            effort: motion.limits.as_ref().and_then(|limits| limits.effort),
+            effort: motion.limits.effort,
         })
     };
     group.iter().filter_map(describe).collect()
@@ -235,7 +245,7 @@ fn joint_motion(
 fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {
     let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
     let motion = joint.motion.as_ref().ok_or_else(missing)?;
-    let velocity = motion.limits.as_ref().and_then(|limits| limits.velocity).ok_or_else(missing)?;
+    let velocity = motion.limits.velocity.ok_or_else(missing)?;
     if velocity <= 0.0 {
         return Err(RobotError::NotPositive {
             at: joint.at.clone(),

@@ -165,8 +165,7 @@ pub enum RobotError {
     },
     /// A joint type that is not supported.
     #[error(
-        "{at}: joint `{joint}` is of type `{kind}`; supported: fixed, revolute, continuous, prismatic \
-         (model a moving base by prismatic and revolute joints)"
+        "{at}: joint `{joint}` is of type `{kind}`; supported: fixed, revolute, continuous, prismatic, planar, floating"
     )]
     UnsupportedJoint {
         /// Where the joint stands.
@@ -197,7 +196,10 @@ pub enum RobotError {
         upper: f64,
     },
     /// A joint of the group has no velocity limit.
-    #[error("{at}: joint `{joint}` is to be moved, but has no velocity limit")]
+    #[error(
+        "{at}: joint `{joint}` is to be moved, but has no velocity limit (give it one in limits.yaml beside the URDF, \
+         or let `cranny robot add` write one)"
+    )]
     MissingVelocity {
         /// Where the joint stands.
         at: Location,
@@ -348,7 +350,7 @@ pub enum RobotError {
         /// What is wrong with it.
         reason: Box<ShapeError>,
     },
-    /// A figure of a `hand.yaml` cannot be.
+    /// A figure of a `robot.yaml` or `limits.yaml` cannot be.
     #[error("{at}: {attribute} of {element} is {value}, but must be {range}")]
     HandFigure {
         /// Where.
@@ -362,7 +364,16 @@ pub enum RobotError {
         /// What would fit.
         range: String,
     },
-    /// A `limits.yaml` or `hand.yaml` is malformed.
+    /// A folder is no robot's.
+    #[error(
+        "{}: a robot's folder has a robot.yaml that names its URDF (`urdf: NAME.urdf`); `cranny robot add URDF` makes \
+         one", folder.display()
+    )]
+    NoDescription {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A `limits.yaml` or `robot.yaml` is malformed.
     #[error("{at}: {reason}")]
     Yaml {
         /// Where.

@@ -1,17 +1,17 @@
 use std::collections::BTreeMap;
 
-use cranny_spatial::Vector;
+use cranny_spatial::{Pose, Vector};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::parsed;
 use crate::joint_group::{named_group, range, unknown_joint, unknown_link};
-use crate::limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf::Urdf;
-use crate::{JointKind, Link, Location, Mover, RobotError, RobotOptions, Srdf};
+use crate::{JointKind, Link, Location, Mover, RobotDescription, RobotError, RobotOptions, Srdf};
 
-/// What a URDF does not say of a parallel hand: `hand.yaml` in the folder of a robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// What a URDF does not say of a hand with parallel pads: `hand` in the `robot.yaml` of a robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HandDescription {
     /// What it is called.
@@ -20,7 +20,8 @@ pub struct HandDescription {
     /// [`RobotOptions::tip`].
     #[serde(default)]
     pub tip: Option<String>,
-    /// Each finger by the name of its joint.
+    /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.
+    #[serde(default)]
     pub fingers: BTreeMap<String, FingerRange>,
     /// Between the pads when the fingers stand open, in metres.
     pub opening_m: f64,
@@ -31,31 +32,20 @@ pub struct HandDescription {
 }
 
 impl HandDescription {
-    /// Reads the text of a `hand.yaml`; `file` is the name for it in errors.
-    ///
-    /// # Errors
-    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
-    /// that cannot be.
-    pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
-        let hand: Self = parse_yaml(text, file)?;
-        let of_hand = || format!("hand `{}`", hand.name);
+    /// Whether its figures can be; `text` is that of `file`, in which it stands.
+    pub(crate) fn check(&self, text: &str, file: &str) -> Result<(), RobotError> {
+        let of_hand = || format!("hand `{}`", self.name);
         for (attribute, value) in [
-            ("opening_m", hand.opening_m),
-            ("finger_depth_m", hand.finger_depth_m),
-            ("closing_force_n", hand.closing_force_n),
+            ("opening_m", self.opening_m),
+            ("finger_depth_m", self.finger_depth_m),
+            ("closing_force_n", self.closing_force_n),
         ] {
             if !(value.is_finite() && value > 0.0) {
                 let (at, range) = (line_of(text, file, attribute), "a number greater than 0".to_owned());
                 return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
             }
         }
-        if hand.fingers.is_empty() {
-            let (at, range) = (line_of(text, file, "fingers"), "at least 1".to_owned());
-            let (element, attribute) = (of_hand(), "the number of fingers");
-            return Err(RobotError::HandFigure { at, element, attribute, value: 0.0, range });
-        }
-        hand.check_fingers(text, file, |_| (f64::MIN, f64::MAX))?;
-        Ok(hand)
+        self.check_fingers(text, file, |_| (f64::MIN, f64::MAX))
     }
 
     /// Whether the joint of each finger can stand where it is to stand, open and closed; `limits` by its name.
@@ -83,14 +73,14 @@ impl HandDescription {
 }
 
 /// The line of a text that begins with a key.
-fn line_of(text: &str, file: &str, key: &str) -> Location {
+pub(crate) fn line_of(text: &str, file: &str, key: &str) -> Location {
     let line = text.lines().position(|line| line.trim_start().starts_with(key));
     let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
     Location { file: file.to_owned(), line }
 }
 
 /// Where the joint of a finger stands (m, rad).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FingerRange {
     /// With the hand open.
@@ -104,37 +94,109 @@ pub struct FingerRange {
 pub struct RobotHand {
     /// What the robot's files do not say themselves.
     pub description: HandDescription,
-    /// The fingers, in the order of their names.
-    pub fingers: Vec<RobotFinger>,
+    /// The joints that move while the hand closes, parents before children: those that the description names, and those
+    /// that mimic them.
+    pub joints: Vec<HandJoint>,
+    /// How many fingers there are: of the joints right on the palm, all those on one side of the plane in which the pads
+    /// meet move one finger, as the two knuckles of a parallel linkage do.
+    pub fingers: usize,
 }
 
-/// A finger, which one joint moves on the palm.
+/// A joint that moves while a hand closes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RobotFinger {
-    /// The link right below the joint.
+pub struct HandJoint {
+    /// The link right below it.
     pub link: usize,
-    /// How the joint moves.
+    /// The joint of the hand above it, by its number among them; `None` right on the palm.
+    pub parent: Option<usize>,
+    /// How it moves.
     pub kind: JointKind,
     /// Its axis in the frame of `link`, a unit vector.
     pub axis_in_link: Vector,
-    /// Where it stands.
-    pub range: FingerRange,
+    /// How far it moves from open to closed (m, rad).
+    pub stroke: f64,
+    /// The finger that it belongs to, counted from 0.
+    pub finger: usize,
 }
 
 impl RobotHand {
-    /// The first of the hands of `options` that the robot has: all its fingers.
-    pub(crate) fn of(urdf: &Urdf, tree: &Tree, options: &RobotOptions) -> Option<Self> {
-        let finger = |(name, range): (&String, &FingerRange)| {
-            let joint = tree.joint(name)?;
-            let motion = urdf.joints[joint].motion.as_ref()?;
-            let (link, axis_in_link) = (tree.node_of_joint[joint], motion.axis_in_child);
-            Some(RobotFinger { link, kind: motion.kind.into(), axis_in_link, range: *range })
-        };
-        options.known_hands.iter().find_map(|description| {
-            let fingers: Option<Vec<RobotFinger>> = description.fingers.iter().map(finger).collect();
-            Some(Self { description: description.clone(), fingers: fingers? })
-        })
+    /// The first of the hands of `options` that the robot has: all its fingers. `links` stand where `rest` says, the hand
+    /// open.
+    pub(crate) fn of(
+        urdf: &Urdf,
+        tree: &Tree,
+        options: &RobotOptions,
+        (links, rest, tip): (&[Link], &[Pose], usize),
+    ) -> Option<Self> {
+        let has =
+            |finger: &String| tree.joint(finger).is_some_and(|joint| urdf.joints[joint].motion.is_some());
+        let known = options.known_hands.iter();
+        let description = known.clone().find(|hand| hand.fingers.keys().all(has))?;
+        let mut joints: Vec<HandJoint> = Vec::new();
+        for (link, node) in tree.nodes.iter().enumerate() {
+            let Some((_, joint)) = node.above else { continue };
+            let Some(motion) = &urdf.joints[joint].motion else { continue };
+            let stroke = stroke(urdf, tree, &description.fingers, joint);
+            if stroke.abs() <= 0.0 {
+                continue;
+            }
+            let mut above = std::iter::successors(node.above, |&(node, _)| tree.nodes[node].above);
+            let parent = above.find_map(|(node, _)| joints.iter().position(|joint| joint.link == node));
+            let (kind, axis_in_link) = (motion.kind.into(), motion.axis_in_child);
+            joints.push(HandJoint { link, parent, kind, axis_in_link, stroke, finger: 0 });
+        }
+        let fingers = sides(&mut joints, links, rest, tip);
+        Some(Self { description: description.clone(), joints, fingers })
     }
+}
+
+/// How far a joint of the file moves while the hand closes: as it is described, or as the one does that it mimics.
+fn stroke(urdf: &Urdf, tree: &Tree, fingers: &BTreeMap<String, FingerRange>, joint: usize) -> f64 {
+    let (mut joint, mut factor) = (joint, 1.0);
+    // Mimicry has an end (`joint_group`).
+    loop {
+        let described = &urdf.joints[joint];
+        if let Some(range) = fingers.get(&described.name) {
+            return factor * (range.closed - range.open);
+        }
+        let mimic = described.motion.as_ref().and_then(|motion| motion.mimic.as_ref());
+        let Some((master, mimic)) = mimic.and_then(|mimic| Some((tree.joint(&mimic.master)?, mimic))) else {
+            return 0.0;
+        };
+        (joint, factor) = (master, factor * mimic.multiplier);
+    }
+}
+
+/// Tells each joint its finger: on which side of the plane in which the pads meet the bodies are that it moves. How many
+/// fingers there are.
+fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) -> usize {
+    let tip_from_root = rest[tip].inverse();
+    let root_of = |joints: &[HandJoint], mut joint: usize| {
+        while let Some(above) = joints[joint].parent {
+            joint = above;
+        }
+        joint
+    };
+    // Per joint right on the palm, how far the bodies beyond it reach to either side.
+    let mut reach_m = vec![0.0_f64; joints.len()];
+    for (index, link) in links.iter().enumerate() {
+        let above = std::iter::successors(Some(index), |&link| links[link].parent);
+        let moved_by = above.filter_map(|link| joints.iter().position(|joint| joint.link == link)).next();
+        let Some(root) = moved_by.map(|joint| root_of(joints, joint)) else { continue };
+        for shape in &link.collisions {
+            let center_in_tip =
+                tip_from_root * (rest[index] * (shape.link_from_shape * shape.solid.ball().center));
+            if center_in_tip.y.abs() > reach_m[root].abs() {
+                reach_m[root] = center_in_tip.y;
+            }
+        }
+    }
+    let first_side = reach_m.iter().find(|reach| reach.abs() > 0.0).map_or(1.0, |reach| reach.signum());
+    for joint in 0..joints.len() {
+        let is_opposite = reach_m[root_of(joints, joint)] * first_side < 0.0;
+        joints[joint].finger = usize::from(is_opposite);
+    }
+    joints.iter().map(|joint| joint.finger + 1).max().unwrap_or(0)
 }
 
 impl RobotOptions {
@@ -145,16 +207,19 @@ impl RobotOptions {
         urdf: &Urdf,
         tree: &Tree,
         srdf: Option<&Srdf>,
-    ) -> Result<Self, RobotError> {
+    ) -> Result<(Self, Option<RobotDescription>), RobotError> {
         let mut options = self.clone();
         let motion = |finger: &str| urdf.joints[tree.joint(finger)?].motion.as_ref();
         let limits = |finger: &str| motion(finger).map_or((f64::MIN, f64::MAX), range);
-        let own = parsed(self.hand.as_ref(), |text, file| {
-            let own = HandDescription::parse(text, file)?;
-            own.check_fingers(text, file, limits)?;
+        let own = parsed(self.description.as_ref(), |text, file| {
+            let own = RobotDescription::parse(text, file)?;
+            own.hand.iter().try_for_each(|hand| hand.check_fingers(text, file, limits))?;
             Ok(own)
         })?;
-        if let Some(own) = own {
+        if let Some(own) = &own {
+            own.complete(&mut options);
+        }
+        if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
             let place = || format!("{}: hand `{}`", urdf.file, own.name);
             if let Some(finger) = own.fingers.keys().find(|finger| tree.joint(finger).is_none()) {
                 return Err(unknown_joint(urdf, place(), finger));
@@ -165,7 +230,7 @@ impl RobotOptions {
             options.known_hands.insert(0, own);
         }
         // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
-        let group = named_group(urdf, tree, srdf, self)?;
+        let group = named_group(urdf, tree, srdf, &options)?;
         let is_held = |finger: &String| {
             let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());
             tree.joint(finger).is_some_and(|joint| !group.contains(&joint)) && !mimics
@@ -176,7 +241,7 @@ impl RobotOptions {
                 options.fixed.entry(finger.clone()).or_insert(range.open);
             }
         }
-        Ok(options)
+        Ok((options, own))
     }
 }
 

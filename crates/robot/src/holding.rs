@@ -1,9 +1,9 @@
 use cranny_spatial::nalgebra::Translation3 as Translation;
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::{Point, Pose, Rotation};
 
 use crate::derived::Derived;
 use crate::kinematics::{Motion, Step};
-use crate::{JointKind, Link, LinkFrames, Robot};
+use crate::{HandJoint, JointKind, Link, LinkFrames, Robot};
 
 /// How a hand holds something: what a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,24 +14,32 @@ pub struct Hold {
     pub closing: f64,
 }
 
-/// Links that stand on the tip where a [`Hold`] puts them: the fingers, then what they hold.
+/// Links that stand on the tip where a [`Hold`] puts them: those of the hand that move, then what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct LooseLinks {
-    /// Each finger, by its index in the hand's description.
-    pub(crate) fingers: Vec<LooseFinger>,
+    joints: Vec<LooseJoint>,
     /// The link of what is held.
     pub(crate) held: usize,
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct LooseFinger {
-    pub(crate) link: usize,
-    /// While the hand is open.
-    tip_from_open: Pose,
-    kind: JointKind,
-    axis_in_link: Vector,
-    /// From open to closed (m, rad).
-    stroke: f64,
+struct LooseJoint {
+    joint: HandJoint,
+    /// While the hand is open, in the tip, or in the link of the joint above.
+    parent_from_open: Pose,
+}
+
+impl LooseJoint {
+    fn parent_from_link(&self, closing: f64) -> Pose {
+        let by = self.joint.axis_in_link * (self.joint.stroke * closing);
+        self.parent_from_open
+            * match self.joint.kind {
+                JointKind::Prismatic => Pose::from_parts(by.into(), Rotation::identity()),
+                JointKind::Revolute => {
+                    Pose::from_parts(Translation::identity(), Rotation::from_scaled_axis(by))
+                }
+            }
+    }
 }
 
 /// What is held stands no farther from the tip than this, in metres.
@@ -61,20 +69,12 @@ impl Robot {
         });
         robot.movers.push(self.movers[self.tip].clone());
         robot.rest.push(self.rest[self.tip]);
-        let tip_from_root = self.rest[self.tip].inverse();
-        let fingers: Vec<LooseFinger> = self
-            .hand
-            .iter()
-            .flat_map(|hand| &hand.fingers)
-            .map(|finger| LooseFinger {
-                link: finger.link,
-                tip_from_open: tip_from_root * self.rest[finger.link],
-                kind: finger.kind,
-                axis_in_link: finger.axis_in_link,
-                stroke: finger.range.closed - finger.range.open,
-            })
-            .collect();
-        let loose = LooseLinks { fingers, held };
+        let hand_joints = self.hand.as_ref().map_or(&[][..], |hand| &hand.joints);
+        let loose = |joint: &HandJoint| {
+            let parent = joint.parent.map_or(self.tip, |parent| hand_joints[parent].link);
+            LooseJoint { joint: *joint, parent_from_open: self.rest[parent].inv_mul(&self.rest[joint.link]) }
+        };
+        let loose = LooseLinks { joints: hand_joints.iter().map(loose).collect(), held };
         // What hangs on a finger follows it; both come after the tip.
         let is_loose = |link: usize| {
             std::iter::successors(Some(link), |&link| self.links[link].parent)
@@ -99,10 +99,11 @@ impl Robot {
         self.loose.as_ref().map(|loose| loose.held)
     }
 
-    /// The links that stand where a [`Hold`] puts them: the fingers, then what they hold; none if nothing is held.
+    /// The links that stand where a [`Hold`] puts them: those right below a joint of the hand, then what it holds; none if
+    /// nothing is held.
     pub fn loose_links(&self) -> impl Iterator<Item = usize> {
         let loose = self.loose.iter();
-        loose.flat_map(|loose| loose.fingers.iter().map(|finger| finger.link).chain([loose.held]))
+        loose.flat_map(|loose| loose.joints.iter().map(|joint| joint.joint.link).chain([loose.held]))
     }
 
     /// The loose link that a link stands on, by its place among [`Self::loose_links`].
@@ -116,16 +117,51 @@ impl Robot {
         self.loose_slot_of(link).is_some()
     }
 
-    /// The finger that a link is, or stands on, by its number in [`Self::hand`].
-    pub fn finger_of(&self, link: usize) -> Option<usize> {
-        let fingers = &self.hand.as_ref()?.fingers;
-        let finger = |link: usize| fingers.iter().position(|finger| finger.link == link);
-        std::iter::successors(Some(link), |&link| self.links[link].parent).find_map(finger)
+    /// The joint of the hand that moves a link last, by its number in [`Self::hand`].
+    fn hand_joint_of(&self, link: usize) -> Option<usize> {
+        let joints = &self.hand.as_ref()?.joints;
+        let joint = |link: usize| joints.iter().position(|joint| joint.link == link);
+        std::iter::successors(Some(link), |&link| self.links[link].parent).find_map(joint)
     }
 
-    /// Whether a link is a finger, or stands on one.
+    /// The finger that a link is part of, counted from 0.
+    pub fn finger_of(&self, link: usize) -> Option<usize> {
+        let joint = self.hand_joint_of(link)?;
+        self.hand.as_ref().map(|hand| hand.joints[joint].finger)
+    }
+
+    /// Whether a link is part of a finger.
     pub fn is_of_finger(&self, link: usize) -> bool {
         self.finger_of(link).is_some()
+    }
+
+    /// A bound on how far any point of a ball on a link moves, in metres, while the hand closes from open; `ball` is its
+    /// center in the link and its radius. 0 for a link that is no part of a finger.
+    ///
+    /// Each joint above moves the point by its stroke, and if it turns, by that times how far the point can be from its
+    /// axis: the way through the joints between.
+    pub fn closing_way_m(&self, link: usize, (center, radius_m): (Point, f64)) -> f64 {
+        let Some(hand) = &self.hand else { return 0.0 };
+        let mut below = self.hand_joint_of(link);
+        let in_joint = |joint: &HandJoint| self.rest[joint.link].inv_mul(&self.rest[link]) * center;
+        let mut lever_m = below.map_or(0.0, |joint| in_joint(&hand.joints[joint]).coords.norm()) + radius_m;
+        let mut way_m = 0.0;
+        while let Some(joint) = below.map(|below| &hand.joints[below]) {
+            way_m += joint.stroke.abs()
+                * match joint.kind {
+                    JointKind::Revolute => lever_m,
+                    JointKind::Prismatic => 1.0,
+                };
+            if let Some(parent) = joint.parent {
+                let parent_from_link = self.rest[hand.joints[parent].link].inv_mul(&self.rest[joint.link]);
+                lever_m += parent_from_link.translation.vector.norm();
+            }
+            if joint.kind == JointKind::Prismatic {
+                lever_m += joint.stroke.abs();
+            }
+            below = joint.parent;
+        }
+        way_m
     }
 
     /// Tells the frames how the hand holds what it holds; those of the loose links are right after the next call of
@@ -142,36 +178,28 @@ impl Robot {
     }
 
     /// Where each of [`Self::loose_links`] stands in the frame of the tip.
-    pub fn tip_from_loose(&self, hold: &Hold) -> impl Iterator<Item = Pose> {
-        let (closing, tip_from_held) = (hold.closing, hold.tip_from_held);
-        let fingers = self.loose.iter().flat_map(|loose| &loose.fingers);
-        let closed = fingers.map(move |finger| {
-            let by = finger.axis_in_link * (finger.stroke * closing);
-            finger.tip_from_open
-                * match finger.kind {
-                    JointKind::Prismatic => Pose::from_parts(by.into(), Rotation::identity()),
-                    JointKind::Revolute => {
-                        Pose::from_parts(Translation::identity(), Rotation::from_scaled_axis(by))
-                    }
-                }
-        });
-        closed.chain(self.loose.iter().map(move |_| tip_from_held))
-    }
-
-    /// How each finger's joint moves, and by how much while the hand closes from open (m, rad).
-    pub fn finger_strokes(&self) -> impl Iterator<Item = (JointKind, f64)> {
-        let fingers = self.loose.iter().flat_map(|loose| &loose.fingers);
-        fingers.map(|finger| (finger.kind, finger.stroke.abs()))
+    pub fn tip_from_loose(&self, hold: &Hold) -> Vec<Pose> {
+        let Some(loose) = &self.loose else { return Vec::new() };
+        let mut poses: Vec<Pose> = Vec::with_capacity(loose.len());
+        for joint in &loose.joints {
+            let parent_from_link = joint.parent_from_link(hold.closing);
+            poses.push(match joint.joint.parent {
+                Some(parent) => poses[parent] * parent_from_link,
+                None => parent_from_link,
+            });
+        }
+        poses.push(hold.tip_from_held);
+        poses
     }
 }
 
 impl LooseLinks {
     pub(crate) fn len(&self) -> usize {
-        self.fingers.len() + 1
+        self.joints.len() + 1
     }
 
     fn slot(&self, link: usize) -> Option<usize> {
-        let finger = self.fingers.iter().position(|finger| finger.link == link);
-        finger.or_else(|| (link == self.held).then(|| self.len() - 1))
+        let joint = self.joints.iter().position(|joint| joint.joint.link == link);
+        joint.or_else(|| (link == self.held).then(|| self.len() - 1))
     }
 }

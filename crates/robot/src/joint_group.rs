@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
+use crate::urdf::{Urdf, UrdfJoint, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.
@@ -328,10 +328,7 @@ impl Resolver<'_> {
 
 /// The limits of a movable joint.
 pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
-    match &motion.limits {
-        Some(limits) if motion.kind != UrdfJointKind::Continuous => (limits.lower, limits.upper),
-        _ => (-crate::CONTINUOUS_LIMIT_RAD, crate::CONTINUOUS_LIMIT_RAD),
-    }
+    (motion.limits.lower, motion.limits.upper)
 }
 
 fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: Hindrance) -> RobotError {

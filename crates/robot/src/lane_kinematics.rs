@@ -139,7 +139,10 @@ impl LaneKinematics {
     pub fn place_held(&self, robot: &Robot, hold: &Hold, places: &mut Vec<LanePlace>) {
         places.clear();
         places.extend(
-            robot.tip_from_loose(hold).map(|place| LanePlace::of(&(self.tip.frame_from_link * place))),
+            robot
+                .tip_from_loose(hold)
+                .into_iter()
+                .map(|place| LanePlace::of(&(self.tip.frame_from_link * place))),
         );
         assert_eq!(places.len(), self.loose, "places of this robot");
     }

@@ -27,6 +27,8 @@ pub struct Robot {
     pub(crate) tip: usize,
     pub(crate) hand_links: Vec<usize>,
     pub(crate) hand: Option<RobotHand>,
+    pub(crate) start: Option<Vec<f64>>,
+    pub(crate) floor_m: Option<f64>,
     /// Per link.
     pub(crate) movers: Vec<Vec<Mover>>,
     pub(crate) disabled_pairs: Vec<(usize, usize)>,
@@ -156,7 +158,19 @@ impl Robot {
         &self.hand_links
     }
 
-    /// What is known of the hand, if it is described ([`RobotOptions::hand`](crate::RobotOptions::hand)).
+    /// Where it starts unless a scenario says otherwise (m, rad), if that is described
+    /// ([`RobotDescription::start`](crate::RobotDescription::start)).
+    pub fn default_start(&self) -> Option<&[f64]> {
+        self.start.as_deref()
+    }
+
+    /// Height of the ground that it stands on in its root frame, in metres, if that is described
+    /// ([`RobotDescription::floor_m`](crate::RobotDescription::floor_m)).
+    pub fn floor_m(&self) -> Option<f64> {
+        self.floor_m
+    }
+
+    /// What is known of the hand, if it is described ([`RobotDescription::hand`](crate::RobotDescription::hand)).
     pub fn hand(&self) -> Option<&RobotHand> {
         self.hand.as_ref()
     }

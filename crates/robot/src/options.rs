@@ -22,9 +22,10 @@ pub struct RobotOptions {
     /// Values at which joints outside the group are held, in metres or radians. Default of a joint: 0, or
     /// the limit next to it.
     pub fixed: BTreeMap<String, f64>,
-    /// Its hand: where the fingers stand open, unless `fixed` says otherwise or they belong to the group, and which
-    /// frame is the tip, unless `tip` does. Default: `hand.yaml` beside the URDF, if there is one.
-    pub hand: Option<TextSource>,
+    /// What its URDF does not say ([`RobotDescription`](crate::RobotDescription)): group, tip and fixed joints unless they
+    /// are given here, where it starts, and its hand: where the fingers stand open, unless `fixed` says otherwise or they
+    /// belong to the group. Default: `robot.yaml` beside the URDF, if there is one.
+    pub description: Option<TextSource>,
     /// Hands that the robot may have besides: of these, what it lacks is left out.
     pub known_hands: Vec<HandDescription>,
     /// Folders in which `package://` names are looked for, before the folders above the URDF.

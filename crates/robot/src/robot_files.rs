@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::xml::XmlText;
-use crate::{RobotError, mesh_path};
+use crate::xml::{XmlText, known_prefixes};
+use crate::{RobotDescription, RobotError, mesh_path};
 
 /// A robot's files, brought together: URDF, SRDF, limits and meshes under names of one folder, in which the URDF
 /// finds its meshes without any package.
@@ -22,25 +22,38 @@ const MESHES: &str = "meshes";
 
 /// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
 pub(crate) const LIMITS: &str = "limits.yaml";
-pub(crate) const HAND: &str = "hand.yaml";
+pub(crate) const DESCRIPTION: &str = "robot.yaml";
 
 impl RobotFiles {
-    /// Reads the files of the robot at `urdf`: the SRDF given, or else the one beside it, `limits.yaml` and `hand.yaml`
+    /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside it, `limits.yaml` and `robot.yaml`
     /// beside it, and every mesh that it names, for collision or for looks; `package://` as in
     /// [`RobotOptions::packages`](crate::RobotOptions::packages). A mesh for looks alone that is not there is
     /// left out. What a mesh file itself refers to, such as textures, is not followed.
     ///
     /// # Errors
     /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and what makes the text no URDF.
-    pub fn gather(urdf: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
-        let bytes_of = |path: &Path| {
-            cranny_file::MESH
-                .bytes(path)
-                .map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
-        };
-        let mut text = cranny_file::TEXT
+    pub fn gather(robot: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
+        let urdf = &RobotDescription::urdf_at(robot)?;
+        let text = cranny_file::TEXT
             .text(urdf)
             .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
+        let mut files = Self::of_text(text, urdf, packages)?;
+        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let beside = urdf.with_extension("srdf");
+        let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
+        let others = [LIMITS, DESCRIPTION].map(|name| urdf.with_file_name(name)).into_iter();
+        for extra in srdf.iter().cloned().chain(others.filter(|path| path.is_file())) {
+            files.contents.insert(name_of(&extra), bytes_of(&extra)?);
+        }
+        files.srdf = srdf.as_deref().map(name_of);
+        Ok(files)
+    }
+
+    /// URDF and meshes alone; `text` is that of the URDF at `urdf`, or what became of it.
+    ///
+    /// # Errors
+    /// As [`Self::gather`].
+    pub fn of_text(mut text: String, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let mut contents = BTreeMap::new();
         let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
         // From the last to the first, so that the places of the others stay.
@@ -59,23 +72,29 @@ impl RobotFiles {
             }
             text.replace_range(mesh.place.clone(), &names[path]);
         }
-        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let beside = urdf.with_extension("srdf");
-        let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
-        let others = [LIMITS, HAND].map(|name| urdf.with_file_name(name)).into_iter();
-        for extra in srdf.iter().cloned().chain(others.filter(|path| path.is_file())) {
-            contents.insert(name_of(&extra), bytes_of(&extra)?);
-        }
-        contents.insert(name_of(urdf), text.into_bytes());
-        Ok(Self { contents, urdf: name_of(urdf), srdf: srdf.as_deref().map(name_of) })
+        let name = urdf.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        contents.insert(name.clone(), text.into_bytes());
+        Ok(Self { contents, urdf: name, srdf: None })
+    }
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, RobotError> {
+    let unreadable = |reason| RobotError::Unreadable { path: path.to_owned(), reason };
+    cranny_file::MESH.bytes(path).map_err(unreadable)
+}
+
+impl RobotFiles {
+    /// Whether their folder names the robot by itself.
+    pub fn has_description(&self) -> bool {
+        self.contents.contains_key(DESCRIPTION)
     }
 }
 
 /// A mesh as a URDF names it.
-struct MeshName {
-    file: String,
+pub(crate) struct MeshName {
+    pub(crate) file: String,
     /// Where the name stands in the text.
-    place: Range<usize>,
+    pub(crate) place: Range<usize>,
     link: String,
     at: crate::Location,
     is_for_looks: bool,
@@ -88,9 +107,10 @@ impl MeshName {
 }
 
 /// The meshes that a URDF names, in the order of the text.
-fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, RobotError> {
+pub(crate) fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, RobotError> {
     let file = urdf.display().to_string();
-    let xml = XmlText::parse(text, &file)?;
+    let text = known_prefixes(text);
+    let xml = XmlText::parse(&text, &file)?;
     let mut names = Vec::new();
     for link in xml.robot()?.all("link") {
         for (tag, is_for_looks) in [("collision", false), ("visual", true)] {

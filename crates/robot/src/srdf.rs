@@ -122,9 +122,27 @@ fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
         group: element.text("group")?.to_owned(),
         values: element
             .all("joint")
-            .map(|joint| Ok((joint.text("name")?.to_owned(), joint.number("value")?)))
-            .collect::<Result<_, RobotError>>()?,
+            .map(parse_value)
+            .collect::<Result<Vec<_>, RobotError>>()?
+            .into_iter()
+            .flatten()
+            .collect(),
         at: element.at(),
+    })
+}
+
+/// The value of a joint; of a planar one three, which stand for the three joints that it is here. Of a floating one
+/// `MoveIt` writes a quaternion: that is not read.
+fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
+    let name = joint.text("name")?;
+    let named = |suffix: &str| format!("{name}/{suffix}");
+    Ok(match joint.text("value")?.split_whitespace().count() {
+        3 => {
+            let [x, y, theta] = joint.numbers("value")?.unwrap_or_default();
+            vec![(named("x"), x), (named("y"), y), (named("theta"), theta)]
+        }
+        7 => Vec::new(),
+        _ => vec![(name.to_owned(), joint.number("value")?)],
     })
 }
 

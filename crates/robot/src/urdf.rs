@@ -2,8 +2,9 @@ use std::collections::HashMap;
 
 use cranny_spatial::{Pose, Vector};
 
-use crate::xml::{Element, XmlText};
-use crate::{Inertial, LinkForm, LinkVisual, Location, RobotError};
+use crate::free_joint::{FLOATING, PLANAR};
+use crate::xml::{Element, XmlText, known_prefixes};
+use crate::{CONTINUOUS_LIMIT_RAD, Inertial, LinkForm, LinkVisual, Location, RobotError};
 
 /// What a URDF says, checked element by element; that its links form a tree is checked by `tree`.
 pub(crate) struct Urdf {
@@ -42,8 +43,7 @@ pub(crate) struct UrdfMotion {
     pub(crate) kind: UrdfJointKind,
     /// A unit vector.
     pub(crate) axis_in_child: Vector,
-    /// None for a continuous joint without any.
-    pub(crate) limits: Option<UrdfLimits>,
+    pub(crate) limits: UrdfLimits,
     pub(crate) mimic: Option<UrdfMimic>,
 }
 
@@ -61,6 +61,19 @@ pub(crate) struct UrdfLimits {
     pub(crate) effort: Option<f64>,
 }
 
+impl UrdfLink {
+    /// A frame without a body.
+    pub(crate) fn bare(name: String, at: Location) -> Self {
+        Self { name, at, collisions: Vec::new(), visuals: Vec::new(), inertial: None }
+    }
+}
+
+impl UrdfLimits {
+    pub(crate) fn of_continuous(velocity: Option<f64>, effort: Option<f64>) -> Self {
+        Self { lower: -CONTINUOUS_LIMIT_RAD, upper: CONTINUOUS_LIMIT_RAD, velocity, effort }
+    }
+}
+
 /// `value = multiplier · value of the master + offset`.
 pub(crate) struct UrdfMimic {
     pub(crate) master: String,
@@ -71,14 +84,22 @@ pub(crate) struct UrdfMimic {
 impl Urdf {
     /// Reads a URDF from `text`; `file` is the name for it in errors.
     pub(crate) fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
-        let xml = XmlText::parse(text, file)?;
+        let text = known_prefixes(text);
+        let xml = XmlText::parse(&text, file)?;
         let robot = xml.robot()?;
         let name = robot.optional_text("name").unwrap_or("robot").to_owned();
-        let colours = named_colours(robot)?;
+        let colours = named_colours(robot);
         let links =
             robot.all("link").map(|link| parse_link(link, &colours)).collect::<Result<Vec<_>, _>>()?;
-        let joints = robot.all("joint").map(parse_joint).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { name, file: file.to_owned(), links, joints })
+        let mut urdf = Self { name, file: file.to_owned(), links, joints: Vec::new() };
+        for joint in robot.all("joint") {
+            match joint.text("type")? {
+                "planar" => urdf.add_free_joint(joint, &PLANAR)?,
+                "floating" => urdf.add_free_joint(joint, &FLOATING)?,
+                _ => urdf.joints.push(parse_joint(joint)?),
+            }
+        }
+        Ok(urdf)
     }
 }
 
@@ -86,20 +107,21 @@ impl Urdf {
 /// colour at the top or in any visual, and is then known by its name everywhere.
 type Colours<'a> = HashMap<&'a str, [f64; 4]>;
 
-fn named_colours(robot: Element<'_>) -> Result<Colours<'_>, RobotError> {
+fn named_colours(robot: Element<'_>) -> Colours<'_> {
     let visuals = robot.all("link").flat_map(|link| link.all("visual"));
     let materials = robot.all("material").chain(visuals.flat_map(|visual| visual.all("material")));
     let mut colours = HashMap::new();
     for material in materials {
-        if let (Some(name), Some(colour)) = (material.optional_text("name"), parse_colour(material)?) {
+        if let (Some(name), Some(colour)) = (material.optional_text("name"), parse_colour(material)) {
             colours.entry(name).or_insert(colour);
         }
     }
-    Ok(colours)
+    colours
 }
 
-fn parse_colour(material: Element<'_>) -> Result<Option<[f64; 4]>, RobotError> {
-    material.first("color").map_or(Ok(None), |colour| colour.numbers("rgba"))
+/// What is no colour is none: it is for looks alone, and many files have such.
+fn parse_colour(material: Element<'_>) -> Option<[f64; 4]> {
+    material.first("color").and_then(|colour| colour.numbers("rgba").ok()?)
 }
 
 fn parse_link(element: Element<'_>, colours: &Colours<'_>) -> Result<UrdfLink, RobotError> {
@@ -121,7 +143,7 @@ fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Resu
     let colour = match element.first("material") {
         Some(material) => {
             let named = || material.optional_text("name").and_then(|name| colours.get(name).copied());
-            parse_colour(material)?.or_else(named)
+            parse_colour(material).or_else(named)
         }
         None => None,
     };
@@ -212,23 +234,31 @@ fn parse_motion(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Resul
     let axis_in_child = axis
         .try_normalize(1e-9)
         .ok_or_else(|| RobotError::ZeroAxis { at: axis_at, joint: joint.to_owned() })?;
-    let is_needed = kind != UrdfJointKind::Continuous || element.first("limit").is_some();
-    let limit = is_needed.then(|| element.needed("limit", &format!("joint `{joint}`"))).transpose()?;
-    let limits = limit.map(|limit| parse_limits(limit, kind, joint)).transpose()?;
+    let limits = match element.first("limit") {
+        None if kind == UrdfJointKind::Continuous => UrdfLimits::of_continuous(None, None),
+        _ => parse_limits(element.needed("limit", &format!("joint `{joint}`"))?, kind, joint)?,
+    };
     let mimic = element.first("mimic").map(parse_mimic).transpose()?;
     Ok(UrdfMotion { kind, axis_in_child, limits, mimic })
 }
 
-fn parse_limits(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Result<UrdfLimits, RobotError> {
+pub(crate) fn parse_limits(
+    element: Element<'_>,
+    kind: UrdfJointKind,
+    joint: &str,
+) -> Result<UrdfLimits, RobotError> {
     // Left out, both are zero (URDF specification).
     let (lower, upper) = (element.number_or("lower", 0.0)?, element.number_or("upper", 0.0)?);
-    if lower > upper && kind != UrdfJointKind::Continuous {
-        let (at, joint) = (element.at(), joint.to_owned());
-        return Err(RobotError::LimitsReversed { at, joint, lower, upper });
-    }
     let velocity = element.optional_text("velocity").map(|_| element.number("velocity")).transpose()?;
     // Many files have a zero where nobody knows it.
     let effort = element.positive("effort").ok();
+    if kind == UrdfJointKind::Continuous {
+        return Ok(UrdfLimits::of_continuous(velocity, effort));
+    }
+    if lower > upper {
+        let (at, joint) = (element.at(), joint.to_owned());
+        return Err(RobotError::LimitsReversed { at, joint, lower, upper });
+    }
     Ok(UrdfLimits { lower, upper, velocity, effort })
 }
 

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::ops::Range;
 
 use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
@@ -15,6 +16,27 @@ pub(crate) struct XmlText<'a> {
 
 /// An element with more is no link or joint, and to see that no two are alike takes a while.
 const MOST_ATTRIBUTES: usize = 1000;
+
+/// The text with every namespace prefix that nobody declares made part of the names that it stands before, as programs
+/// write them that read XML without namespaces (`<drake:acceleration …>`). All places in the text stay as they are.
+/// `xacro` stays what it is: its file is not yet a URDF.
+pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
+    /// More kinds of them has no file.
+    const MOST: usize = 16;
+    let mut known = Cow::Borrowed(text);
+    for _ in 0..MOST {
+        let prefix = match Document::parse(&known) {
+            Err(roxmltree::Error::UnknownNamespace(prefix, _)) if prefix != "xacro" => prefix,
+            _ => break,
+        };
+        let mut named = known.into_owned();
+        for before in ["<", "</", " ", "\t", "\n"] {
+            named = named.replace(&format!("{before}{prefix}:"), &format!("{before}{prefix}_"));
+        }
+        known = Cow::Owned(named);
+    }
+    known
+}
 
 impl<'a> XmlText<'a> {
     pub(crate) fn parse(text: &'a str, file: &'a str) -> Result<Self, RobotError> {
@@ -79,6 +101,24 @@ impl<'a> Element<'a> {
 
     pub(crate) fn at(&self) -> Location {
         Location { file: self.file.to_owned(), line: line_of(self.line_starts, self.node.range().start) }
+    }
+
+    /// Where it stands in the document, tags and all.
+    pub(crate) fn place(&self) -> Range<usize> {
+        self.node.range()
+    }
+
+    /// Where its content begins and ends in the document; of an element that is one tag, both are before its `>`.
+    pub(crate) fn inside(&self) -> (usize, usize) {
+        let text = self.node.document().input_text();
+        let whole = self.node.range();
+        match text[whole.clone()].rfind("</") {
+            Some(end) if self.node.has_children() || text[whole.clone()].ends_with("</robot>") => {
+                let first = self.node.first_child().map_or(whole.start + end, |child| child.range().start);
+                (first, whole.start + end)
+            }
+            _ => (whole.end - 1, whole.end - 1),
+        }
     }
 
     /// The elements directly inside.

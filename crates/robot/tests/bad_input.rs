@@ -11,7 +11,7 @@ const URDF: &[(&str, u32, &[&str])] = &[
     ("empty.urdf", 0, &["the file is empty"]),
     ("endless_turn.urdf", 0, &["link `b` cannot be placed", "up to 1e12", "narrow the limits"]),
     ("far_root.urdf", 0, &["link `b` can be 2000.1 m from the root", "millimetres"]),
-    ("floating.urdf", 5, &["joint `ab`", "`floating`", "supported: fixed, revolute"]),
+    ("screw.urdf", 5, &["joint `ab`", "`screw`", "supported: fixed, revolute"]),
     ("four_numbers.urdf", 14, &["xyz=\"0 0 1 0\" of <axis>: expected 3 finite number(s)"]),
     ("infinite.urdf", 14, &["xyz=\"0 0 inf\" of <axis>"]),
     ("limits_reversed.urdf", 8, &["joint `elbow`: lower limit 1.5 is greater than upper limit -1.5"]),

@@ -257,10 +257,6 @@ fn a_visual_that_is_none_is_refused_with_its_place() {
         ("<visual><geometry><box size='1 2'/></geometry></visual>", "size"),
         ("<visual><geometry><torus/></geometry></visual>", "torus"),
         ("<visual blend='-1'><geometry><sphere radius='1'/></geometry></visual>", "blend"),
-        (
-            "<visual><geometry><sphere radius='1'/></geometry><material><color rgba='1 0 0'/></material></visual>",
-            "rgba",
-        ),
     ] {
         let fault = refused(visual);
         assert!(fault.contains("r.urdf:2") && fault.contains(word), "{fault}");

@@ -1,6 +1,8 @@
-//! What a `hand.yaml` says of a robot's hand.
+//! What a `robot.yaml` says of a robot's hand.
 
-use cranny_robot::{HandDescription, JointGroup, JointKind, Robot, RobotError, RobotOptions};
+use cranny_robot::{
+    HandDescription, JointGroup, JointKind, Robot, RobotDescription, RobotError, RobotOptions,
+};
 
 const GRIPPER: &str = r#"<robot name="gripper"><link name="base"/><link name="flange"/>
   <link name="palm"><collision><geometry><box size="0.1 0.1 0.04"/></geometry></collision></link>
@@ -18,18 +20,19 @@ const GRIPPER: &str = r#"<robot name="gripper"><link name="base"/><link name="fl
   <joint name="see" type="fixed"><parent link="palm"/><child link="camera"/></joint>
 </robot>"#;
 
-const HAND: &str = "name: jaws
-tip: between
-fingers:
-  slide_a: {open: 0.03, closed: 0.0}
-  slide_b: {open: 0.03, closed: 0.0}
-opening_m: 0.06
-finger_depth_m: 0.04
-closing_force_n: 30
+const HAND: &str = "hand:
+  name: jaws
+  tip: between
+  fingers:
+    slide_a: {open: 0.03, closed: 0.0}
+    slide_b: {open: 0.03, closed: 0.0}
+  opening_m: 0.06
+  finger_depth_m: 0.04
+  closing_force_n: 30
 ";
 
 fn hand() -> HandDescription {
-    HandDescription::parse(HAND, "hand.yaml").unwrap()
+    RobotDescription::parse(HAND, "robot.yaml").unwrap().hand.unwrap()
 }
 
 fn robot(options: &RobotOptions) -> Result<Robot, RobotError> {
@@ -45,9 +48,9 @@ fn a_described_hand_stands_open_and_reaches_with_its_own_frame() {
     let names: Vec<&str> = robot.hand_links().iter().map(|&link| robot.links()[link].name.as_str()).collect();
     assert_eq!(names, ["palm", "jaw_a", "jaw_b"]);
     let known = robot.hand().unwrap();
-    assert_eq!((known.description.opening_m, known.fingers.len()), (0.06, 2));
+    assert_eq!((known.description.opening_m, known.fingers), (0.06, 2));
     let frames = robot.frames();
-    for (finger, side) in known.fingers.iter().zip([1.0, -1.0]) {
+    for (finger, side) in known.joints.iter().zip([1.0, -1.0]) {
         assert_eq!(finger.kind, JointKind::Prismatic);
         assert!((frames.link(finger.link).translation.y - 0.03 * side).abs() < 1e-12);
         assert!((finger.axis_in_link.y - side).abs() < 1e-12);
@@ -105,16 +108,16 @@ fn a_hand_beside_the_urdf_is_found() {
     let urdf = folder.path().join("gripper.urdf");
     std::fs::write(&urdf, GRIPPER).unwrap();
     assert!(Robot::load(&urdf, &RobotOptions::default()).unwrap().hand().is_none());
-    std::fs::write(folder.path().join("hand.yaml"), HAND).unwrap();
+    std::fs::write(folder.path().join("robot.yaml"), HAND).unwrap();
     let robot = Robot::load(&urdf, &RobotOptions::default()).unwrap();
     assert_eq!(robot.hand().unwrap().description, hand());
     // Of its own hand nothing is left out.
     for (from, to, says) in [
         ("slide_b", "slide_c", "hand 'jaws': unknown joint 'slide_c'"),
         ("tip: between", "tip: betwen", "'betwen'"),
-        ("slide_b: {open: 0.03", "slide_b: {open: 0.031", "hand.yaml:5: open of finger 'slide_b' is 0.031"),
+        ("slide_b: {open: 0.03", "slide_b: {open: 0.031", "robot.yaml:6: open of finger 'slide_b' is 0.031"),
     ] {
-        std::fs::write(folder.path().join("hand.yaml"), HAND.replace(from, to)).unwrap();
+        std::fs::write(folder.path().join("robot.yaml"), HAND.replace(from, to)).unwrap();
         let fault = Robot::load(&urdf, &RobotOptions::default()).unwrap_err().to_string();
         assert!(fault.replace('`', "'").contains(says), "{fault}");
     }
@@ -123,24 +126,20 @@ fn a_hand_beside_the_urdf_is_found() {
 #[test]
 fn a_faulty_description_is_refused_with_its_line() {
     for (from, to, says) in [
-        ("opening_m: 0.06", "opening_m: -0.06", "hand.yaml:6: "),
-        ("closing_force_n: 30", "closing_force_n: .nan", "hand.yaml:8: "),
-        ("finger_depth_m: 0.04", "finger_depth: 0.04", "hand.yaml:7: "),
-        ("open: 0.03, closed", "open: wide, closed", "hand.yaml:4: "),
+        ("opening_m: 0.06", "opening_m: -0.06", "robot.yaml:7: "),
+        ("closing_force_n: 30", "closing_force_n: .nan", "robot.yaml:9: "),
+        ("finger_depth_m: 0.04", "finger_depth: 0.04", "robot.yaml:8: "),
+        ("open: 0.03, closed", "open: wide, closed", "robot.yaml:5: "),
         (
             "slide_b: {open: 0.03, closed: 0.0}",
             "slide_b: {open: 0.03, closed: .inf}",
-            "hand.yaml:5: closed of finger",
-        ),
-        (
-            "fingers:\n  slide_a: {open: 0.03, closed: 0.0}\n  slide_b: {open: 0.03, closed: 0.0}",
-            "fingers: {}",
-            "hand.yaml:3: the number of fingers",
+            "robot.yaml:6: closed of finger",
         ),
     ] {
-        let fault = HandDescription::parse(&HAND.replacen(from, to, 1), "hand.yaml").unwrap_err().to_string();
+        let fault =
+            RobotDescription::parse(&HAND.replacen(from, to, 1), "robot.yaml").unwrap_err().to_string();
         assert!(fault.starts_with(says), "{fault}");
     }
-    let fault = HandDescription::parse(" ", "hand.yaml").unwrap_err().to_string();
+    let fault = RobotDescription::parse(" ", "robot.yaml").unwrap_err().to_string();
     assert!(fault.contains("empty"), "{fault}");
 }

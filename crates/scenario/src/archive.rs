@@ -16,7 +16,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
 use crate::{
-    OpenOptions, Scenario, ScenarioError, archive_contents as unpacked, builtin_robot, own_layout, scenario,
+    BuiltinRobot, OpenOptions, Scenario, ScenarioError, archive_contents as unpacked, own_layout, scenario,
     write_whole_file, write_whole_folder, yaml,
 };
 
@@ -66,7 +66,7 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     let id = scenario::id_of(folder);
     let mut contents = BTreeMap::new();
     collect(folder, "", &mut contents)?;
-    let is_own_robot = file.robot.value != builtin_robot::PANDA_MOBILE;
+    let is_own_robot = BuiltinRobot::of_name(&file.robot.value).is_none();
     if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
         bring_robot(&file, folder, &mut contents)?;
     }

@@ -89,9 +89,10 @@ pub fn write_whole_folder<T>(
 }
 
 /// Writes a file of a folder that is not in its place yet, and makes the folders above it.
-pub(crate) fn write_into(folder: &Path, name: &str, text: &str) -> Result<(), ScenarioError> {
+pub(crate) fn write_into(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> Result<(), ScenarioError> {
     let path = folder.join(name);
-    let written = fs::create_dir_all(path.parent().unwrap_or(folder)).and_then(|()| fs::write(&path, text));
+    let written =
+        fs::create_dir_all(path.parent().unwrap_or(folder)).and_then(|()| fs::write(&path, content));
     written.map_err(|reason| ScenarioError::Unwritable { path, reason })
 }
 

@@ -401,14 +401,31 @@ pub enum ScenarioError {
         reason: cranny_grasp::GraspError,
     },
     /// A scenario's robot is nowhere.
-    #[error("{at}: there is no robot '{name}': it is neither 'panda_mobile' nor a file ({})", path.display())]
+    #[error("{at}: there is no robot '{name}': it is neither built in ({known}) nor a file or folder ({})", path.display())]
     UnknownRobot {
         /// Where.
         at: Location,
         /// The name.
         name: String,
-        /// The URDF that was looked for.
+        /// What was looked for.
         path: PathBuf,
+        /// The built-in robots.
+        known: String,
+    },
+    /// A scene would be larger than the paper's, or have no size.
+    #[error("the scale of a scene is {value}, but must be greater than 0 and at most 1")]
+    Scale {
+        /// The scale.
+        value: f64,
+    },
+    /// A robot of which no hand is known.
+    #[error(
+        "robot {robot}: nothing says which joints close its hand, so no grasp can be sampled for it (`cranny robot add \
+         URDF` finds the hand and writes it to a robot.yaml)"
+    )]
+    NoHand {
+        /// Its name.
+        robot: String,
     },
     /// What a line of a file leads to is wrong.
     #[error("{at}: {fault}")]
@@ -428,8 +445,11 @@ pub enum ScenarioError {
         /// The names that there are.
         known: String,
     },
-    /// Only scenarios of the built-in robot can be written.
-    #[error("only scenarios of the built-in robot can be written, but this robot has the joints {joints}")]
+    /// Only scenarios whose robot can be named can be written.
+    #[error(
+        "only scenarios of a built-in robot, or of one whose folder says all of it, can be written, but of this one, with \
+         the joints {joints}, the scenario itself says more (group, tip, fixed, srdf …)"
+    )]
     OtherRobot {
         /// The robot's joints.
         joints: String,

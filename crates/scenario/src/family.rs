@@ -2,7 +2,10 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-use crate::{ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics, builtin_object};
+use crate::scene_scale::{resized, scaled};
+use crate::{
+    ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, SceneScale, TargetPhysics, builtin_object,
+};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
@@ -44,8 +47,8 @@ pub(crate) struct Region {
 /// The object of a family, resting.
 #[derive(Clone, Debug)]
 pub(crate) struct Resting {
-    /// Name of the built-in object.
-    pub object: &'static str,
+    /// Its mesh, in its own frame.
+    pub mesh: TriangleSoup,
     /// What it is called in scenarios.
     pub name: &'static str,
     shape: RecipeShape,
@@ -111,12 +114,12 @@ impl Family {
         }
     }
 
-    /// The value, if the dial goes so far.
+    /// The value, if the dial goes so far in a scene of that scale.
     ///
     /// # Errors
     /// [`ScenarioError::Parameter`].
-    pub fn checked(self, value: f64) -> Result<f64, ScenarioError> {
-        let [low, high] = self.range_m();
+    pub fn checked(self, value: f64, scale: &SceneScale) -> Result<f64, ScenarioError> {
+        let [low, high] = self.range_m().map(|end| end * scale.of_dial(self));
         if (low..=high).contains(&value) {
             return Ok(value);
         }
@@ -167,6 +170,26 @@ impl Family {
         }
     }
 
+    /// How wide its object is between the fingers, where it is narrowest, in metres.
+    pub(crate) fn object_width_m(self) -> f64 {
+        match self {
+            Self::Shelf => 0.032,
+            Self::Table => 0.067,
+            Self::Gap => 0.038,
+            Self::Gate => 0.036,
+        }
+    }
+
+    /// How far behind the front of what is in the way the object lies at most, in metres, with a little to spare: so far a
+    /// robot that drives up to it has to reach.
+    pub(crate) fn beyond_front_m(self) -> f64 {
+        match self {
+            Self::Shelf | Self::Gap => 0.55,
+            Self::Table => 0.7,
+            Self::Gate => 1.0,
+        }
+    }
+
     /// How high the object lies, in metres.
     pub(crate) fn support_m(self) -> f64 {
         match self {
@@ -196,8 +219,8 @@ impl Family {
         }
     }
 
-    /// The object, resting as in the paper.
-    pub(crate) fn resting(self) -> Result<Resting, ScenarioError> {
+    /// The object, `scale` times as large as it is, resting as in the paper.
+    pub(crate) fn resting(self, scale: f64) -> Result<Resting, ScenarioError> {
         let about_z = |degrees: f64| Rotation::from_axis_angle(&Vector::z_axis(), degrees.to_radians());
         let (object, name, ground_from_object) = match self {
             Self::Shelf => {
@@ -229,9 +252,15 @@ impl Family {
             Self::Gap => (RecipeShape::Cuboid(bounds(&mesh, &Rotation::identity()).1 * 2.0), physics),
             Self::Shelf | Self::Gate => (RecipeShape::Object(source), TargetPhysics::default()),
         };
+        let (mesh, shape, given_physics) = if scale < 1.0 {
+            let (shape, physics) = resized(&shape, &physics, &mesh, scale);
+            (scaled(&mesh, scale), shape, physics)
+        } else {
+            (mesh, shape, given_physics)
+        };
         let (middle, half) = bounds(&mesh, &ground_from_object);
         let lift_m = half.z - middle.z;
-        Ok(Resting { object, name, shape, given_physics, ground_from_object, lift_m, middle })
+        Ok(Resting { mesh, name, shape, given_physics, ground_from_object, lift_m, middle })
     }
 }
 

@@ -2,15 +2,14 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, HandFilter};
+use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_shape::{Solid, Surface};
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::{Pose, Stream, Vector};
 
 use crate::family::Resting;
-use crate::recipe::PAPER_START;
-use crate::released::planning_from_scene;
+use crate::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, ScenarioError, builtin_object, panda_hand,
+    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale,
 };
 
 /// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
@@ -18,6 +17,8 @@ use crate::{
 pub struct FamilyMaker {
     /// The family.
     pub family: Family,
+    robot: RecipeRobot,
+    scale: SceneScale,
     resting: Resting,
     hand: Hand,
     /// All sampled grasps, then the few that stand for them; poses in the object's frame.
@@ -41,20 +42,28 @@ const GRASPS: usize = 200;
 const CANDIDATES: usize = 2000;
 
 impl FamilyMaker {
-    /// Samples the grasps of the family's object, resting on level ground, by the sampler's defaults: from the
-    /// side or from above, hand and fingers free of object and ground at the grasp and on the way there.
+    /// Samples the grasps of the family's object for the robot's hand, the object resting on level ground, by the sampler's
+    /// defaults: from the side or from above, hand and fingers free of object and ground at the grasp and on the way there.
     ///
     /// # Errors
-    /// None on a sound build.
-    pub fn new(family: Family, seed: u64) -> Result<Self, ScenarioError> {
-        let resting = family.resting()?;
-        let hand = panda_hand()?;
-        let mesh = builtin_object::mesh(resting.object)?;
+    /// [`ScenarioError::NoHand`] for a robot of whose hand nothing is known.
+    pub fn new(
+        family: Family,
+        robot: RecipeRobot,
+        scale: SceneScale,
+        seed: u64,
+    ) -> Result<Self, ScenarioError> {
+        let resting = family.resting(scale.object)?;
+        if robot.robot.hand().is_none() {
+            return Err(ScenarioError::NoHand { robot: robot.robot.name().to_owned() });
+        }
+        let hand = robot_hand(&robot.robot);
+        let mesh = &resting.mesh;
         let object_from_ground =
             Pose::from_parts(Vector::new(0.0, 0.0, resting.lift_m).into(), resting.ground_from_object)
                 .inverse();
         let world = World::new(vec![
-            Body::new("object", Pose::identity(), Solid::mesh(&mesh)?),
+            Body::new("object", Pose::identity(), Solid::mesh(mesh)?),
             Body::new("ground", object_from_ground, Solid::half_space()),
         ])?;
         let filter = HandFilter::new(&hand, world, APPROACH_M)?;
@@ -64,15 +73,36 @@ impl FamilyMaker {
             up: resting.ground_from_object.inverse() * Vector::z(),
             steepest_rise_rad: 0.0,
             ground_m: Some(-resting.lift_m),
+            opening_m: hand.opening_m,
             seed,
             ..SamplerSettings::default()
         };
         let accept = |sampled: &SampledGrasp| filter.is_free(&sampled.grasp);
-        let found = sample_grasps(&Surface::new(&mesh)?, &settings, &accept, &mut |_| true)?;
+        let found = sample_grasps(&Surface::new(mesh)?, &settings, &accept, &mut |_| true)?;
         let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
         let few = covering_subset(&candidates, GRASPS, COVERAGE_THRESHOLD);
         let few = few.into_iter().map(|index| candidates[index]).collect();
-        Ok(Self { family, resting, hand, candidates, few })
+        Ok(Self { family, robot, scale, resting, hand, candidates, few })
+    }
+
+    /// The robot, and where it stands.
+    pub fn robot(&self) -> &RecipeRobot {
+        &self.robot
+    }
+
+    /// How much smaller than the paper's its scenes are.
+    pub fn scale(&self) -> SceneScale {
+        self.scale
+    }
+
+    /// Where the paper has the object at that value of the dial (m), in a scene of this scale.
+    pub fn paper_placement(&self, parameter_m: f64) -> Placement {
+        self.scale.placement(&self.family.paper_placement(parameter_m / self.scale.of_dial(self.family)))
+    }
+
+    /// How high the object lies, in metres.
+    fn support_m(&self) -> f64 {
+        self.scale.across * self.family.support_m()
     }
 
     /// The scenario at a value of the dial (m), with the object where the paper has it.
@@ -80,7 +110,7 @@ impl FamilyMaker {
     /// # Errors
     /// [`ScenarioError::Parameter`] for a value out of the dial's range.
     pub fn at(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
-        let placement = self.family.paper_placement(parameter_m);
+        let placement = self.paper_placement(parameter_m);
         self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
     }
 
@@ -99,14 +129,24 @@ impl FamilyMaker {
         let mut recipe = self.scenario_without_grasps(parameter_m, placement)?;
         recipe.obstacles.extend(clutter);
         let world_from_object =
-            planning_from_scene() * self.resting.scene_from_object(placement, self.family.support_m());
+            self.robot.planning_from_scene() * self.resting.scene_from_object(placement, self.support_m());
         let filter = HandFilter::new(&self.hand, recipe.world()?, APPROACH_M)?;
         let placed = |grasp: &Grasp| Grasp {
             world_from_gripper: world_from_object * grasp.world_from_gripper,
             ..*grasp
         };
+        let robot = &self.robot.robot;
         let free = |grasps: &[Grasp]| -> Vec<Grasp> {
-            grasps.iter().map(placed).filter(|grasp| filter.is_free(grasp)).collect()
+            let mut random = Stream::new(0, 0);
+            let mut held = |grasp: Grasp| {
+                if robot.dof() >= ALL_POSES_DOF {
+                    Some(grasp)
+                } else {
+                    short_arm::held(robot, &grasp, &mut random)
+                }
+            };
+            let near = grasps.iter().map(placed).filter_map(&mut held);
+            near.filter(|grasp| filter.is_free(grasp)).collect()
         };
         let grasps = match choice {
             GraspChoice::Few => free(&self.few),
@@ -127,7 +167,8 @@ impl FamilyMaker {
         placement: &Placement,
     ) -> Result<Recipe, ScenarioError> {
         let family = self.family;
-        let parameter_m = family.checked(parameter_m)?;
+        let parameter_m = family.checked(parameter_m, &self.scale)?;
+        let obstacles = family.obstacles(parameter_m / self.scale.of_dial(family)).into_iter();
         let title = format!(
             "{} {} {:.0} mm",
             family.name(),
@@ -136,10 +177,11 @@ impl FamilyMaker {
         );
         Ok(Recipe {
             title,
-            obstacles: family.obstacles(parameter_m),
-            target: Some(self.resting.body(placement, family.support_m())),
+            obstacles: obstacles.map(|body| self.scale.obstacle(body)).collect(),
+            target: Some(self.resting.body(placement, self.support_m())),
             given_physics: self.resting.given_physics,
-            start: PAPER_START.to_vec(),
+            start: self.robot.start(),
+            robot: self.robot.clone(),
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

@@ -124,7 +124,7 @@ impl Legible {
         let file = &self.file;
         let was_there = |key: &str| !self.replaced.contains(&key);
         let robot = layout.robot(file, &OpenOptions::default());
-        let robot = robot.map_err(|fault| faults.push(fault)).ok();
+        let robot = robot.map_err(|fault| faults.push(fault)).ok().map(|(robot, _)| robot);
         let frame = layout.pose(file.frame.as_ref());
         faults.extend(frame.err());
         if let Some(robot) = robot.as_ref().filter(|_| was_there("start") && was_there("robot")) {

@@ -17,7 +17,7 @@
 //!
 //! ## Limits
 //! Under `paper`, the start of 044 and 045 touches the gate: the boxes around the built-in robot's links are larger
-//! than the released ones (`--robot` takes those). Scenarios are made by recipes for the built-in robot alone. Meshes of obstacles must be
+//! than the released ones (`--robot` takes those). Meshes of obstacles must be
 //! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
 //! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not. What
 //! overlapping shapes of a target share counts for each of them where it is weighed.
@@ -60,6 +60,7 @@ mod plan_segment;
 mod plan_trajectory;
 mod recipe;
 mod recipe_file;
+mod recipe_robot;
 mod released;
 mod released_export;
 mod robot_file;
@@ -68,7 +69,9 @@ mod scenario;
 mod scenario_file;
 mod scenario_set;
 mod scenario_set_file;
+mod scene_scale;
 mod schema;
+mod short_arm;
 mod sizes;
 mod target_object;
 mod template;
@@ -79,7 +82,7 @@ mod yaml;
 pub use archive::{Credits, pack, unpack};
 pub use atomic_file::{check_free_folder, check_writable, write_whole_file, write_whole_folder};
 pub use builtin_object::{builtin_object, builtin_object_names};
-pub use builtin_robot::{panda_hand, panda_mobile, write_panda_mobile};
+pub use builtin_robot::{BUILTIN_ROBOTS, BuiltinRobot, MountedGripper, panda_hand, panda_mobile};
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::ScenarioError;
 pub use family::{Family, Placement};
@@ -101,10 +104,12 @@ pub use plan_file::{PlanBudget, PlanFile, PlanSource};
 pub use plan_segment::PlanSegment;
 pub use plan_trajectory::PlanTiming;
 pub use recipe::{Recipe, RecipeBody, RecipeShape};
+pub use recipe_robot::{RecipeRobot, RobotSource};
 pub use scenario::{Geometry, OpenOptions, Scenario, is_scenario};
 pub use scenario_set::{Rejections, SetMaker, SetMember, SetSettings};
 pub use scenario_set_file::{SetProgress, SetReport, write_set, write_sweep};
-pub use schema::scenario_schema;
+pub use scene_scale::SceneScale;
+pub use schema::SchemaFile;
 pub use target_object::{TargetObject, TargetPhysics};
 pub use template::{TemplateRobot, write_template};
 pub use trajectory_file::write_trajectory_csv;

@@ -6,27 +6,25 @@ use cranny_collision::Body;
 use cranny_plan::Criterion;
 
 use crate::atomic_file::write_into;
-use crate::released::{FLOOR_M, planning_from_scene};
 use crate::{Recipe, Scenario, ScenarioError, own_layout, write_whole_folder};
 
 impl Scenario {
-    /// Writes the scenario as a folder of Cranny's own layout, which is made: what [`Scenario::open`] reads back,
-    /// with the built-in robot.
+    /// Writes the scenario as a folder of Cranny's own layout, which is made: what [`Scenario::open`] reads back, with the
+    /// files of its robot unless it is built in.
     ///
     /// # Errors
-    /// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::OtherRobot`] if the robot has
-    /// other joints than the built-in one, [`ScenarioError::OtherFloor`] unless the floor is where the built-in
-    /// robot stands on it, [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
+    /// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::OtherRobot`] if the robot's
+    /// files do not say all of it, [`ScenarioError::OtherFloor`] unless the floor is where the robot stands on it, [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
         let recipe = Recipe::of_scenario(self)?;
         let is_floor = |body: &&Body| body.parts.iter().all(|part| part.solid.is_half_space());
         let mut heights = self.world.bodies().iter().filter(is_floor).flat_map(|body| &body.parts);
         let has_floor = heights.next().is_some_and(|part| {
-            let scene_from_floor = planning_from_scene().inverse() * part.world_from_solid;
+            let scene_from_floor = recipe.robot.scene_from_root * part.world_from_solid;
             (scene_from_floor.translation.z).abs() < SAME_FLOOR_M
         });
         if !has_floor || heights.next().is_some() {
-            return Err(ScenarioError::OtherFloor { height_m: FLOOR_M });
+            return Err(ScenarioError::OtherFloor { height_m: -recipe.robot.scene_from_root.translation.z });
         }
         write_whole_folder(folder, |folder| {
             recipe.write_folder(folder)?;

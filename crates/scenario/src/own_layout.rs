@@ -12,8 +12,8 @@ use serde_saphyr::Spanned;
 
 use crate::scenario_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
 use crate::{
-    OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, Scenario, ScenarioError, TargetPhysics,
-    builtin_robot, number_table, robot_file, scenario, sizes, yaml,
+    BUILTIN_ROBOTS, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
+    ScenarioError, TargetPhysics, number_table, robot_file, scenario, sizes, yaml,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -61,7 +61,7 @@ pub(crate) fn open_texts(
     let path = folder.join(FILE);
     let file: ScenarioFile = yaml::parse(&path, &texts.scenario)?;
     let layout = Layout { folder, path: &path };
-    let robot = layout.robot(&file, options)?;
+    let (robot, robot_source) = layout.robot(&file, options)?;
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
     let mut bodies: Vec<Body> = Vec::new();
@@ -91,8 +91,12 @@ pub(crate) fn open_texts(
     Scenario {
         id,
         criterion,
-        start: layout.start(&file.start, &robot)?,
+        start: match layout.start_of_other(&file.start, &robot, options) {
+            Some(start) => start,
+            None => layout.start(&file.start, &robot)?,
+        },
         robot,
+        robot_source,
         world: World::new(bodies)?,
         target,
         target_source,
@@ -101,6 +105,7 @@ pub(crate) fn open_texts(
         ik,
         export: None,
     }
+    .on_its_ground(options)?
     .with_checked_start(&layout.at(file.start.referenced).to_string())
 }
 
@@ -137,9 +142,13 @@ impl Layout<'_> {
         Ok(Body::new(FLOOR, planning_from_floor, Solid::half_space()))
     }
 
-    pub fn robot(&self, file: &ScenarioFile, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
-        if let Some(urdf) = &options.robot {
-            return Ok(robot_file::load(urdf, &RobotOptions::default())?);
+    pub fn robot(
+        &self,
+        file: &ScenarioFile,
+        options: &OpenOptions,
+    ) -> Result<(Arc<Robot>, RobotSource), ScenarioError> {
+        if let Some(other) = &options.robot {
+            return Ok((robot_file::load(other, &RobotOptions::default())?, RobotSource::of(other)));
         }
         let robot_options = RobotOptions {
             srdf: file.srdf.as_ref().map(|srdf| TextSource::Path(self.folder.join(srdf))),
@@ -151,15 +160,32 @@ impl Layout<'_> {
             ..RobotOptions::default()
         };
         let name = &file.robot.value;
-        if name == builtin_robot::PANDA_MOBILE {
-            return Ok(builtin_robot::panda_mobile_with(&robot_options)?);
+        let source_of =
+            |source| if robot_options == RobotOptions::default() { source } else { RobotSource::Other };
+        if let Some(builtin) = BuiltinRobot::of_name(name) {
+            return Ok((builtin.robot(&robot_options)?, source_of(RobotSource::Builtin(builtin.name))));
         }
         let path = self.folder.join(name);
-        if !path.is_file() {
+        if !path.exists() {
             let (at, name) = (self.at(file.robot.referenced), name.clone());
-            return Err(ScenarioError::UnknownRobot { at, name, path });
+            let known = BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
+            return Err(ScenarioError::UnknownRobot { at, name, path, known });
         }
-        Ok(robot_file::load(&path, &robot_options)?)
+        let robot = robot_file::load(&path, &robot_options)?;
+        Ok((robot, source_of(RobotSource::Files(path))))
+    }
+
+    /// Where a robot starts that is not the scenario's own, if its own files say so and the scenario does not name all of
+    /// its joints.
+    fn start_of_other(
+        &self,
+        start: &Spanned<StartEntry>,
+        robot: &Robot,
+        options: &OpenOptions,
+    ) -> Option<Vec<f64>> {
+        options.robot.as_ref()?;
+        let is_named = matches!(start.value, StartEntry::ByJoint(_)) && self.start(start, robot).is_ok();
+        robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
     }
 
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {

@@ -1,18 +1,18 @@
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::GraspSet;
-use cranny_robot::RobotOptions;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
-use crate::released::{FLOOR_M, planning_from_scene};
-use crate::{ObjectSource, OpenOptions, Scenario, ScenarioError, TargetPhysics, builtin_robot, robot_file};
+use crate::{ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics};
 
-/// A scenario of the built-in robot in the making: what its files will say. Poses are in the scene, whose
-/// floor is z = 0 and in which the robot stands where the paper has it; grasps are in the planning frame.
+/// A scenario in the making: what its files will say. Poses are in the scene, whose floor is z = 0; grasps are in the
+/// planning frame.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// What the scenario is about, in a line.
     pub title: String,
+    /// The robot, and where it stands.
+    pub robot: RecipeRobot,
     /// What stands in the way.
     pub obstacles: Vec<RecipeBody>,
     /// What is to be grasped.
@@ -57,22 +57,15 @@ pub enum RecipeShape {
     Hull(TriangleSoup),
 }
 
-/// The start of every scenario of the paper (base y, base x in m; the seven joints of the arm in rad).
-pub(crate) const PAPER_START: [f64; 9] =
-    [0.0, 0.0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534];
-
 impl Recipe {
-    /// The files of a scenario in Cranny's own layout are made from this: the same bodies, start, grasps and
-    /// known configurations, with the built-in robot.
+    /// The files of a scenario in Cranny's own layout are made from this: the same robot, bodies, start, grasps and
+    /// known configurations.
     ///
     /// # Errors
-    /// [`ScenarioError::OtherRobot`] if the scenario's robot has other joints than the built-in one.
+    /// [`ScenarioError::OtherRobot`] if the files of the scenario's robot do not say all of it.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, ScenarioError> {
-        let (expected, actual) = (builtin_robot::panda_mobile()?, &scenario.robot);
-        if expected.joint_names() != actual.joint_names() {
-            return Err(ScenarioError::OtherRobot { joints: actual.joint_names().join(", ") });
-        }
-        let scene_from_planning = planning_from_scene().inverse();
+        let robot = RecipeRobot::of(&scenario.robot_source, scenario.robot.clone())?;
+        let scene_from_planning = robot.scene_from_root;
         let mut obstacles = Vec::new();
         let mut target = None;
         for (index, body) in scenario.world.bodies().iter().enumerate() {
@@ -91,6 +84,7 @@ impl Recipe {
         }
         Ok(Self {
             title: format!("scenario {}", scenario.id),
+            robot,
             obstacles,
             target,
             given_physics: scenario.given_physics,
@@ -105,24 +99,33 @@ impl Recipe {
     /// # Errors
     /// [`ScenarioError`] for a shape that is none, or another robot with other joints.
     pub fn scenario(&self, id: &str, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
-        let robot = match &options.robot {
-            Some(urdf) => robot_file::load(urdf, &RobotOptions::default())?,
-            None => builtin_robot::panda_mobile()?,
-        };
+        if let Some(other) = &options.robot {
+            let robot = RecipeRobot::load(other)?;
+            let options = OpenOptions { robot: None, ..options.clone() };
+            return self.for_robot(robot)?.scenario(id, &options);
+        }
         Scenario {
             id: id.to_owned(),
             criterion: options.criterion.unwrap_or_default(),
-            robot,
+            robot: self.robot.robot.clone(),
+            robot_source: RobotSource::Other,
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),
             target_source: self.target.as_ref().and_then(RecipeBody::source).cloned(),
             given_physics: self.given_physics,
             start: self.start.clone(),
             grasps: self.grasps.clone(),
-            ik: if options.robot.is_some() { Vec::new() } else { self.ik.clone() },
+            ik: self.ik.clone(),
             export: None,
         }
         .with_checked_start(id)
+    }
+
+    /// The same for another robot, which starts where its own files say, if they do.
+    fn for_robot(&self, robot: RecipeRobot) -> Result<Self, ScenarioError> {
+        let moved = robot.planning_from_scene() * self.robot.scene_from_root;
+        let start = robot.robot.default_start().map_or_else(|| self.start.clone(), <[f64]>::to_vec);
+        Ok(Self { grasps: self.grasps.moved(&moved), ik: Vec::new(), start, robot, ..self.clone() })
     }
 
     /// How the target weighs and slides: as the recipe says, else as its object does.
@@ -136,9 +139,10 @@ impl Recipe {
     /// # Errors
     /// [`ScenarioError::ShapeFile`] for a shape that is none.
     pub fn world(&self) -> Result<World, ScenarioError> {
-        let bodies = self.obstacles.iter().chain(&self.target).map(RecipeBody::body);
+        let planning_from_scene = self.robot.planning_from_scene();
+        let bodies = self.obstacles.iter().chain(&self.target).map(|body| body.body(&planning_from_scene));
         let mut bodies: Vec<Body> = bodies.collect::<Result<_, _>>()?;
-        bodies.push(Body::floor(FLOOR_M));
+        bodies.push(Body::floor(-self.robot.scene_from_root.translation.z));
         Ok(World::new(bodies)?)
     }
 }
@@ -158,8 +162,8 @@ impl RecipeBody {
     }
 
     /// The body, in the planning frame.
-    pub(crate) fn body(&self) -> Result<Body, ScenarioError> {
-        let planning_from_body = planning_from_scene() * self.scene_from_body;
+    pub(crate) fn body(&self, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+        let planning_from_body = planning_from_scene * self.scene_from_body;
         let part = |(body_from_shape, shape): &(Pose, RecipeShape)| -> Result<Part, ScenarioError> {
             Ok(Part { world_from_solid: planning_from_body * body_from_shape, solid: shape.solid()? })
         };

@@ -4,11 +4,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
+use cranny_robot::RobotFiles;
 use cranny_spatial::{Pose, Rotation};
 
 use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::released_export::file_name;
+use crate::robot_in_folder::ROBOT;
 use crate::{ScenarioError, own_layout};
 
 /// The folder of a scenario's meshes.
@@ -24,6 +26,9 @@ impl Recipe {
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
+        if let Some(files) = &self.robot.files {
+            write_robot(&folder.join(ROBOT), files)?;
+        }
         for body in self.obstacles.iter().chain(&self.target) {
             for (index, (_, shape)) in body.shapes.iter().enumerate() {
                 match shape {
@@ -49,8 +54,14 @@ impl Recipe {
     /// The text of its `scenario.yaml`.
     pub fn yaml(&self) -> String {
         let mut text = format!("# {}\n", self.title.replace('\n', " "));
-        text.push_str("robot: panda_mobile\n");
-        text.push_str("frame: {position: [1, 0, 0.05], rotation_rpy_deg: [0, 0, 90]}\n");
+        let Pose { translation, rotation } = self.robot.scene_from_root;
+        let yaw_deg = plain(rotation.euler_angles().2.to_degrees());
+        let _ = writeln!(text, "robot: {}", self.robot.named_in_yaml());
+        let _ = writeln!(
+            text,
+            "frame: {{position: {}, rotation_rpy_deg: [0, 0, {yaw_deg}]}}",
+            list(translation.vector.as_slice())
+        );
         let start: Vec<String> = self.start.iter().map(f64::to_string).collect();
         let _ = writeln!(text, "start: [{}]", start.join(", "));
         text.push_str("floor: 0\n");
@@ -73,6 +84,14 @@ impl Recipe {
         }
         text
     }
+}
+
+/// Writes the files of a robot into its folder.
+pub(crate) fn write_robot(folder: &Path, files: &RobotFiles) -> Result<(), ScenarioError> {
+    for (name, content) in &files.contents {
+        write_into(folder, name, content)?;
+    }
+    Ok(())
 }
 
 /// Configurations, one a line.

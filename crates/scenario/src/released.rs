@@ -13,8 +13,8 @@ use serde_saphyr::Spanned;
 
 use crate::object_library::{ObjectEntry, ObjectLibrary};
 use crate::{
-    Geometry, OpenOptions, Recipe, Scenario, ScenarioError, TargetPhysics, builtin_robot, grasp_array,
-    number_table, robot_file, scenario, yaml,
+    BUILTIN_ROBOTS, BuiltinRobot, Geometry, OpenOptions, Recipe, RobotSource, Scenario, ScenarioError,
+    TargetPhysics, grasp_array, number_table, panda_mobile, robot_file, scenario, yaml,
 };
 
 /// The file that makes a folder a scenario of the paper's release.
@@ -46,7 +46,7 @@ pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, Sce
 pub(crate) fn open_with(
     folder: &Path,
     options: &OpenOptions,
-    robot: Arc<Robot>,
+    (robot, robot_source): (Arc<Robot>, RobotSource),
 ) -> Result<Scenario, ScenarioError> {
     let criterion = options.criterion.unwrap_or_default();
     let default_geometry = match criterion {
@@ -73,7 +73,10 @@ pub(crate) fn open_with(
     bodies.push(Body::floor(FLOOR_M));
     // 3.
     let start_file = export.join("robot_start_conf.csv");
-    let start = number_table::read(&start_file)?;
+    let start = match options.robot.as_ref().and_then(|_| robot.default_start()) {
+        Some(start) => start.to_vec(),
+        None => number_table::read(&start_file)?,
+    };
     let ik_file = export.join("grasp_IK_solutions.csv");
     let ik = match options.robot {
         None if ik_file.is_file() => number_table::read_configurations(&ik_file, robot.dof())?,
@@ -83,6 +86,7 @@ pub(crate) fn open_with(
         id: scenario::id_of(folder),
         criterion,
         robot,
+        robot_source,
         world: World::new(bodies)?,
         target,
         target_source: None,
@@ -92,20 +96,31 @@ pub(crate) fn open_with(
         ik,
         export: exported.map(|exported| exported.surface),
     }
+    .on_its_ground(options)?
     .with_checked_start(&start_file.display().to_string())
 }
 
-fn robot(folder: &Path, criterion: Criterion, options: &OpenOptions) -> Result<Arc<Robot>, ScenarioError> {
+fn robot(
+    folder: &Path,
+    criterion: Criterion,
+    options: &OpenOptions,
+) -> Result<(Arc<Robot>, RobotSource), ScenarioError> {
     let name = match criterion {
         Criterion::Exact => "mobile_panda.urdf",
         Criterion::Paper => "mobile_panda_fingersSmallMesh.urdf",
     };
     let released = folder.join("../../robots/franka_panda").join(name);
     if options.robot.is_none() && !released.is_file() {
-        return Ok(builtin_robot::panda_mobile()?);
+        return built_in();
     }
     let urdf = options.robot.clone().unwrap_or(released);
-    Ok(robot_file::load(&urdf, &RobotOptions::default())?)
+    Ok((robot_file::load(&urdf, &RobotOptions::default())?, RobotSource::of(&urdf)))
+}
+
+/// The robot that stands in for the released one.
+fn built_in() -> Result<(Arc<Robot>, RobotSource), ScenarioError> {
+    let BuiltinRobot { name, .. } = BUILTIN_ROBOTS[0];
+    Ok((panda_mobile()?, RobotSource::Builtin(name)))
 }
 
 /// The exported grasps; where there are none, those of the scene.
@@ -223,6 +238,6 @@ impl Recipe {
             return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
         }
         let options = OpenOptions { geometry: Some(Geometry::Scene), ..OpenOptions::default() };
-        Self::of_scenario(&open_with(folder, &options, builtin_robot::panda_mobile()?)?)
+        Self::of_scenario(&open_with(folder, &options, built_in()?)?)
     }
 }

@@ -10,7 +10,6 @@ use cranny_spatial::Vector;
 use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::recipe_file::configurations_text;
-use crate::released::planning_from_scene;
 use crate::{DEFAULT_FRICTION, ScenarioError, grasp_array, released};
 
 /// The object library of the folder, relative to it.
@@ -33,6 +32,11 @@ impl Recipe {
             return Err(ScenarioError::TargetCount { path: folder.to_owned(), actual: 0 });
         };
         let write = |name: &str, text: &str| write_into(folder, name, text);
+        // The layout knows but one robot, and has everything in its frame.
+        let paper_from_scene = released::planning_from_scene();
+        let is_elsewhere = self.robot.scene_from_root != paper_from_scene.inverse();
+        let paper_from_planning = paper_from_scene * self.robot.scene_from_root;
+        let grasps = if is_elsewhere { self.grasps.moved(&paper_from_planning) } else { self.grasps.clone() };
         let mut merged = TriangleSoup::default();
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
         let physics = self.target_physics();
@@ -50,7 +54,7 @@ impl Recipe {
             write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
             write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg, friction)?)?;
             library.push_str(&library_entry(&name, mass_kg, friction));
-            merged.append(&soup, &(planning_from_scene() * body.scene_from_body));
+            merged.append(&soup, &(paper_from_scene * body.scene_from_body));
         }
         library.push_str("yaml_file_type: ObjectLibrary\nyaml_file_version: '1.0'\n");
         write("object_library/object_library.yaml", &library)?;
@@ -58,14 +62,10 @@ impl Recipe {
         let start: Vec<Vec<f64>> = self.start.iter().map(|value| vec![*value]).collect();
         write("export/robot_start_conf.csv", &configurations_text(&start))?;
         write("export/grasp_IK_solutions.csv", &configurations_text(&self.ik))?;
-        let rows: Vec<Vec<f64>> = self
-            .grasps
-            .grasps()
-            .iter()
-            .map(|grasp| rows_of_pose(&grasp.world_from_gripper).to_vec())
-            .collect();
+        let rows = grasps.grasps().iter().map(|grasp| rows_of_pose(&grasp.world_from_gripper).to_vec());
+        let rows: Vec<Vec<f64>> = rows.collect();
         write("export/grasps.csv", &configurations_text(&rows))?;
-        grasp_array::write(&folder.join(grasp_array::FILE), &self.grasps)?;
+        grasp_array::write(&folder.join(grasp_array::FILE), &grasps)?;
         write(released::FILE, &self.scene_yaml(target))
     }
 

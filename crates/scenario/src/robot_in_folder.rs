@@ -64,7 +64,7 @@ impl RobotInFolder {
 }
 
 /// The text as YAML reads it back, whatever is in it.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 

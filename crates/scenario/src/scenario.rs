@@ -10,7 +10,10 @@ use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
 use crate::archive::Unpacked;
-use crate::{ObjectSource, RecipeBody, ScenarioError, TargetPhysics, catalogue, hand, own_layout, released};
+use crate::{
+    ObjectSource, RecipeBody, RobotSource, ScenarioError, TargetPhysics, catalogue, hand, own_layout,
+    released,
+};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -21,6 +24,8 @@ pub struct Scenario {
     pub criterion: Criterion,
     /// The robot; its root frame is the planning frame.
     pub robot: Arc<Robot>,
+    /// Where it comes from.
+    pub robot_source: RobotSource,
     /// All bodies, in the planning frame: obstacles, then the target, then the floor, as far as there are.
     pub world: World,
     /// Which body is to be grasped, by index.
@@ -46,7 +51,9 @@ pub struct Scenario {
 pub struct OpenOptions {
     /// What counts as solved. Default: what the scenario says, else [`Criterion::Exact`].
     pub criterion: Option<Criterion>,
-    /// The URDF of another robot. Default: the scenario's own. Known IK solutions are then left out.
+    /// Another robot: a built-in one by its name, a folder with a `robot.yaml`, or a URDF. Default: the scenario's own. It
+    /// stands where that stood, on the same floor if its files say where its ground is, and starts where they say, if they
+    /// do; known IK solutions are then left out.
     pub robot: Option<PathBuf>,
     /// The geometry of a scenario in the released layout; others have but one. Default:
     /// [`Geometry::Scene`] under `exact`, [`Geometry::Export`] under `paper`.
@@ -156,6 +163,22 @@ impl Scenario {
                 Ok(Problem::paper(check, start, goal)?)
             }
         }
+    }
+
+    /// The scenario with another robot lifted or lowered so that the ground that it stands on is the floor, as far as both
+    /// are said. The planning frame goes with it.
+    pub(crate) fn on_its_ground(self, options: &OpenOptions) -> Result<Self, ScenarioError> {
+        let parts = || self.world.bodies().iter().flat_map(|body| &body.parts);
+        let floor = parts().find(|part| part.solid.is_half_space()).map(|part| part.world_from_solid);
+        let heights =
+            floor.zip(self.robot.floor_m()).filter(|_| options.robot.is_some() && self.export.is_none());
+        let Some((floor, ground_m)) = heights else { return Ok(self) };
+        let lower = Pose::translation(0.0, 0.0, ground_m - floor.translation.z);
+        let mut bodies = self.world.bodies().to_vec();
+        for part in bodies.iter_mut().flat_map(|body| &mut body.parts) {
+            part.world_from_solid = lower * part.world_from_solid;
+        }
+        Ok(Self { world: World::new(bodies)?, grasps: self.grasps.moved(&lower), ..self })
     }
 
     /// Checks that the start, which stands in `file`, has one value per joint.

@@ -15,7 +15,7 @@ use serde_saphyr::Spanned;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScenarioFile {
-    /// `panda_mobile`, or the path of a URDF, from the folder of this file.
+    /// A built-in robot such as `panda_mobile`, or the path of a robot's folder or a URDF, from the folder of this file.
     #[schemars(with = "String")]
     pub robot: Spanned<String>,
     /// What it is about, who made it and how it may be used.

@@ -1,24 +1,35 @@
 //! Large sets of random scenarios, each checked to be sound.
 
+use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use cranny_collision::{Body, World};
-use cranny_robot::Robot;
+use cranny_collision::{Body, Margins, Part, World};
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_plan::{IkAnnotationSettings, IkStatus, annotate_ik};
+use cranny_robot::{Robot, RobotFiles};
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
 use serde::Serialize;
 
 use crate::family::Region;
-use crate::recipe::PAPER_START;
+use crate::recipe_file::write_robot;
+use crate::robot_in_folder::ROBOT;
 use crate::{
-    Family, FamilyMaker, GraspChoice, Placement, Recipe, RecipeBody, RecipeShape, ScenarioError, panda_mobile,
+    BUILTIN_ROBOTS, Family, FamilyMaker, GraspChoice, OpenOptions, Placement, Recipe, RecipeBody,
+    RecipeRobot, RecipeShape, ScenarioError, SceneScale,
 };
 
 /// What the scenarios of a set may be like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetSettings {
-    /// Between which values of the dial, in metres. Default: the family's usual range.
+    /// Between which values of the dial, in metres. Default: the family's usual range, in the scale of the scene.
     pub parameter_m: [f64; 2],
+    /// How much smaller than the paper's the scenes are. Default: as it suits the robot.
+    pub scale: SceneScale,
+    /// Whether the arm must come to one of the grasps, free of collision. Default: for every robot but the paper's own, for
+    /// which the environments were made.
+    pub is_reached: bool,
     /// At most so many things stand about; how many is drawn. Default 3.
     pub most_clutter: usize,
     /// Seed of all randomness.
@@ -26,9 +37,29 @@ pub struct SetSettings {
 }
 
 impl SetSettings {
-    /// The defaults of a family.
-    pub fn new(family: Family, seed: u64) -> Self {
-        Self { parameter_m: family.usual_range_m(), most_clutter: 3, seed }
+    /// The defaults of a family, for a robot.
+    pub fn new(family: Family, robot: &RecipeRobot, seed: u64) -> Self {
+        let opening_m = robot.robot.hand().map_or(0.0, |hand| hand.description.opening_m);
+        // For the paper's robot the scenes were made.
+        let is_papers = robot.named == BUILTIN_ROBOTS[0].name;
+        let scale =
+            if is_papers { SceneScale::PAPER } else { SceneScale::of(&robot.robot, family, opening_m) };
+        let parameter_m = family.usual_range_m().map(|end| end * scale.of_dial(family));
+        Self { parameter_m, scale, most_clutter: 3, is_reached: !is_papers, seed }
+    }
+}
+
+impl SetSettings {
+    /// The same in scenes of another size.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Scale`] for a factor that is not in (0, 1].
+    pub fn scaled(self, family: Family, scene: f64) -> Result<Self, ScenarioError> {
+        if !(scene > 0.0 && scene <= 1.0) {
+            return Err(ScenarioError::Scale { value: scene });
+        }
+        let parameter_m = family.usual_range_m().map(|end| end * scene);
+        Ok(Self { parameter_m, scale: SceneScale { away: scene, across: scene, ..self.scale }, ..self })
     }
 }
 
@@ -54,12 +85,14 @@ pub struct Rejections {
     pub start_collides: usize,
     /// The hand can take no grasp.
     pub no_free_grasp: usize,
+    /// The arm comes to no grasp.
+    pub out_of_reach: usize,
 }
 
 impl Rejections {
     /// All of them.
     pub fn total(&self) -> usize {
-        self.things_overlap + self.start_collides + self.no_free_grasp
+        self.things_overlap + self.start_collides + self.no_free_grasp + self.out_of_reach
     }
 
     /// Both together.
@@ -69,6 +102,7 @@ impl Rejections {
             things_overlap: self.things_overlap + other.things_overlap,
             start_collides: self.start_collides + other.start_collides,
             no_free_grasp: self.no_free_grasp + other.no_free_grasp,
+            out_of_reach: self.out_of_reach + other.out_of_reach,
         }
     }
 }
@@ -79,6 +113,8 @@ pub struct SetMaker {
     maker: FamilyMaker,
     settings: SetSettings,
     start: StartPose,
+    /// Of the robot, unless it is built in.
+    files: Option<Arc<RobotFiles>>,
 }
 
 /// After so many draws without a sound one a member is given up: then hardly any is sound.
@@ -86,13 +122,19 @@ const MOST_DRAWS: usize = 200;
 
 impl SetMaker {
     /// # Errors
-    /// [`ScenarioError::Parameter`] for a range beyond the dial's.
-    pub fn new(family: Family, settings: SetSettings) -> Result<Self, ScenarioError> {
+    /// [`ScenarioError::Parameter`] for a range beyond the dial's; as [`FamilyMaker::new`].
+    pub fn new(family: Family, robot: RecipeRobot, settings: SetSettings) -> Result<Self, ScenarioError> {
         for value in settings.parameter_m {
-            family.checked(value)?;
+            family.checked(value, &settings.scale)?;
         }
-        let maker = FamilyMaker::new(family, settings.seed)?;
-        Ok(Self { maker, settings, start: StartPose::new(&panda_mobile()?) })
+        let start = StartPose::new(&robot.robot, &robot.start());
+        let maker = FamilyMaker::new(family, robot.in_set(), settings.scale, settings.seed)?;
+        Ok(Self { maker, settings, start, files: robot.files })
+    }
+
+    /// Writes the files of the robot once for all scenarios of a set, into its folder.
+    pub(crate) fn write_robot(&self, folder: &Path) -> Result<(), ScenarioError> {
+        self.files.as_ref().map_or(Ok(()), |files| write_robot(&folder.join(ROBOT), files))
     }
 
     /// Who makes its scenarios.
@@ -111,6 +153,8 @@ impl SetMaker {
             Some(Rejections { start_collides: 1, ..one })
         } else if recipe.grasps.is_empty() {
             Some(Rejections { no_free_grasp: 1, ..one })
+        } else if self.settings.is_reached && !is_reached(recipe)? {
+            Some(Rejections { out_of_reach: 1, ..one })
         } else {
             None
         })
@@ -138,20 +182,27 @@ impl SetMaker {
         let between = |[low, high]: [f64; 2], random: &mut Stream| random.uniform_between(low, high);
         let parameter_m = between(self.settings.parameter_m, random);
         let (x_m, y_m) = family.object_region();
-        let paper = family.paper_placement(parameter_m);
+        let scale = self.maker.scale();
+        let paper = self.maker.paper_placement(parameter_m);
+        let x_m = between(x_m, random);
+        let drawn = y_m.map(|y_m| between(y_m, random));
+        let place = scale.point(&Vector::new(x_m, drawn.unwrap_or_default(), 0.0));
         let placement = Placement {
-            x_m: between(x_m, random),
-            y_m: y_m.map_or(paper.y_m, |y_m| between(y_m, random)),
+            x_m: place.x,
+            y_m: drawn.map_or(paper.y_m, |_| place.y),
             yaw_rad: random.uniform_between(0.0, std::f64::consts::TAU),
         };
         let count = random.index(self.settings.most_clutter + 1);
         let region = family.clutter_region();
-        let clutter: Vec<RecipeBody> = (0..count).map(|index| thing(index, &region, random)).collect();
+        let clutter_of = |index: usize, random: &mut Stream| scale.clutter(thing(index, &region, random));
+        let clutter: Vec<RecipeBody> = (0..count).map(|index| clutter_of(index, random)).collect();
         // Cheap checks first.
         let bare = self.maker.scenario_without_grasps(parameter_m, &placement)?;
-        let mut bodies: Vec<Body> = bare.obstacles.iter().map(RecipeBody::body).collect::<Result<_, _>>()?;
+        let planning_from_scene = self.maker.robot().planning_from_scene();
+        let placed = |body: &RecipeBody| body.body(&planning_from_scene);
+        let mut bodies: Vec<Body> = bare.obstacles.iter().map(placed).collect::<Result<_, _>>()?;
         for body in bare.target.iter().chain(&clutter) {
-            let body = body.body()?;
+            let body = placed(body)?;
             if !stands_free(&body, &bodies) {
                 return Ok(Err(Rejections { things_overlap: 1, ..Rejections::default() }));
             }
@@ -166,6 +217,25 @@ impl SetMaker {
             None => Ok(SetMember { recipe, parameter_m, placement, clutter: count }),
         })
     }
+}
+
+/// Whether the arm can hold the object at one of the grasps, as far as some attempts at some of them show.
+fn is_reached(recipe: &Recipe) -> Result<bool, ScenarioError> {
+    /// So many grasps, from the best score down, are tried in turns until one is held.
+    const IN_TURN: usize = 20;
+    const TURNS: usize = 3;
+    let settings = IkAnnotationSettings { attempts: 400, ..IkAnnotationSettings::default() };
+    let order = recipe.grasps.by_score();
+    for turn in order.chunks(IN_TURN).take(TURNS) {
+        let some: Vec<Grasp> = turn.iter().map(|&index| recipe.grasps.grasps()[index]).collect();
+        let some = Recipe { grasps: GraspSet::new(some)?, ..recipe.clone() };
+        let problem = some.scenario("draw", &OpenOptions::default())?.problem(Margins::default())?;
+        let annotations = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false))?;
+        if annotations.iter().any(|annotation| annotation.status == IkStatus::Solved) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Whether a thing touches none of the others but what it stands on, which it may.
@@ -202,32 +272,36 @@ fn thing(index: usize, region: &Region, random: &mut Stream) -> RecipeBody {
     RecipeBody::new(&format!("clutter {}", index + 1), Pose::from_parts(middle.into(), turn), shape)
 }
 
-/// The solids of the robot where it starts, in the planning frame; those of the fixed base aside.
+/// The solids of the robot where it starts, in the planning frame.
 #[derive(Clone, Debug)]
 struct StartPose {
     placed: Vec<(Pose, Solid)>,
+    /// Those that no joint moves, which may touch the floor they stand on.
+    standing: Vec<(Pose, Solid)>,
 }
 
 impl StartPose {
-    fn new(robot: &Arc<Robot>) -> Self {
-        let frames = robot.frames_at(&PAPER_START);
-        let mut placed = Vec::new();
+    fn new(robot: &Arc<Robot>, start: &[f64]) -> Self {
+        let frames = robot.frames_at(start);
+        let (mut placed, mut standing) = (Vec::new(), Vec::new());
         for (index, link) in robot.links().iter().enumerate() {
-            if robot.ancestors(index).is_empty() {
-                continue;
-            }
+            let list = if robot.ancestors(index).is_empty() { &mut standing } else { &mut placed };
             for shape in &link.collisions {
-                placed.push((frames.link(index) * shape.link_from_shape, shape.solid.clone()));
+                list.push((frames.link(index) * shape.link_from_shape, shape.solid.clone()));
             }
         }
-        Self { placed }
+        Self { placed, standing }
     }
 
     fn touches(&self, world: &World) -> bool {
         let parts = || world.bodies().iter().flat_map(|body| &body.parts);
-        !self.placed.iter().all(|(pose, solid)| {
-            parts().all(|part| is_apart(solid, pose, &part.solid, &part.world_from_solid, CONTACT_M))
-        })
+        let is_free = |(pose, solid): &(Pose, Solid), part: &Part| {
+            is_apart(solid, pose, &part.solid, &part.world_from_solid, CONTACT_M)
+        };
+        !(self.placed.iter().all(|placed| parts().all(|part| is_free(placed, part)))
+            && self.standing.iter().all(|standing| {
+                parts().filter(|part| !part.solid.is_half_space()).all(|part| is_free(standing, part))
+            }))
     }
 }
 

@@ -56,7 +56,10 @@ pub fn write_set(
         let line = member.map(|member| written(folder, format!("{name}-{index:05}"), member)).transpose()?;
         Ok((line, rejected))
     };
-    write_whole_folder(folder, |folder| write_all(folder, &indices, member, progress))
+    write_whole_folder(folder, |folder| {
+        maker.write_robot(folder)?;
+        write_all(folder, &indices, member, progress)
+    })
 }
 
 /// Writes `steps` scenarios from one value of the dial (m) to another, both included, with the object where
@@ -73,8 +76,9 @@ pub fn write_sweep(
     progress: &SetProgress,
 ) -> Result<SetReport, ScenarioError> {
     let family = maker.family().family;
-    family.checked(from_m)?;
-    family.checked(to_m)?;
+    let scale = maker.family().scale();
+    family.checked(from_m, &scale)?;
+    family.checked(to_m, &scale)?;
     let share = |step: usize| if steps > 1 { step as f64 / (steps - 1) as f64 } else { 0.0 };
     let values: Vec<f64> = (0..steps).map(|step| from_m + (to_m - from_m) * share(step)).collect();
     let member = |folder: &Path, parameter_m: &f64| -> Result<(Option<Line>, Rejections), ScenarioError> {
@@ -82,14 +86,17 @@ pub fn write_sweep(
         if let Some(rejection) = maker.rejection(&recipe)? {
             return Ok((None, rejection));
         }
-        let placement = family.paper_placement(*parameter_m);
+        let placement = maker.family().paper_placement(*parameter_m);
         let member = SetMember { recipe, parameter_m: *parameter_m, placement, clutter: 0 };
         Ok((
             Some(written(folder, format!("{}-{parameter_m:.4}", family.name()), member)?),
             Rejections::default(),
         ))
     };
-    write_whole_folder(folder, |folder| write_all(folder, &values, member, progress))
+    write_whole_folder(folder, |folder| {
+        maker.write_robot(folder)?;
+        write_all(folder, &values, member, progress)
+    })
 }
 
 fn written(folder: &Path, id: String, member: SetMember) -> Result<Line, ScenarioError> {

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use cranny_robot::{JointGroup, Robot, RobotOptions, TextSource};
 
 use crate::robot_in_folder::RobotInFolder;
-use crate::{ScenarioError, own_layout, robot_file, write_whole_folder};
+use crate::{BUILTIN_ROBOTS, RobotSource, ScenarioError, own_layout, robot_file, write_whole_folder};
 
 /// The robot of a new scenario, if it is not the built-in one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TemplateRobot {
-    /// Its URDF.
-    pub urdf: PathBuf,
+    /// Its URDF, a folder with a `robot.yaml`, or the name of a built-in one.
+    pub robot: PathBuf,
     /// Its SRDF. Default: the one beside the URDF, if there is one.
     pub srdf: Option<PathBuf>,
     /// The group of the SRDF whose joints move. Default: all from the root to the tip.
@@ -34,10 +34,15 @@ pub fn write_template(folder: &Path, robot: Option<&TemplateRobot>) -> Result<()
     let mut text = SCENARIO.to_owned();
     if let Some(robot) = robot {
         let options = robot.options();
-        let model = robot_file::load(&robot.urdf, &options)?;
-        let gathered = RobotInFolder::gather(&robot.urdf, robot.srdf.as_deref(), &robot.packages)?;
-        files.extend(gathered.contents().map(|(name, content)| (name, content.to_vec())));
-        text = robot.named_in(&gathered.named_in(&text), &model);
+        let model = robot_file::load(&robot.robot, &options)?;
+        if let RobotSource::Builtin(name) = RobotSource::of(&robot.robot) {
+            text = text.replace(&format!("robot: {}", BUILTIN_ROBOTS[0].name), &format!("robot: {name}"));
+        } else {
+            let gathered = RobotInFolder::gather(&robot.robot, robot.srdf.as_deref(), &robot.packages)?;
+            files.extend(gathered.contents().map(|(name, content)| (name, content.to_vec())));
+            text = gathered.named_in(&text);
+        }
+        text = robot.named_in(&text, &model);
     }
     files.push((own_layout::FILE.to_owned(), text.into_bytes()));
     write_whole_folder(folder, |folder| {
@@ -64,10 +69,13 @@ impl TemplateRobot {
         }
     }
 
-    /// The template with this robot's group, tip and joints: each stands at 0, or at the limit next to it.
+    /// The template with this robot's group, tip, ground and joints: each stands where its files say, or else at 0 or at
+    /// the limit next to it.
     fn named_in(&self, template: &str, model: &Robot) -> String {
         let mut text = String::new();
         let mut is_start = false;
+        // What its own files say needs no second place.
+        let says_tip = self.tip.is_none() && model.hand().is_some();
         for line in template.lines() {
             is_start &= line.starts_with(' ');
             if is_start {
@@ -75,10 +83,15 @@ impl TemplateRobot {
             }
             text += line;
             text.push('\n');
+            if let Some(ground_m) = model.floor_m().filter(|_| line.starts_with("frame:")) {
+                let line_end = text.trim_end().rfind('\n').map_or(0, |end| end + 1);
+                text.truncate(line_end);
+                let _ = writeln!(text, "frame: {{position: [0, 0, {}]}}", -ground_m);
+            }
             if line.starts_with("robot:") {
                 for (key, value) in [
                     ("group", self.group.as_deref()),
-                    ("tip", Some(model.links()[model.tip()].name.as_str())),
+                    ("tip", Some(model.links()[model.tip()].name.as_str()).filter(|_| !says_tip)),
                 ] {
                     if let Some(value) = value {
                         let _ = writeln!(text, "{key}: {value:?}");
@@ -87,8 +100,10 @@ impl TemplateRobot {
             }
             is_start = line == "start:";
             if is_start {
-                for (joint, limits) in model.joint_names().iter().zip(model.limits()) {
-                    let _ = writeln!(text, "  {joint:?}: {}", limits.clamp(0.0));
+                let near_zero: Vec<f64> = model.limits().iter().map(|limits| limits.clamp(0.0)).collect();
+                let start = model.default_start().unwrap_or(&near_zero);
+                for (joint, value) in model.joint_names().iter().zip(start) {
+                    let _ = writeln!(text, "  {joint:?}: {value}");
                 }
             }
         }

@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_scenario::{
-    Family, OpenOptions, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check, write_set,
-    write_sweep,
+    Family, OpenOptions, RecipeRobot, Scenario, SetMaker, SetProgress, SetReport, SetSettings, check,
+    write_set, write_sweep,
 };
 use cranny_shape::overlap;
 use cranny_spatial::Pose;
@@ -19,8 +19,15 @@ fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
     write(&SetProgress { done: &|| (), stop: &AtomicBool::new(false) })
 }
 
+/// Of the paper's robot.
+fn maker(family: Family, change: impl FnOnce(SetSettings) -> SetSettings) -> SetMaker {
+    let robot = RecipeRobot::of_the_paper().unwrap();
+    let settings = change(SetSettings::new(family, &robot, 0));
+    SetMaker::new(family, robot, settings).unwrap()
+}
+
 fn set(family: Family, seed: u64, count: u64, folder: &Path) -> SetReport {
-    let maker = SetMaker::new(family, SetSettings::new(family, seed)).unwrap();
+    let maker = maker(family, |settings| SetSettings { seed, ..settings });
     watched(|progress| write_set(&maker, folder, count, progress).unwrap())
 }
 
@@ -96,7 +103,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 fn a_sweep_goes_from_one_value_to_the_other() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("sweep");
-    let maker = SetMaker::new(Family::Gap, SetSettings::new(Family::Gap, 0)).unwrap();
+    let maker = maker(Family::Gap, |settings| settings);
     let report = watched(|p| write_sweep(&maker, &folder, [0.64, 0.30], 18, p).unwrap());
     assert_eq!((report.written.len(), report.rejected.total()), (18, 0));
     assert_eq!((report.written[0].as_str(), report.written[17].as_str()), ("gap-0.6400", "gap-0.3000"));
@@ -116,8 +123,7 @@ fn a_sweep_goes_from_one_value_to_the_other() {
 
 #[test]
 fn draws_that_are_not_sound_are_counted_by_reason() {
-    let settings = SetSettings { most_clutter: 12, ..SetSettings::new(Family::Shelf, 1) };
-    let maker = SetMaker::new(Family::Shelf, settings).unwrap();
+    let maker = maker(Family::Shelf, |settings| SetSettings { most_clutter: 12, seed: 1, ..settings });
     let mut rejected = cranny_scenario::Rejections::default();
     for index in 0..20 {
         let (_, more) = maker.member(index).unwrap();

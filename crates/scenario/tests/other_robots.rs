@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use cranny_robot::RobotFiles;
 use cranny_scenario::{
-    Credits, OpenOptions, Scenario, TemplateRobot, check, pack, scenario_schema, unpack, write_template,
+    Credits, OpenOptions, Scenario, SchemaFile, TemplateRobot, check, pack, unpack, write_template,
 };
 
 /// A small arm with its SRDF, limits and mesh, and a scenario beside it.
@@ -35,7 +35,7 @@ fn a_new_scenario_has_the_files_of_its_robot() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("cell");
     let robot = TemplateRobot {
-        urdf: sound("robot/arm.urdf"),
+        robot: sound("robot/arm.urdf"),
         group: Some("both".to_owned()),
         tip: Some("hand".to_owned()),
         ..TemplateRobot::default()
@@ -146,6 +146,6 @@ fn meshes_of_packages_and_of_one_name_are_told_apart() {
 #[test]
 fn editors_know_the_keys_of_a_robot() {
     for key in ["robot", "srdf", "group", "tip", "fixed", "packages"] {
-        assert!(scenario_schema().contains(&format!("\"{key}\"")), "{key}");
+        assert!(SchemaFile::Scenario.schema().contains(&format!("\"{key}\"")), "{key}");
     }
 }

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use cranny_plan::Criterion;
 use cranny_scenario::{
-    Credits, OpenOptions, Recipe, Scenario, check, pack, scenario_schema, unpack, write_template,
+    Credits, OpenOptions, Recipe, Scenario, SchemaFile, check, pack, unpack, write_template,
 };
+use strum::VariantArray as _;
 use zip::write::SimpleFileOptions;
 
 fn corner() -> PathBuf {
@@ -126,12 +127,15 @@ fn a_scenario_that_needs_files_from_elsewhere_is_not_packed() {
 }
 
 #[test]
-fn the_committed_schema_is_that_of_the_types() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema/scenario.schema.json");
-    if std::env::var_os("CRANNY_WRITE").is_some() {
-        fs::write(&path, scenario_schema()).unwrap();
+fn the_committed_schemas_are_those_of_the_types() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema");
+    for file in SchemaFile::VARIANTS {
+        let path = folder.join(format!("{}.schema.json", file.name()));
+        if std::env::var_os("CRANNY_WRITE").is_some() {
+            fs::write(&path, file.schema()).unwrap();
+        }
+        assert_eq!(fs::read_to_string(&path).unwrap(), file.schema(), "{}", file.name());
     }
-    assert_eq!(fs::read_to_string(&path).unwrap(), scenario_schema());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
-use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, catalogue};
+use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, RecipeRobot, SceneScale, catalogue};
 use strum::VariantArray as _;
 
 /// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
@@ -12,7 +12,10 @@ use strum::VariantArray as _;
 fn the_files_of_the_twenty_are_what_their_recipes_make() {
     let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     for &family in Family::VARIANTS {
-        let maker = FamilyMaker::new(family, CatalogueEntry::GRASP_SEED).unwrap();
+        let maker = {
+            let robot = RecipeRobot::of_the_paper().unwrap();
+            FamilyMaker::new(family, robot, SceneScale::PAPER, CatalogueEntry::GRASP_SEED).unwrap()
+        };
         for entry in catalogue().iter().filter(|entry| entry.family == family) {
             let recipe = entry.recipe(&maker).unwrap();
             if std::env::var_os("CRANNY_WRITE").is_some() {

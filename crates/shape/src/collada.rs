@@ -1,7 +1,7 @@
 //! The triangles of a COLLADA file (`.dae`, version 1.4 or 1.5): what its scene shows, in metres.
 //!
 //! Read are geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that place them
-//! (matrix, translate, rotate, scale; library nodes) and the unit; not read are the upward axis, as in other
+//! (matrix, translate, rotate, scale; library nodes), the unit, and the diffuse colours of materials; not read are the upward axis, as in other
 //! readers of robots, skins, splines, and all that is only seen.
 
 use std::collections::HashMap;
@@ -15,13 +15,29 @@ use roxmltree::{Document, Node};
 /// # Errors
 /// In words, with the line.
 pub(crate) fn corners(text: &str) -> Result<Vec<Point>, String> {
+    Ok(pieces(text)?.into_iter().flat_map(|piece| piece.corners).collect())
+}
+
+/// Triangles of one colour.
+pub(crate) struct Piece {
+    /// Red, green, blue, opacity, if a material says them.
+    pub colour: Option<[f32; 4]>,
+    /// Three at a time.
+    pub corners: Vec<Point>,
+}
+
+/// The triangles, run by run of those with one colour, in the order of the file.
+///
+/// # Errors
+/// In words, with the line.
+pub(crate) fn pieces(text: &str) -> Result<Vec<Piece>, String> {
     let document = Document::parse(text).map_err(|reason| reason.to_string())?;
     let root = document.root_element();
     if root.tag_name().name() != "COLLADA" {
         return Err(format!("the outermost element is <{}>, not <COLLADA>", root.tag_name().name()));
     }
     let by_id = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
-    let mut reader = Reader { by_id, corners: Vec::new(), nodes: 0 };
+    let mut reader = Reader { by_id, pieces: Vec::new(), corners: 0, nodes: 0 };
     let unit = match child(root, "asset").and_then(|asset| child(asset, "unit")) {
         Some(unit) => unit.attribute("meter").map_or(Ok(1.0), |meter| number(unit, meter))?,
         None => 1.0,
@@ -32,11 +48,11 @@ pub(crate) fn corners(text: &str) -> Result<Vec<Point>, String> {
         Some(instance) => reader.add_children(reader.target(instance)?, &scale, 0)?,
         None => {
             for geometry in root.descendants().filter(|node| node.has_tag_name_of("geometry")) {
-                reader.add_geometry(geometry, &scale)?;
+                reader.add_geometry(geometry, None, &scale)?;
             }
         }
     }
-    Ok(reader.corners)
+    Ok(reader.pieces)
 }
 
 /// Deeper nodes are a circle of references.
@@ -50,7 +66,8 @@ const MOST_CORNERS: usize = 25_000_000;
 
 struct Reader<'a> {
     by_id: HashMap<&'a str, Node<'a, 'a>>,
-    corners: Vec<Point>,
+    pieces: Vec<Piece>,
+    corners: usize,
     nodes: usize,
 }
 
@@ -90,7 +107,7 @@ impl<'a> Reader<'a> {
         }
         for part in node.children().filter(Node::is_element) {
             match part.tag_name().name() {
-                "instance_geometry" => self.add_geometry(self.target(part)?, &placed)?,
+                "instance_geometry" => self.add_geometry(self.target(part)?, Some(part), &placed)?,
                 "instance_node" => self.add_node(self.target(part)?, &placed, depth + 1)?,
                 "node" => self.add_node(part, &placed, depth + 1)?,
                 _ => {}
@@ -99,10 +116,35 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn add_geometry(&mut self, geometry: Node<'a, 'a>, placed: &Matrix4<f64>) -> Result<(), String> {
+    /// The colour of a primitive of a geometry that a node shows: its symbol leads to a material, that to an effect.
+    fn colour(&self, instance: Option<Node<'a, 'a>>, primitive: Node<'a, 'a>) -> Option<[f32; 4]> {
+        let symbol = primitive.attribute("material")?;
+        let bound = |node: &Node<'a, 'a>| {
+            node.has_tag_name_of("instance_material") && node.attribute("symbol") == Some(symbol)
+        };
+        let named = instance.and_then(|instance| instance.descendants().find(bound));
+        let target = named.and_then(|node| node.attribute("target")).unwrap_or(symbol);
+        let by_id = |name: &str| self.by_id.get(name.strip_prefix('#').unwrap_or(name)).copied();
+        let effect = by_id(child(by_id(target)?, "instance_effect")?.attribute("url")?)?;
+        let diffuse = effect.descendants().find(|node| node.has_tag_name_of("diffuse"))?;
+        let numbers: Vec<f32> =
+            words(child(diffuse, "color")?).filter_map(|word| word.parse().ok()).collect();
+        numbers.first_chunk().copied().filter(|colour| colour.iter().all(|part| part.is_finite()))
+    }
+
+    fn add_geometry(
+        &mut self,
+        geometry: Node<'a, 'a>,
+        instance: Option<Node<'a, 'a>>,
+        placed: &Matrix4<f64>,
+    ) -> Result<(), String> {
         let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
         for primitive in mesh.children().filter(Node::is_element) {
             let Some(kind) = Primitive::of(primitive) else { continue };
+            let colour = self.colour(instance, primitive);
+            if self.pieces.last().is_none_or(|piece| piece.colour != colour) {
+                self.pieces.push(Piece { colour, corners: Vec::new() });
+            }
             let (mut positions, mut at, mut stride) = (None, 0, 1);
             for input in primitive.children().filter(|node| node.has_tag_name_of("input")) {
                 let offset = input.attribute("offset").map_or(Ok(0), |offset| index(input, offset))?;
@@ -142,10 +184,12 @@ impl<'a> Reader<'a> {
                     fault(primitive, &format!("vertex {vertex} is named, but there are {}", positions.len()))
                 })?;
                 let point = placed * position.to_homogeneous();
-                self.corners.push(Point::new(point.x, point.y, point.z));
+                let piece = self.pieces.last_mut().map(|piece| &mut piece.corners);
+                piece.into_iter().for_each(|corners| corners.push(Point::new(point.x, point.y, point.z)));
+                self.corners += 1;
             }
         }
-        if self.corners.len() > MOST_CORNERS {
+        if self.corners > MOST_CORNERS {
             return Err(fault(primitive, &format!("the file shows more than {MOST_CORNERS} corners")));
         }
         Ok(())

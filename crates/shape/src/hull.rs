@@ -43,14 +43,15 @@ impl Solid {
         let mut kept = hull.clone();
         let vertices = hull.iter().map(|p| parry::to_vector(*p).into()).collect();
         let is_closed = check_closed(&TriangleSoup { vertices, triangles: faces.clone() }).is_ok();
-        kept.extend(outer.iter().filter(|&&p| {
-            !is_closed
-                || faces.iter().any(|f| {
-                    let [a, b, c] = f.map(|v| hull[v as usize]);
-                    let normal = (b - a).cross(c - a);
-                    normal.length() > 0.0 && normal.normalize().dot(p - a) > 1e-12
-                })
-        }));
+        let planes: Vec<(ParryVector, ParryVector)> = faces
+            .iter()
+            .map(|f| f.map(|v| hull[v as usize]))
+            .map(|[a, b, c]| (a, (b - a).cross(c - a)))
+            .filter(|(_, normal)| normal.length() > 0.0)
+            .map(|(a, normal)| (a, normal.normalize()))
+            .collect();
+        let is_outside = |p: ParryVector| planes.iter().any(|(a, normal)| normal.dot(p - *a) > 1e-12);
+        kept.extend(outer.iter().filter(|&&p| !is_closed || is_outside(p)));
         Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
     }
 }

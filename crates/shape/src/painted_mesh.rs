@@ -1,9 +1,10 @@
+use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 use cranny_spatial::{Point, Vector};
 
 use crate::error::usable;
-use crate::{ShapeError, TriangleSoup};
+use crate::{ShapeError, TriangleSoup, collada};
 
 /// A mesh as it looks: what a mesh file says of colours and normals. No solid; it may be open.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +40,10 @@ impl PaintedMesh {
         if extension.eq_ignore_ascii_case("ply") {
             return Ok(Self { pieces: vec![PaintedPiece::of_soup(&TriangleSoup::load(path, scale)?)] });
         }
-        if !["obj", "stl", "dae"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        if extension.eq_ignore_ascii_case("dae") {
+            return Self::of_collada(path, scale);
+        }
+        if !["obj", "stl"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
             return Err(ShapeError::Format { path: path.to_owned(), extension: extension.to_lowercase() });
         }
         let read = mesh_loader::Loader::default()
@@ -50,6 +54,28 @@ impl PaintedMesh {
         let pieces: Result<Vec<_>, _> =
             read.meshes.iter().zip(materials).map(|(mesh, material)| piece(mesh, material, &scale)).collect();
         let mut pieces = pieces.map_err(|fault| fault.in_file(path))?;
+        pieces.retain(|piece| !piece.triangles.is_empty());
+        if pieces.is_empty() {
+            return Err(ShapeError::Empty.in_file(path));
+        }
+        Ok(Self { pieces })
+    }
+}
+
+impl PaintedMesh {
+    fn of_collada(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
+        let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+        let broken = |message: String| unreadable(Error::new(ErrorKind::InvalidData, message));
+        let text = cranny_file::MESH.text(path).map_err(unreadable)?;
+        let mut pieces = Vec::new();
+        for piece in collada::pieces(&text).map_err(broken)? {
+            let corners = piece.corners.iter().map(|corner| corner.coords.component_mul(&scale).into());
+            let mut soup = TriangleSoup::from_corners(corners).map_err(|fault| fault.in_file(path))?;
+            if scale.product() < 0.0 {
+                soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            }
+            pieces.push(PaintedPiece { colour: piece.colour, ..PaintedPiece::of_soup(&soup) });
+        }
         pieces.retain(|piece| !piece.triangles.is_empty());
         if pieces.is_empty() {
             return Err(ShapeError::Empty.in_file(path));

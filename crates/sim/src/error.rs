@@ -6,7 +6,7 @@ use cranny_shape::ShapeError;
 pub enum SimError {
     /// A hand has nothing that closes.
     #[error(
-        "hand '{hand}' has no fingers that slide, so it cannot close (is there a hand.yaml beside the URDF that names \
+        "hand '{hand}' has no fingers that slide, so it cannot close (is there a robot.yaml beside the URDF that names \
          their joints?)"
     )]
     NoFingers {

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_plan::{MotionLimits, TimingMethod, Trajectory};
-use cranny_robot::{HandDescription, IkSearchSettings, Robot, RobotOptions, solve_restarts};
+use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
 use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRun, PlanTest, SimError};
@@ -13,7 +13,7 @@ use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
 const URDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.urdf");
-const HAND: &str = include_str!("../../../robots/panda_mobile/hand.yaml");
+const DESCRIPTION: &str = include_str!("../../../robots/panda_mobile/robot.yaml");
 const LIMITS: &str = include_str!("../../../robots/panda_mobile/limits.yaml");
 const SRDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.srdf");
 
@@ -27,7 +27,7 @@ fn robot(urdf: &str) -> Arc<Robot> {
     let options = RobotOptions {
         srdf: Some(text("panda.srdf", SRDF)),
         limits: Some(text("limits.yaml", LIMITS)),
-        known_hands: vec![HandDescription::parse(HAND, "hand.yaml").unwrap()],
+        description: Some(text("robot.yaml", DESCRIPTION)),
         tip: Some("panda_grasptarget".to_owned()),
         ..RobotOptions::default()
     };

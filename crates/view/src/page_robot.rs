@@ -1,4 +1,4 @@
-use cranny_robot::{JointKind, Robot, RobotFinger};
+use cranny_robot::{HandJoint, JointKind, Robot};
 use cranny_scenario::Scenario;
 use cranny_spatial::Pose;
 use serde::Serialize;
@@ -82,12 +82,12 @@ impl PageJoint {
             stroke: None,
         };
         let Some(mover) = robot.ancestors(child).last().filter(|mover| mover.child_link == child) else {
-            let mut fingers = robot.hand().into_iter().flat_map(|hand| &hand.fingers);
-            return Some(match fingers.find(|finger| finger.link == child) {
-                Some(RobotFinger { kind, axis_in_link, range, .. }) => Self {
+            let mut joints = robot.hand().into_iter().flat_map(|hand| &hand.joints);
+            return Some(match joints.find(|joint| joint.link == child) {
+                Some(HandJoint { kind, axis_in_link, stroke, .. }) => Self {
                     kind: kind_name(*kind),
                     axis: (*axis_in_link).into(),
-                    stroke: Some(range.closed - range.open),
+                    stroke: Some(*stroke),
                     ..fixed
                 },
                 None => fixed,

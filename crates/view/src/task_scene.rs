@@ -2,7 +2,7 @@ use cranny_collision::Body;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
 use cranny_solve::Mode;
-use cranny_spatial::Pose;
+use cranny_spatial::{Point, Pose, Vector};
 
 use crate::colour::of_score;
 use crate::paint::painted;
@@ -66,6 +66,32 @@ impl Scene {
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
         Ok(scene)
+    }
+
+    /// The same with the bodies of some of the robot's links alone.
+    #[must_use]
+    pub fn with_links(mut self, links: &[usize]) -> Self {
+        for node in &mut self.nodes {
+            if matches!(node.role, Role::Link(link) if !links.contains(&link)) {
+                node.mesh = None;
+            }
+        }
+        self
+    }
+
+    /// The same with the axes of a frame of the planning frame: x red, y green, z blue.
+    #[must_use]
+    pub fn with_axes(mut self, frame: &Pose, length_m: f64) -> Self {
+        let axes = [(Vector::x(), 0x00d0_2020), (Vector::y(), 0x0020_a040), (Vector::z(), 0x0020_50d0)];
+        let pieces = axes.map(|(axis, colour)| {
+            let material = self.material(Material::matt("axis", Colour::hex(colour)));
+            tube(&[Point::origin(), Point::from(axis * length_m)], 0.03 * length_m, material)
+        });
+        let mesh = self.mesh("axes", pieces.to_vec());
+        let role = Role::GripperPath;
+        let (name, parent_from_node) = ("axes".to_owned(), *frame);
+        self.nodes.push(Node { name, parent: None, parent_from_node, mesh: Some(mesh), role });
+        self
     }
 
     /// An object on the ground, in its likeliest stable pose.

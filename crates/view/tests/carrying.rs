@@ -147,7 +147,7 @@ fn the_way_of_the_gripper_is_marked_and_object_and_fingers_move_in_gltf() {
     let channels = json["animations"][0]["channels"].as_array().unwrap();
     let moves = |node: usize| channels.iter().any(|channel| channel["target"]["node"] == node + 1);
     let hand = carried.scenario.robot.hand().unwrap();
-    assert!(hand.fingers.iter().all(|finger| moves(finger.link)));
+    assert!(hand.joints.iter().all(|joint| moves(joint.link)));
     let target = scene.nodes.iter().position(|node| node.role == Role::Target).unwrap();
     assert!(moves(target) && !moves(target + 1));
 }

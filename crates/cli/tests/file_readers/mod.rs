@@ -38,7 +38,7 @@ pub const FILE_READERS: [FileReader; 27] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
-    reader("hand", "robot/hand.yaml", read_robot),
+    reader("hand", "robot/robot.yaml", read_robot),
     reader("obj", "mesh/mesh.obj", |folder| read_mesh(&folder.join("mesh/mesh.obj"))),
     reader("stl", "mesh/mesh.stl", |folder| read_mesh(&folder.join("mesh/mesh.stl"))),
     reader("ply", "mesh/mesh.ply", |folder| read_mesh(&folder.join("mesh/mesh.ply"))),

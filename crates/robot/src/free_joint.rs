@@ -1,0 +1,91 @@
+use std::f64::consts::PI;
+
+use cranny_spatial::{Pose, Rotation, Vector};
+
+use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMotion, parse_limits};
+use crate::xml::Element;
+use crate::{FREE_JOINT_LIMIT_M, RobotError};
+
+/// A degree of freedom of a joint that has several: what is put behind the joint's name, how it moves, and about or
+/// along which axis of the joint's frame.
+pub(crate) type Freedom = (&'static str, UrdfJointKind, fn() -> Vector);
+
+/// A planar joint: along two axes of the plane, then about its normal, as `MoveIt` names them.
+pub(crate) const PLANAR: [Freedom; 3] = [
+    ("x", UrdfJointKind::Prismatic, Vector::x),
+    ("y", UrdfJointKind::Prismatic, Vector::y),
+    ("theta", UrdfJointKind::Continuous, Vector::z),
+];
+
+/// A floating joint: a place, then yaw, pitch and roll. Where the pitch is ±π/2, yaw and roll turn about one axis; it
+/// stays within.
+pub(crate) const FLOATING: [Freedom; 6] = [
+    ("x", UrdfJointKind::Prismatic, Vector::x),
+    ("y", UrdfJointKind::Prismatic, Vector::y),
+    ("z", UrdfJointKind::Prismatic, Vector::z),
+    ("yaw", UrdfJointKind::Continuous, Vector::z),
+    ("pitch", UrdfJointKind::Revolute, Vector::y),
+    ("roll", UrdfJointKind::Continuous, Vector::x),
+];
+
+impl Urdf {
+    /// Adds a joint of several degrees of freedom as a chain of joints with one each, `NAME/x`, …, with bare links of the
+    /// same names between them. The normal of a plane is the joint's axis, or z if none is given: nobody who leaves it
+    /// out means the x axis that the URDF specification has in its place.
+    pub(crate) fn add_free_joint(
+        &mut self,
+        element: Element<'_>,
+        freedoms: &[Freedom],
+    ) -> Result<(), RobotError> {
+        let name = element.text("name")?;
+        let owner = format!("joint `{name}`");
+        let end = |tag| Ok::<_, RobotError>(element.needed(tag, &owner)?.text("link")?.to_owned());
+        let (mut parent, child) = (end("parent")?, end("child")?);
+        let axis = match element.first("axis") {
+            Some(axis) if freedoms.len() == PLANAR.len() => axis.vector("xyz")?.unwrap_or_else(Vector::z),
+            _ => Vector::z(),
+        };
+        let zero_axis = || RobotError::ZeroAxis { at: element.at(), joint: name.to_owned() };
+        let axis = axis.try_normalize(1e-9).ok_or_else(zero_axis)?;
+        // Upside down there is no shortest turn: about x.
+        let joint_from_plane = Rotation::rotation_between(&Vector::z(), &axis)
+            .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), PI));
+        let limit = element.first("limit");
+        for (index, (suffix, kind, axis)) in freedoms.iter().enumerate() {
+            let joint_name = format!("{name}/{suffix}");
+            let velocity = limit.map(|limit| parse_limits(limit, UrdfJointKind::Continuous, name));
+            let velocity = velocity.transpose()?.and_then(|limits| limits.velocity);
+            let mut limits = UrdfLimits { lower: -PI, upper: PI, velocity, effort: None };
+            match kind {
+                UrdfJointKind::Prismatic => {
+                    (limits.lower, limits.upper) = (-FREE_JOINT_LIMIT_M, FREE_JOINT_LIMIT_M);
+                    if let Some(limit) = limit {
+                        let own = parse_limits(limit, *kind, &joint_name)?;
+                        // Without a range it says how fast, not how far.
+                        if own.lower < own.upper {
+                            (limits.lower, limits.upper) = (own.lower, own.upper);
+                        }
+                    }
+                }
+                UrdfJointKind::Revolute => (limits.lower, limits.upper) = (-0.5 * PI, 0.5 * PI),
+                UrdfJointKind::Continuous => limits = UrdfLimits::of_continuous(velocity, None),
+            }
+            let is_last = index + 1 == freedoms.len();
+            let below = if is_last { child.clone() } else { joint_name.clone() };
+            if !is_last {
+                self.links.push(UrdfLink::bare(below.clone(), element.at()));
+            }
+            let parent_from_joint = if index == 0 { element.origin()? } else { Pose::identity() };
+            let axis_in_child = joint_from_plane * axis();
+            self.joints.push(UrdfJoint {
+                name: joint_name,
+                at: element.at(),
+                parent: std::mem::replace(&mut parent, below.clone()),
+                child: below,
+                parent_from_joint,
+                motion: Some(UrdfMotion { kind: *kind, axis_in_child, limits, mimic: None }),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::hand::line_of;
+use crate::joint_group::unknown_joint;
+use crate::limits::parse_yaml;
+use crate::robot_files::DESCRIPTION;
+use crate::tree::Tree;
+use crate::urdf::Urdf;
+use crate::{HandDescription, JointGroup, RobotError, RobotOptions};
+
+/// What a URDF does not say of a robot: `robot.yaml` beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotDescription {
+    /// Its URDF, from the folder of this file; who opens the folder opens that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints move. Default: as of [`RobotOptions::group`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// The link that grasps are reached with. Default: that of the hand, else as of [`RobotOptions::tip`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<String>,
+    /// Joints outside the group, and where they stand (m, rad).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub fixed: BTreeMap<String, f64>,
+    /// Where it starts if a scenario says nothing else: each joint that moves (m, rad).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub start: BTreeMap<String, f64>,
+    /// Height of the ground that it stands on in its root frame, in metres: there a scene's floor is laid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor_m: Option<f64>,
+    /// Its hand, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand: Option<HandDescription>,
+}
+
+impl RobotDescription {
+    /// Reads the text of a `robot.yaml`; `file` is the name for it in errors.
+    ///
+    /// # Errors
+    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
+    /// that cannot be.
+    pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
+        let description: Self = parse_yaml(text, file)?;
+        if let Some(hand) = &description.hand {
+            hand.check(text, file)?;
+        }
+        let numbers = description.start.iter().chain(&description.fixed);
+        let mut numbers = numbers.map(|(joint, value)| (joint.as_str(), *value)).collect::<Vec<_>>();
+        numbers.extend(description.floor_m.map(|height_m| ("floor_m", height_m)));
+        if let Some(&(key, value)) = numbers.iter().find(|(_, value)| !value.is_finite()) {
+            let (at, range) = (line_of(text, file, key), "a number".to_owned());
+            let element = format!("`{key}`");
+            return Err(RobotError::HandFigure { at, element, attribute: "the value", value, range });
+        }
+        Ok(description)
+    }
+
+    /// The URDF that `path` names: a URDF, or that of a folder with a `robot.yaml`.
+    ///
+    /// # Errors
+    /// [`RobotError::NoDescription`] for a folder without one, or one that names no URDF; as [`Self::parse`].
+    pub(crate) fn urdf_at(path: &Path) -> Result<PathBuf, RobotError> {
+        if !path.is_dir() {
+            return Ok(path.to_owned());
+        }
+        let file = path.join(DESCRIPTION);
+        let missing = || RobotError::NoDescription { folder: path.to_owned() };
+        if !file.is_file() {
+            return Err(missing());
+        }
+        let text = cranny_file::TEXT
+            .text(&file)
+            .map_err(|reason| RobotError::Unreadable { path: file.clone(), reason })?;
+        let description = Self::parse(&text, &file.display().to_string())?;
+        Ok(path.join(description.urdf.ok_or_else(missing)?))
+    }
+
+    /// Fills in what the options leave open.
+    pub(crate) fn complete(&self, options: &mut RobotOptions) {
+        if let (JointGroup::RootToTip, Some(group)) = (&options.group, &self.group) {
+            options.group = JointGroup::Srdf(group.clone());
+        }
+        options.tip = options.tip.take().or_else(|| self.tip.clone());
+        for (joint, value) in &self.fixed {
+            options.fixed.entry(joint.clone()).or_insert(*value);
+        }
+    }
+
+    /// The start of the group of these names; `None` if it is not said for all of them.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownName`] for a joint that the robot has not.
+    pub(crate) fn start_of(
+        &self,
+        urdf: &Urdf,
+        tree: &Tree,
+        joints: &[String],
+    ) -> Result<Option<Vec<f64>>, RobotError> {
+        if let Some(joint) = self.start.keys().find(|joint| tree.joint(joint).is_none()) {
+            return Err(unknown_joint(urdf, format!("{}: start", urdf.file), joint));
+        }
+        Ok(joints.iter().map(|joint| self.start.get(joint).copied()).collect())
+    }
+}

@@ -1,0 +1,236 @@
+use cranny_robot::{JointKind, Mover, Robot};
+use cranny_shape::TriangleSoup;
+use cranny_spatial::{Stream, Vector};
+
+use crate::{Family, Placement, RecipeBody, RecipeShape, TargetPhysics};
+
+/// How much smaller than the paper's a scene is, so that a robot of another reach can do something in it: shrunk about
+/// the place where the robot stands. The object stays as large as it is while the hand can hold it and there is room.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneScale {
+    /// Of everything that stands around, away from the robot, in (0, 1].
+    pub away: f64,
+    /// The same across and upwards.
+    pub across: f64,
+    /// Of the object.
+    pub object: f64,
+}
+
+/// Where the robot stands in the scene, in metres along x.
+const ROBOT_X_M: f64 = 1.0;
+
+/// How far ahead, in metres, the paper's scenes ask a robot to reach that stands where the paper's starts.
+const FROM_AFAR_M: f64 = 1.6;
+
+/// How high and how far to either side, in metres.
+const AROUND_M: f64 = 0.75;
+
+/// Of how far its joints would let a robot reach, it can use about so much with the hand turned as a grasp wants it.
+const USABLE_REACH: f64 = 0.9;
+
+/// A base that drives less than this, in metres, stands.
+const LEAST_DRIVE_M: f64 = 0.5;
+
+/// Of a hand's opening an object takes up at most so much.
+const FILLED_OPENING: f64 = 0.85;
+
+impl SceneScale {
+    /// Everything as large as in the paper.
+    pub const PAPER: Self = Self { away: 1.0, across: 1.0, object: 1.0 };
+
+    /// The scale that suits a robot, for a family.
+    pub fn of(robot: &Robot, family: Family, opening_m: f64) -> Self {
+        let base = Base::of(robot);
+        let reach_m = USABLE_REACH * base.reach_m(robot);
+        let across = (reach_m / AROUND_M).min(1.0);
+        let (away, across) = match base.drive {
+            Drive::Nowhere => (reach_m / FROM_AFAR_M, across),
+            // It drives up to what is in its way, and reaches on from there.
+            Drive::OnFloor => {
+                ((reach_m - USABLE_REACH * base.ahead_m(robot)) / family.beyond_front_m(), across)
+            }
+            // Nothing but the hand has to fit.
+            Drive::Anywhere => (1.0, 1.0),
+        };
+        let away = away.clamp(LEAST, 1.0);
+        let of_hand =
+            if opening_m > 0.0 { FILLED_OPENING * opening_m / family.object_width_m() } else { 1.0 };
+        // In a scene of half the size and less an object of full size finds no room.
+        let of_scene = if across < 0.5 { 2.0 * across } else { 1.0 };
+        let object = rounded(of_hand.min(of_scene).min(1.0));
+        Self { away: rounded(away), across: rounded(across), object }
+    }
+
+    /// How the dial of a family is scaled.
+    pub(crate) fn of_dial(&self, family: Family) -> f64 {
+        match family {
+            Family::Shelf | Family::Table => self.away,
+            Family::Gap | Family::Gate => self.across,
+        }
+    }
+
+    /// A point of the paper's scene, in this one.
+    pub(crate) fn point(&self, paper: &Vector) -> Vector {
+        let x_m = ROBOT_X_M + self.across * (paper.x - ROBOT_X_M);
+        Vector::new(x_m, self.away * paper.y, self.across * paper.z)
+    }
+
+    /// A size in the paper's scene, in this one.
+    fn size(&self, paper: &Vector) -> Vector {
+        paper.component_mul(&Vector::new(self.across, self.away, self.across))
+    }
+
+    pub(crate) fn placement(&self, paper: &Placement) -> Placement {
+        let place = self.point(&Vector::new(paper.x_m, paper.y_m, 0.0));
+        Placement { x_m: place.x, y_m: place.y, yaw_rad: paper.yaw_rad }
+    }
+
+    fn is_of_the_paper(&self) -> bool {
+        self.away >= 1.0 && self.across >= 1.0
+    }
+
+    /// An obstacle of the paper's scene, which is made of cuboids.
+    pub(crate) fn obstacle(&self, mut body: RecipeBody) -> RecipeBody {
+        if self.is_of_the_paper() {
+            return body;
+        }
+        let place = &mut body.scene_from_body.translation.vector;
+        *place = self.point(place);
+        for (body_from_shape, shape) in &mut body.shapes {
+            let place = &mut body_from_shape.translation.vector;
+            *place = self.size(place);
+            if let RecipeShape::Cuboid(size) = shape {
+                *size = self.size(size);
+            }
+        }
+        body
+    }
+
+    /// A thing that stands about: where it would stand, as high as there is room, and as thick as it is, or half of that.
+    pub(crate) fn clutter(&self, mut body: RecipeBody) -> RecipeBody {
+        if self.is_of_the_paper() {
+            return body;
+        }
+        let place = &mut body.scene_from_body.translation.vector;
+        *place = self.point(place);
+        let thick = self.across.max(0.5 * self.object);
+        for (_, shape) in &mut body.shapes {
+            match shape {
+                RecipeShape::Cuboid(size) => {
+                    *size = size.component_mul(&Vector::new(thick, thick, self.across));
+                }
+                RecipeShape::Cylinder(radius_m, length_m) => {
+                    (*radius_m, *length_m) = (*radius_m * thick, *length_m * self.across);
+                }
+                _ => {}
+            }
+        }
+        body
+    }
+}
+
+/// To a hundredth: that a robot is a little longer changes no scene.
+fn rounded(scale: f64) -> f64 {
+    ((scale * 100.0).floor() / 100.0).max(0.01)
+}
+
+/// No scene is smaller.
+const LEAST: f64 = 0.01;
+
+/// Where the base of a robot can go.
+enum Drive {
+    Nowhere,
+    OnFloor,
+    Anywhere,
+}
+
+/// What moves a robot as a whole: the joints before the first link with a body.
+struct Base {
+    drive: Drive,
+    joints: Vec<usize>,
+}
+
+impl Base {
+    fn of(robot: &Robot) -> Self {
+        let movers = robot.ancestors(robot.tip()).iter().take_while(|mover| {
+            let above = robot.links()[mover.child_link].parent;
+            above.is_none_or(|link| robot.links()[link].collisions.is_empty())
+        });
+        let movers: Vec<Mover> = movers.copied().collect();
+        let frames = robot.frames();
+        let mut goes = [false; 2];
+        for mover in movers.iter().filter(|mover| mover.kind == JointKind::Prismatic) {
+            let limits = robot.limits()[mover.joint];
+            let axis = frames.link(mover.child_link).rotation * mover.axis_in_child;
+            let is_upright = axis.z.abs() > 0.5;
+            goes[usize::from(is_upright)] |= limits.upper - limits.lower >= LEAST_DRIVE_M;
+        }
+        let drive = match goes {
+            [true, true] => Drive::Anywhere,
+            [true, false] => Drive::OnFloor,
+            _ => Drive::Nowhere,
+        };
+        Self { drive, joints: movers.iter().map(|mover| mover.joint).collect() }
+    }
+
+    /// How far from the axis through its root the tip gets while what slides of the base stays, in metres: the farthest of
+    /// many drawn configurations.
+    fn reach_m(&self, robot: &Robot) -> f64 {
+        const DRAWS: usize = 2000;
+        let mut random = Stream::new(0, 0);
+        let mut frames = robot.frames();
+        let mut reach_m = 0.0_f64;
+        for _ in 0..DRAWS {
+            let mut q = robot.random_configuration(&mut random);
+            for &joint in &self.joints {
+                if robot.joints()[joint].kind == JointKind::Prismatic {
+                    q[joint] = robot.limits()[joint].clamp(0.0);
+                }
+            }
+            robot.forward_kinematics(&q, &mut frames);
+            reach_m = reach_m.max(frames.link(robot.tip()).translation.vector.xy().norm());
+        }
+        reach_m
+    }
+
+    /// How far ahead of the axis through the root the base itself is, in metres.
+    fn ahead_m(&self, robot: &Robot) -> f64 {
+        let frames = robot.frames();
+        let is_base =
+            |link: &usize| robot.ancestors(*link).iter().all(|mover| self.joints.contains(&mover.joint));
+        let mut ahead_m = 0.0_f64;
+        for link in (0..robot.links().len()).filter(is_base) {
+            for shape in &robot.links()[link].collisions {
+                let pose = frames.link(link) * shape.link_from_shape;
+                let Some((points, radius_m)) = shape.solid.bounding_points() else { continue };
+                let ahead = points.iter().map(|point| (pose * point).x + radius_m);
+                ahead_m = ahead.fold(ahead_m, f64::max);
+            }
+        }
+        ahead_m
+    }
+}
+
+/// A shape in another size, and what it then weighs.
+pub(crate) fn resized(
+    shape: &RecipeShape,
+    physics: &TargetPhysics,
+    mesh: &TriangleSoup,
+    scale: f64,
+) -> (RecipeShape, TargetPhysics) {
+    let shape = match shape {
+        RecipeShape::Cuboid(size) => RecipeShape::Cuboid(size * scale),
+        RecipeShape::Sphere(radius_m) => RecipeShape::Sphere(radius_m * scale),
+        _ => RecipeShape::Mesh(scaled(mesh, scale)),
+    };
+    let mass_kg = physics.mass_kg.map(|mass_kg| mass_kg * scale.powi(3));
+    (shape, TargetPhysics { mass_kg, ..*physics })
+}
+
+pub(crate) fn scaled(mesh: &TriangleSoup, scale: f64) -> TriangleSoup {
+    let mut mesh = mesh.clone();
+    for vertex in &mut mesh.vertices {
+        *vertex *= scale;
+    }
+    mesh
+}

@@ -1,0 +1,186 @@
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use cranny_robot::{
+    JointFacts, JointGroup, JointKind, LinkFrames, Mover, Robot, RobotError, RobotOptions, TextSource,
+    UrdfText,
+};
+use cranny_shape::{Solid, separation};
+use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
+
+use crate::limits;
+
+/// A robot with all its joints free, and its links brought together to bodies: what moves as one.
+pub(crate) struct Anatomy {
+    pub robot: Robot,
+    /// By the name of the joint.
+    pub joints: HashMap<String, JointFacts>,
+    pub bodies: Vec<RigidBody>,
+    pub body_of: Vec<usize>,
+}
+
+/// Links between which no joint moves.
+pub(crate) struct RigidBody {
+    /// The topmost of its links.
+    pub top: usize,
+    pub links: Vec<usize>,
+    /// The body above and the joint between; none for that of the root.
+    pub above: Option<(usize, Mover)>,
+    pub below: Vec<usize>,
+}
+
+impl Anatomy {
+    pub fn of(urdf: &UrdfText, base_dir: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
+        let facts = urdf.joints()?;
+        let is_free =
+            |joint: &&JointFacts| joint.motion.as_ref().is_some_and(|motion| motion.mimics.is_none());
+        let group: Vec<String> = facts.iter().filter(is_free).map(|joint| joint.name.clone()).collect();
+        // Without a joint there is no robot; what has none is told so by the robot itself.
+        let group = if group.is_empty() { JointGroup::RootToTip } else { JointGroup::Joints(group) };
+        let options = RobotOptions {
+            group,
+            limits: Some(TextSource::Text {
+                name: "limits.yaml".to_owned(),
+                text: limits::needed_text(&facts),
+            }),
+            packages: packages.to_owned(),
+            ..RobotOptions::default()
+        };
+        let robot = Robot::from_urdf_text(urdf.text(), urdf.file(), base_dir, &options)?;
+        let mut bodies: Vec<RigidBody> = Vec::new();
+        let mut body_of: Vec<usize> = Vec::with_capacity(robot.links().len());
+        for (index, link) in robot.links().iter().enumerate() {
+            let own_joint = link.parent.and_then(|parent| {
+                robot.ancestors(index).get(robot.ancestors(parent).len()).map(|mover| (parent, *mover))
+            });
+            match (link.parent, own_joint) {
+                (Some(parent), None) => {
+                    let body = body_of[parent];
+                    bodies[body].links.push(index);
+                    body_of.push(body);
+                }
+                (_, own_joint) => {
+                    let above = own_joint.map(|(parent, mover)| (body_of[parent], mover));
+                    if let Some((above, _)) = above {
+                        let new = bodies.len();
+                        bodies[above].below.push(new);
+                    }
+                    body_of.push(bodies.len());
+                    bodies.push(RigidBody { top: index, links: vec![index], above, below: Vec::new() });
+                }
+            }
+        }
+        let joints = facts.into_iter().map(|joint| (joint.name.clone(), joint)).collect();
+        Ok(Self { robot, joints, bodies, body_of })
+    }
+
+    /// The configuration in which each joint is as near to 0 as it can be.
+    pub fn rest(&self) -> Vec<f64> {
+        self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect()
+    }
+
+    /// A body and all below it.
+    pub fn branch(&self, body: usize) -> Vec<usize> {
+        let mut branch = vec![body];
+        let mut next = 0;
+        while let Some(&body) = branch.get(next) {
+            branch.extend(&self.bodies[body].below);
+            next += 1;
+        }
+        branch
+    }
+
+    /// The solids of bodies, where they are in the frame of a link.
+    pub fn solids_in(&self, bodies: &[usize], link: usize, frames: &LinkFrames) -> Vec<(Pose, Solid)> {
+        let link_from_root = frames.link(link).inverse();
+        let links = bodies.iter().flat_map(|&body| &self.bodies[body].links);
+        let placed = links.flat_map(|&index| {
+            let link_from_own = link_from_root * frames.link(index);
+            let shapes = self.robot.links()[index].collisions.iter();
+            shapes.map(move |shape| (link_from_own * shape.link_from_shape, shape.solid.clone()))
+        });
+        placed.collect()
+    }
+
+    /// The facts of the joint right above a body.
+    pub fn joint_above(&self, body: usize) -> Option<&JointFacts> {
+        let top = &self.robot.links()[self.bodies[body].top].name;
+        self.joints.values().find(|joint| joint.child == *top)
+    }
+
+    /// The joints of the group that move a body, by index, root first; those that it mimics too.
+    pub fn joints_of(&self, body: usize) -> impl Iterator<Item = &Mover> {
+        self.robot.ancestors(self.bodies[body].top).iter()
+    }
+
+    pub fn link_name(&self, link: usize) -> &str {
+        &self.robot.links()[link].name
+    }
+
+    /// Whether the joint above a body turns without end and follows no other: a wheel, if little hangs on it.
+    pub fn is_endless(&self, body: usize) -> bool {
+        let motion = self.joint_above(body).and_then(|joint| joint.motion.as_ref());
+        motion.is_some_and(|motion| motion.is_continuous && motion.mimics.is_none())
+    }
+
+    /// Wheels: what turns without end and carries nothing.
+    pub fn wheels(&self) -> usize {
+        let is_wheel = |&body: &usize| self.bodies[body].below.is_empty() && self.is_endless(body);
+        let is_upright = |&body: &usize| {
+            let frames = self.robot.frames();
+            self.bodies[body].above.is_some_and(|(_, mover)| {
+                let axis = frames.link(mover.child_link).rotation * mover.axis_in_child;
+                mover.kind == JointKind::Revolute && axis.z.abs() < 0.3
+            })
+        };
+        (0..self.bodies.len()).filter(is_wheel).filter(is_upright).count()
+    }
+}
+
+/// How far a direction goes to the end of solids, in metres from the origin.
+pub(crate) fn extent_m(solids: &[(Pose, Solid)], direction: &Vector) -> f64 {
+    let ends = solids.iter().filter_map(|(pose, solid)| {
+        let (points, radius_m) = solid.bounding_points()?;
+        let farthest = points.iter().map(|point| (pose * point).coords.dot(direction));
+        Some(farthest.fold(f64::NEG_INFINITY, f64::max) + radius_m)
+    });
+    ends.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// How far a point is from solids, in metres; 0 inside.
+pub(crate) fn distance_m(solids: &[(Pose, Solid)], point: &Point) -> f64 {
+    /// Far below all that is measured here, in metres.
+    const POINT_M: f64 = 1e-7;
+    let Ok(ball) = Solid::sphere(POINT_M) else { return 0.0 };
+    let pose = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
+    let distances = solids
+        .iter()
+        .map(|(own, solid)| separation(solid, own, &ball, &pose, f64::INFINITY).upper_m.max(0.0));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// Whether two sets of solids touch.
+pub(crate) fn touch(first: &[(Pose, Solid)], second: &[(Pose, Solid)]) -> bool {
+    first.iter().any(|(pose_a, a)| {
+        second.iter().any(|(pose_b, b)| separation(a, pose_a, b, pose_b, CONTACT_M).lower_m < CONTACT_M)
+    })
+}
+
+/// The middle of the balls around solids.
+pub(crate) fn middle(solids: &[(Pose, Solid)]) -> Option<Point> {
+    let centers: Vec<Vector> =
+        solids.iter().map(|(pose, solid)| (pose * solid.ball().center).coords).collect();
+    let count = centers.len() as f64;
+    (!centers.is_empty()).then(|| (centers.iter().sum::<Vector>() / count).into())
+}
+
+/// Whether a name is one that people give to hands and fingers.
+pub(crate) fn is_hand_name(name: &str) -> bool {
+    let name = name.to_lowercase();
+    ["grip", "finger", "jaw", "claw", "hand", "thumb", "knuckle"].iter().any(|word| name.contains(word))
+}
+
+/// The values of joints by name.
+pub(crate) fn by_name(robot: &Robot, q: &[f64]) -> BTreeMap<String, f64> {
+    robot.joint_names().iter().cloned().zip(q.iter().copied()).collect()
+}

@@ -1,0 +1,69 @@
+use std::path::PathBuf;
+
+use cranny_collision::CollisionError;
+use cranny_robot::RobotError;
+use cranny_scenario::ScenarioError;
+
+/// Why a URDF cannot be made a robot of one's own.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SetupError {
+    /// A robot file is wrong.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A folder cannot be written.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A body cannot be checked.
+    #[error(transparent)]
+    Collision(#[from] CollisionError),
+    /// A xacro file that is not expanded.
+    #[error("{} is a xacro file, which becomes a URDF by `xacro {} > robot.urdf`: {reason}", path.display(), path.display())]
+    Xacro {
+        /// The file.
+        path: PathBuf,
+        /// Why that is not done here.
+        reason: String,
+    },
+    /// Neither an arm nor a hand.
+    #[error(
+        "{file}: nothing here can grasp: no joint leads to a hand or a tool ({joints}). Give the URDF of the whole robot, \
+         or one to which --tip LINK names the link that grasps"
+    )]
+    NoArm {
+        /// The file.
+        file: String,
+        /// What moves.
+        joints: String,
+    },
+    /// Joints that could move, but have no range.
+    #[error(
+        "{file}: {joints}: lower and upper limit are the same, so nothing moves (a <limit> without lower and upper means 0 \
+         to 0: give both, or make the joint continuous)"
+    )]
+    NoRange {
+        /// The file.
+        file: String,
+        /// The joints.
+        joints: String,
+    },
+    /// A link that was named is not there, or carries no hand.
+    #[error("{file}: {what}")]
+    NotThere {
+        /// The file.
+        file: String,
+        /// What.
+        what: String,
+    },
+    /// No configuration is free.
+    #[error(
+        "{file}: in each of the drawn configurations the robot touches itself or the ground, mostly {pair}: if links may \
+         touch there, say so in an SRDF (<disable_collisions link1=… link2=… reason=…/>) and give it by --srdf"
+    )]
+    NeverFree {
+        /// The file.
+        file: String,
+        /// Which links.
+        pair: String,
+    },
+}

@@ -1,0 +1,200 @@
+use std::sync::Arc;
+
+use cranny_collision::{Body, Cell, Margins, World};
+use cranny_robot::Robot;
+use serde::Serialize;
+
+use crate::SetupError;
+use crate::self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
+
+/// What follows from a robot's files.
+#[derive(Clone, Debug, Serialize)]
+pub struct RobotFindings {
+    /// The joints that move, a line each.
+    pub joints: Vec<String>,
+    /// All else.
+    pub findings: Vec<Finding>,
+}
+
+/// One thing that a robot's files say or leave out, and what follows from it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Finding {
+    /// What it is about.
+    pub what: &'static str,
+    /// What was found.
+    pub found: String,
+    /// What follows.
+    pub consequence: String,
+    /// Whether nothing can be planned until it is mended.
+    pub is_fault: bool,
+}
+
+impl RobotFindings {
+    /// Of a robot.
+    ///
+    /// # Errors
+    /// [`SetupError::Collision`] for a body that cannot be checked.
+    pub fn of(robot: &Arc<Robot>) -> Result<Self, SetupError> {
+        let joint = |(name, limits): (&String, &cranny_robot::JointLimits)| {
+            let unit = limits.unit;
+            let rate =
+                |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| value.to_string());
+            format!(
+                "{name}: {:.4} to {:.4} {unit}, {} {unit}/s, acceleration {}, jerk {}",
+                limits.lower,
+                limits.upper,
+                limits.velocity,
+                rate(limits.acceleration),
+                rate(limits.jerk)
+            )
+        };
+        let joints = robot.joint_names().iter().zip(robot.limits()).map(joint).collect();
+        let contacts = SelfContact::sample(robot);
+        let mut findings = vec![tip(robot), hand(robot), rates(robot)];
+        findings.extend(pairs(robot, &contacts));
+        findings.push(start(robot)?);
+        Ok(Self { joints, findings })
+    }
+
+    /// Whether something can be planned for it.
+    pub fn is_sound(&self) -> bool {
+        self.findings.iter().all(|finding| !finding.is_fault)
+    }
+}
+
+fn finding(what: &'static str, found: String, consequence: impl Into<String>, is_fault: bool) -> Finding {
+    Finding { what, found, consequence: consequence.into(), is_fault }
+}
+
+fn name(robot: &Robot, link: usize) -> &str {
+    &robot.links()[link].name
+}
+
+fn tip(robot: &Robot) -> Finding {
+    let found = name(robot, robot.tip()).to_owned();
+    let consequence =
+        "it is brought to grasps: y must be the axis on which the pads close, z the approach direction";
+    finding("gripper frame", found, consequence, false)
+}
+
+fn hand(robot: &Robot) -> Finding {
+    let links: Vec<&str> = robot.hand_links().iter().map(|&link| name(robot, link)).collect();
+    let links = links.join(", ");
+    let Some(hand) = robot.hand() else {
+        let consequence = "no joint is known to close it: grasps of files can be reached, none sampled, nothing carried \
+                           (`hand` in robot.yaml)";
+        return finding("hand", links, consequence, false);
+    };
+    let description = &hand.description;
+    let joints: Vec<String> = description
+        .fingers
+        .iter()
+        .map(|(joint, range)| format!("{joint} {} open, {} closed", range.open, range.closed))
+        .collect();
+    let how = if joints.is_empty() { "closed by no joint".to_owned() } else { joints.join(", ") };
+    let found = format!("{links}; {how}; {:.1} mm open", description.opening_m * 1000.0);
+    let consequence = match (joints.is_empty(), hand.fingers) {
+        (true, _) => "grasps are sampled for it, and reached; nothing is carried".to_owned(),
+        (false, 1) => format!(
+            "one finger moves ({} joints), closing with {} N; the other side stands",
+            hand.joints.len(),
+            description.closing_force_n
+        ),
+        (false, fingers) => format!(
+            "{fingers} fingers move ({} joints), closing with {} N",
+            hand.joints.len(),
+            description.closing_force_n
+        ),
+    };
+    finding("hand", found, consequence, false)
+}
+
+fn rates(robot: &Robot) -> Finding {
+    let lacking: Vec<&str> = robot
+        .limits()
+        .iter()
+        .zip(robot.joint_names())
+        .filter(|(limits, _)| limits.acceleration.is_none())
+        .map(|(_, name)| name.as_str())
+        .collect();
+    if lacking.is_empty() {
+        return finding(
+            "limits",
+            "every joint has an acceleration".to_owned(),
+            "trajectories are timed",
+            false,
+        );
+    }
+    let found = format!("no acceleration for {}", lacking.join(", "));
+    finding("limits", found, "paths are planned, but not timed (give them in limits.yaml)", false)
+}
+
+fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let is_disabled = |contact: &SelfContact| robot.disabled_pairs().binary_search(&contact.links).is_ok();
+    let pair = |c: &SelfContact| format!("{} and {}", name(robot, c.links.0), name(robot, c.links.1));
+    let unchecked = contacts.iter().filter(|contact| is_disabled(contact) && !contact.is_adjacent);
+    for contact in unchecked {
+        let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
+        let depth = if contact.touching > 0 {
+            format!(", at least {:.1} mm deep", contact.least_depth_m * 1000.0)
+        } else {
+            String::new()
+        };
+        let found = format!("{}: they touch in {touched} % of drawn configurations{depth}", pair(contact));
+        findings.push(finding("unchecked pair", found, "not checked, as its SRDF says", false));
+    }
+    for contact in contacts.iter().filter(|c| !is_disabled(c) && !c.is_adjacent && c.is_always()) {
+        let depth_mm = contact.least_depth_m * 1000.0;
+        let found = format!(
+            "{}: they touch in every drawn configuration, at least {depth_mm:.1} mm deep",
+            pair(contact)
+        );
+        let consequence =
+            "not checked, and named with every plan; an SRDF that disables the pair says that it is meant";
+        findings.push(finding("touching pair", found, consequence, false));
+    }
+    /// Pairs that touch in more of them, in per cent, take much of what a robot can do.
+    const OFTEN: usize = 60;
+    let often = |c: &&SelfContact| {
+        !is_disabled(c) && !c.is_adjacent && !c.is_always() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
+    };
+    for contact in contacts.iter().filter(often) {
+        let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
+        let found = format!("{}: they touch in {touched} % of drawn configurations", pair(contact));
+        findings.push(finding(
+            "touching pair",
+            found,
+            "checked: the robot can do little of what its joints allow",
+            false,
+        ));
+    }
+    findings
+}
+
+fn start(robot: &Arc<Robot>) -> Result<Finding, SetupError> {
+    let Some(start) = robot.default_start() else {
+        let consequence = "a scenario says where it starts, or each joint is as near to 0 as it can be (`start` in robot.yaml)";
+        return Ok(finding("start", "none is said".to_owned(), consequence, false));
+    };
+    if let Some(outside) = robot.first_limit_violation(start) {
+        let joint = &robot.joint_names()[outside.joint];
+        let found =
+            format!("{joint} stands at {}, outside {} to {}", outside.value, outside.lower, outside.upper);
+        return Ok(finding("start", found, "nothing can be planned from there", true));
+    }
+    let floor = robot.floor_m().map(Body::floor);
+    let cell = Cell::new(robot.clone(), World::new(floor.into_iter().collect())?, Margins::default())?;
+    let mut scratch = cell.scratch();
+    Ok(match cell.first_contact(start, &mut scratch) {
+        None => {
+            let clear_mm = cell.clearance(start, &mut scratch) * 1000.0;
+            let found = format!("free, {clear_mm:.1} mm from itself and the ground");
+            finding("start", found, "plans begin there unless a scenario says otherwise", false)
+        }
+        Some(contact) => {
+            let [first, second] = contact.names(&cell);
+            finding("start", format!("{first} touches {second}"), "nothing can be planned from there", true)
+        }
+    })
+}

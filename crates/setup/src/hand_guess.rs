@@ -1,0 +1,594 @@
+//! The hand of a robot, found by its structure; names only decide between equals.
+//!
+//! 1. The palm is a body on which two or more small parts move that are no wheels, the farthest from the root; or one on
+//!    which a single one moves that is called a jaw or the like.
+//! 2. Each joint that moves them stands open at that end of its range at which the fingers are farthest apart.
+//! 3. The closing axis is that of the slides, or at a right angle to the hinges; the approach direction leads from the palm
+//!    to the tips of the fingers.
+//! 4. The gripper frame lies between the pads, in their middle, a little behind the tips. A bare link that is there already
+//!    is taken for it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cranny_robot::{FingerRange, JointKind, LinkFrames};
+use cranny_shape::{Solid, separation};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+
+use crate::anatomy::{Anatomy, by_name, distance_m, extent_m, is_hand_name, middle, touch};
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub(crate) struct HandGuess {
+    /// The link that carries the fingers, or is the tool.
+    pub palm: usize,
+    /// The gripper frame on it.
+    pub palm_from_frame: Pose,
+    /// A bare link that is this frame.
+    pub existing: Option<usize>,
+    /// The joints that close it; none: it cannot close.
+    pub fingers: BTreeMap<String, FingerRange>,
+    pub opening_m: f64,
+    pub finger_depth_m: f64,
+    /// With what it closes, where the drives say so.
+    pub force_n: Option<f64>,
+    /// How it was found.
+    pub kind: HandKind,
+    /// Palms that were found besides.
+    pub others: Vec<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HandKind {
+    /// Fingers that move on both sides.
+    Fingers,
+    /// One jaw that moves towards one that does not.
+    Jaw,
+    /// Two prongs that do not move.
+    Rigid,
+}
+
+/// A part farther from its joint than this, in metres, is no finger.
+const LONGEST_FINGER_M: f64 = 0.35;
+
+/// A finger has at most so many parts.
+const MOST_PHALANGES: usize = 6;
+
+/// Less than this between two ends of a joint's range opens nothing, in metres.
+const LEAST_OPENING_M: f64 = 1e-3;
+
+/// No hand of one jaw is held wider open than this, in metres and radians: what it can take between its tips.
+const WIDEST_JAW_M: f64 = 0.08;
+const WIDEST_JAW_RAD: f64 = 0.7;
+
+/// How long the tips are taken for that go on fingers without bodies, in metres.
+const FINGERTIP_M: f64 = 0.04;
+
+/// What fingers press with where the drives do not say so: as much as a Robotiq 2F-85 does at a sixth of its range.
+pub(crate) const DEFAULT_FORCE_N: f64 = 40.0;
+
+/// A body with its fingers.
+struct Palm {
+    body: usize,
+    fingers: Vec<usize>,
+}
+
+impl HandGuess {
+    /// The hand on `palm`, a link, or else the best one that is found.
+    pub fn of(anatomy: &Anatomy, palm: Option<usize>) -> Option<Self> {
+        let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
+        let mut palms = palms(anatomy, 2);
+        if palms.is_empty() {
+            palms = self::palms(anatomy, 1);
+        }
+        let others = palms.iter().map(|palm| palm_link(anatomy, palm.fingers[0]));
+        let others: Vec<usize> = others.collect();
+        for (index, palm) in palms.iter().enumerate().filter(|(_, palm)| wanted(palm.body)) {
+            let found =
+                if palm.fingers.len() > 1 { of_fingers(anatomy, palm) } else { of_jaw(anatomy, palm) };
+            if let Some(mut found) = found {
+                found.others = others;
+                found.others.remove(index);
+                return Some(found);
+            }
+        }
+        rigid(anatomy, palm)
+    }
+}
+
+/// Links whose bodies are marks: specks that float between the pads and touch nothing, as some put them where the hand
+/// grasps. With them every grasp would collide.
+pub(crate) fn marks(anatomy: &Anatomy, guess: &HandGuess) -> Vec<usize> {
+    /// A mark is no larger, in metres, and this far from everything else.
+    const LARGEST_M: f64 = 0.02;
+    const APART_M: f64 = 3e-3;
+    let mut q = anatomy.rest();
+    for (joint, value) in q.iter_mut().enumerate() {
+        *value = guess.fingers.get(&anatomy.robot.joint_names()[joint]).map_or(*value, |range| range.open);
+    }
+    let posture = Posture::at(anatomy, guess.palm, &q);
+    let body = anatomy.body_of[guess.palm];
+    let placed = |link: usize| -> Vec<(Pose, Solid)> {
+        let palm_from_link = posture.frames.link(guess.palm).inverse() * posture.frames.link(link);
+        let shapes = anatomy.robot.links()[link].collisions.iter();
+        shapes.map(|shape| (palm_from_link * shape.link_from_shape, shape.solid.clone())).collect()
+    };
+    let origin = guess.palm_from_frame.translation.vector;
+    let is_mark = |&link: &usize| {
+        let own = placed(link);
+        let is_small = own.iter().all(|(pose, solid)| {
+            let ball = solid.ball();
+            let from_frame_m = ((pose * ball.center).coords - origin).norm();
+            ball.radius_m < LARGEST_M && from_frame_m < 0.5 * guess.opening_m + ball.radius_m
+        });
+        let branch = anatomy.branch(body).into_iter().flat_map(|body| &anatomy.bodies[body].links);
+        let mut others = branch.filter(|other| **other != link).flat_map(|&other| placed(other));
+        let is_apart = others.all(|(pose_b, b)| {
+            own.iter().all(|(pose_a, a)| separation(a, pose_a, &b, &pose_b, APART_M).lower_m >= APART_M)
+        });
+        !own.is_empty() && is_small && is_apart
+    };
+    anatomy.bodies[body].links.iter().copied().filter(is_mark).collect()
+}
+
+/// The bodies with at least so many fingers, the best first.
+fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
+    let mut palms: Vec<(bool, usize, Palm)> = Vec::new();
+    for body in 0..anatomy.bodies.len() {
+        let of_arm: BTreeSet<usize> = anatomy.joints_of(body).map(|mover| mover.joint).collect();
+        let is_finger = |&child: &usize| {
+            let driver = anatomy.bodies[child].above.map(|(_, mover)| mover.joint);
+            is_finger(anatomy, child) && driver.is_some_and(|driver| !of_arm.contains(&driver))
+        };
+        let fingers: Vec<usize> = anatomy.bodies[body].below.iter().copied().filter(is_finger).collect();
+        if fingers.len() < least {
+            continue;
+        }
+        let is_named = fingers.iter().any(|&finger| {
+            let joint = anatomy.joint_above(finger);
+            joint.is_some_and(|joint| is_hand_name(&joint.name) || is_hand_name(&joint.child))
+        });
+        // A single part that moves is mostly the last link of an arm.
+        if least > 1 || (is_named && fingers.len() == 1) {
+            palms.push((is_named, anatomy.joints_of(body).count(), Palm { body, fingers }));
+        }
+    }
+    palms.sort_by_key(|(is_named, depth, palm)| (!is_named, usize::MAX - depth, palm.body));
+    palms.into_iter().map(|(_, _, palm)| palm).collect()
+}
+
+fn is_finger(anatomy: &Anatomy, child: usize) -> bool {
+    let branch = anatomy.branch(child);
+    if branch.len() > MOST_PHALANGES || branch.iter().any(|&body| anatomy.is_endless(body)) {
+        return false;
+    }
+    let top = anatomy.bodies[child].top;
+    let solids = anatomy.solids_in(&branch, top, &anatomy.robot.frames_at(&anatomy.rest()));
+    if solids.is_empty() {
+        return is_hand_name(anatomy.link_name(top));
+    }
+    let far_m = solids.iter().map(|(pose, solid)| {
+        let ball = solid.ball();
+        (pose * ball.center).coords.norm() + ball.radius_m
+    });
+    far_m.fold(0.0, f64::max) < LONGEST_FINGER_M
+}
+
+/// A hand at one configuration, in the frame of its palm link.
+struct Posture<'a> {
+    anatomy: &'a Anatomy,
+    palm: usize,
+    frames: LinkFrames,
+}
+
+impl<'a> Posture<'a> {
+    fn at(anatomy: &'a Anatomy, palm: usize, q: &[f64]) -> Self {
+        Self { anatomy, palm, frames: anatomy.robot.frames_at(q) }
+    }
+
+    fn origin(&self, link: usize) -> Point {
+        (self.frames.link(self.palm).inverse() * self.frames.link(link)).translation.vector.into()
+    }
+
+    fn solids(&self, finger: usize) -> Vec<(Pose, Solid)> {
+        self.anatomy.solids_in(&self.anatomy.branch(finger), self.palm, &self.frames)
+    }
+
+    /// The bodies of the palm itself.
+    fn palm_solids(&self) -> Vec<(Pose, Solid)> {
+        self.anatomy.solids_in(&[self.anatomy.body_of[self.palm]], self.palm, &self.frames)
+    }
+
+    /// About where a finger ends: the middle of that part that is farthest from where it is hinged.
+    fn tip(&self, finger: usize) -> Point {
+        let hinge = self.origin(self.anatomy.bodies[finger].top);
+        let ends = self.solids(finger).into_iter().map(|(pose, solid)| pose * solid.ball().center);
+        let frames =
+            self.anatomy.branch(finger).into_iter().map(|body| self.origin(self.anatomy.bodies[body].top));
+        let ends: Vec<Point> = ends.chain(frames).collect();
+        let farthest = ends.iter().max_by(|a, b| (*a - hinge).norm().total_cmp(&(*b - hinge).norm()));
+        farthest.copied().unwrap_or(hinge)
+    }
+
+    /// The axis of the joint right above a finger.
+    fn axis(&self, finger: usize) -> Option<(JointKind, Vector)> {
+        let (_, mover) = self.anatomy.bodies[finger].above?;
+        let palm_from_link = self.frames.link(self.palm).inverse() * self.frames.link(mover.child_link);
+        Some((mover.kind, palm_from_link.rotation * mover.axis_in_child))
+    }
+}
+
+fn drivers(anatomy: &Anatomy, palm: &Palm) -> Vec<usize> {
+    let branches = palm.fingers.iter().flat_map(|&finger| anatomy.branch(finger));
+    let joints: BTreeSet<usize> =
+        branches.filter_map(|body| anatomy.bodies[body].above.map(|(_, mover)| mover.joint)).collect();
+    joints.into_iter().collect()
+}
+
+/// The link that the joint above a finger hangs on.
+fn palm_link(anatomy: &Anatomy, finger: usize) -> usize {
+    let top = anatomy.bodies[finger].top;
+    anatomy.robot.links()[top].parent.unwrap_or(0)
+}
+
+fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
+    let link = palm_link(anatomy, palm.fingers[0]);
+    let limits = anatomy.robot.limits();
+    let drivers = drivers(anatomy, palm);
+    // 2.
+    let middle_of = |joint: usize| 0.5 * (limits[joint].lower + limits[joint].upper);
+    let mut open = anatomy.rest();
+    drivers.iter().for_each(|&joint| open[joint] = middle_of(joint));
+    let spread_m = |q: &[f64]| {
+        let posture = Posture::at(anatomy, link, q);
+        let tips: Vec<Point> = palm.fingers.iter().map(|&finger| posture.tip(finger)).collect();
+        let pairs = (0..tips.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        pairs.map(|(a, b)| (tips[a] - tips[b]).norm()).sum::<f64>()
+    };
+    let (mut ends, halfway) = (open.clone(), open.clone());
+    let mut closing: Vec<usize> = Vec::new();
+    for &joint in &drivers {
+        let at = |value: f64| {
+            let mut q = halfway.clone();
+            q[joint] = value;
+            spread_m(&q)
+        };
+        let (low, high) = (limits[joint].lower, limits[joint].upper);
+        let (at_low_m, at_high_m) = (at(low), at(high));
+        if (at_low_m - at_high_m).abs() < LEAST_OPENING_M {
+            (open[joint], ends[joint]) = (limits[joint].clamp(0.0), limits[joint].clamp(0.0));
+            continue;
+        }
+        (open[joint], ends[joint]) = if at_low_m > at_high_m { (low, high) } else { (high, low) };
+        closing.push(joint);
+    }
+    // 3.
+    let posture = Posture::at(anatomy, link, &open);
+    let tips: Vec<Point> = palm.fingers.iter().map(|&finger| posture.tip(finger)).collect();
+    // The finger that reaches farthest, and of those that reach about as far the one farthest from it: with the knuckles
+    // of a linkage the ends of others are farther away, but not across.
+    let behind = palm_origin(&posture, palm.body);
+    let reach_m = |index: &usize| (tips[*index] - behind).norm();
+    let first = (0..tips.len()).max_by(|a, b| reach_m(a).total_cmp(&reach_m(b)))?;
+    let as_far = |index: &usize| *index != first && reach_m(index) > 0.8 * reach_m(&first);
+    let from_first_m = |index: &usize| (tips[*index] - tips[first]).norm();
+    let second = (0..tips.len()).filter(as_far).max_by(|a, b| from_first_m(a).total_cmp(&from_first_m(b)))?;
+    let across = (tips[second] - tips[first]).try_normalize(LEAST_OPENING_M)?;
+    let between: Point = ((tips[first].coords + tips[second].coords) * 0.5).into();
+    let (kind, axis) = posture.axis(palm.fingers[first])?;
+    let y = match kind {
+        JointKind::Prismatic if axis.dot(&across).abs() > 0.7 => axis * axis.dot(&across).signum(),
+        JointKind::Revolute if axis.dot(&across).abs() < 0.7 => across - axis * axis.dot(&across),
+        _ => across,
+    };
+    let hinge = (kind == JointKind::Revolute).then_some(axis);
+    let palm_from_frame = upright(&y, &(between - behind), hinge.as_ref())?;
+    let y = palm_from_frame * Vector::y();
+    // Who is on which side.
+    let side = |sign: f64| -> Vec<usize> {
+        let on = |index: &usize| sign * (tips[*index] - between).dot(&y) > 0.0;
+        (0..tips.len()).filter(on).map(|index| palm.fingers[index]).collect()
+    };
+    let [low, high] = [side(-1.0), side(1.0)];
+    let solids_of = |posture: &Posture, fingers: &[usize]| -> Vec<(Pose, Solid)> {
+        fingers.iter().flat_map(|&finger| posture.solids(finger)).collect()
+    };
+    // 2. Closed is where they meet, or the other end. Where hulls of knuckles are in each other all the while, it is the end.
+    const STEPS: usize = 200;
+    let touch_at = |share: f64| {
+        let posture = Posture::at(anatomy, link, &between_of(&open, &ends, share));
+        touch(&solids_of(&posture, &low), &solids_of(&posture, &high))
+    };
+    let share = |step: usize| step as f64 / STEPS as f64;
+    let first_touch = if touch_at(0.0) { None } else { (1..=STEPS).find(|step| touch_at(share(*step))) };
+    let closed = between_of(&open, &ends, first_touch.map_or(1.0, |step| share(step - 1)));
+    let fingers = ranges(anatomy, &closing, &open, &closed);
+    let sides = [solids_of(&posture, &low), solids_of(&posture, &high)];
+    let hinge_z = palm.fingers.iter().map(|&finger| {
+        posture.origin(anatomy.bodies[finger].top).coords.dot(&(palm_from_frame * Vector::z()))
+    });
+    let hinge_z = hinge_z.fold(f64::INFINITY, f64::min);
+    let mut all = posture.palm_solids();
+    all.extend(sides.iter().flatten().cloned());
+    // What does not close holds nothing, but can be brought to where it would.
+    let hand_kind = if closing.is_empty() { HandKind::Rigid } else { HandKind::Fingers };
+    let place = place(&palm_from_frame, &sides, &all, hinge_z, &between).or_else(|| {
+        // Fingers without bodies: as far apart as they come together, and as long as fingertips are.
+        let between = between + palm_from_frame * Vector::z() * FINGERTIP_M;
+        let closed = Posture::at(anatomy, link, &closed);
+        let shift = |finger: usize| {
+            let top = anatomy.bodies[finger].top;
+            (closed.origin(top) - posture.origin(top)).dot(&y).abs()
+        };
+        let opening_m = shift(palm.fingers[first]) + shift(palm.fingers[second]);
+        let finger_depth_m = free_way_m(&all, &between, &-(palm_from_frame * Vector::z()));
+        (opening_m > 0.0).then_some(Place { origin: between, opening_m, finger_depth_m })
+    })?;
+    let force_n = force_n(anatomy, &closing);
+    Some(guess(anatomy, link, palm_from_frame, &place, fingers, force_n, hand_kind))
+}
+
+fn of_jaw(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
+    let jaw = palm.fingers[0];
+    let link = palm_link(anatomy, jaw);
+    let (_, mover) = anatomy.bodies[jaw].above?;
+    let limits = anatomy.robot.limits()[mover.joint];
+    let fixed = Posture::at(anatomy, link, &anatomy.rest()).palm_solids();
+    let at = |value: f64| {
+        let mut q = anatomy.rest();
+        q[mover.joint] = value;
+        Posture::at(anatomy, link, &q)
+    };
+    // How far the end of the jaw is from what it closes on.
+    const STEPS: usize = 200;
+    let value = |step: usize| limits.lower + (limits.upper - limits.lower) * step as f64 / STEPS as f64;
+    let gaps: Vec<f64> = (0..=STEPS)
+        .map(|step| {
+            let posture = at(value(step));
+            let solids = posture.solids(jaw);
+            let tip = jaw_end(&posture, jaw, &solids);
+            distance_m(&fixed, &tip)
+        })
+        .collect();
+    let closed = (0..=STEPS).min_by(|a, b| gaps[*a].total_cmp(&gaps[*b]))?;
+    // From there towards the end that is farther away, until it is open wide enough.
+    let towards_high = STEPS - closed >= closed;
+    let steps: Vec<usize> =
+        if towards_high { (closed..=STEPS).collect() } else { (0..=closed).rev().collect() };
+    let (kind, axis) = at(value(closed)).axis(jaw)?;
+    let is_wide = |step: &usize| {
+        let turned = kind == JointKind::Revolute && (value(*step) - value(closed)).abs() >= WIDEST_JAW_RAD;
+        turned || gaps[*step] - gaps[closed] >= WIDEST_JAW_M
+    };
+    let open = steps.iter().copied().find(is_wide).or(steps.last().copied())?;
+    let posture = at(value(closed));
+    let tip = jaw_end(&posture, jaw, &posture.solids(jaw));
+    let hinge_at = posture.origin(anatomy.bodies[jaw].top);
+    let y = match kind {
+        JointKind::Prismatic => axis,
+        JointKind::Revolute => axis.cross(&(tip - hinge_at)),
+    };
+    let y = y * if towards_high { 1.0 } else { -1.0 };
+    let hinge = (kind == JointKind::Revolute).then_some(axis);
+    let palm_from_frame = upright(&y, &(tip - palm_origin(&posture, palm.body)), hinge.as_ref())?;
+    // The middle between both, as far ahead as the open jaw goes, less a little.
+    let moved = at(value(open)).solids(jaw);
+    let mut all = fixed.clone();
+    all.extend(moved.iter().cloned());
+    let hinge_z = hinge_at.coords.dot(&(palm_from_frame * Vector::z()));
+    let place = place(&palm_from_frame, &[fixed, moved], &all, hinge_z, &tip)?;
+    let range = FingerRange { open: value(open), closed: value(closed) };
+    let fingers = [(anatomy.robot.joint_names()[mover.joint].clone(), range)].into();
+    let force_n = force_n(anatomy, &[mover.joint]);
+    Some(guess(anatomy, link, palm_from_frame, &place, fingers, force_n, HandKind::Jaw))
+}
+
+/// The farthest point of a jaw from its hinge.
+fn jaw_end(posture: &Posture, jaw: usize, solids: &[(Pose, Solid)]) -> Point {
+    let hinge = posture.origin(posture.anatomy.bodies[jaw].top);
+    let points = solids.iter().flat_map(|(pose, solid)| {
+        let (points, _) = solid.bounding_points().unwrap_or_default();
+        points.into_iter().map(move |point| pose * point)
+    });
+    let farthest = points.max_by(|a, b| (a - hinge).norm().total_cmp(&(b - hinge).norm()));
+    farthest.unwrap_or(hinge)
+}
+
+/// Two prongs on the last link of the longest chain, which do not move.
+fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
+    let depth = |body: &usize| anatomy.joints_of(*body).count();
+    let deepest = (0..anatomy.bodies.len()).max_by_key(depth)?;
+    let body = palm.map_or(deepest, |link| anatomy.body_of[link]);
+    let with_shapes = |link: &&usize| anatomy.robot.links()[**link].collisions.len() >= 2;
+    let link = anatomy.bodies[body].links.iter().rev().find(with_shapes).copied()?;
+    let posture = Posture::at(anatomy, link, &anatomy.rest());
+    let all = posture.palm_solids();
+    let own: Vec<(Pose, Solid)> = anatomy.robot.links()[link]
+        .collisions
+        .iter()
+        .map(|shape| (shape.link_from_shape, shape.solid.clone()))
+        .collect();
+    let whole = middle(&all)?;
+    let pairs = (0..own.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let frames = pairs.filter_map(|(a, b)| {
+        let [a, b] = [&own[a], &own[b]];
+        let center = |(pose, solid): &(Pose, Solid)| pose * solid.ball().center;
+        let between: Point = ((center(a).coords + center(b).coords) * 0.5).into();
+        // Prongs are alike, and nothing is between them.
+        let is_alike = (a.1.ball().radius_m / b.1.ball().radius_m - 1.0).abs() < 0.2;
+        let is_apart = distance_m(&all, &between) > 5e-3;
+        let palm_from_frame = upright(&(center(b) - center(a)), &(between - whole), None)?;
+        let sides = [vec![a.clone()], vec![b.clone()]];
+        let place = place(
+            &palm_from_frame,
+            &sides,
+            &all,
+            between.coords.dot(&(palm_from_frame * Vector::z())),
+            &between,
+        )?;
+        (is_alike && is_apart && place.opening_m < LONGEST_FINGER_M).then_some((palm_from_frame, place))
+    });
+    let (palm_from_frame, place) =
+        frames.max_by(|(_, a), (_, b)| a.finger_depth_m.total_cmp(&b.finger_depth_m))?;
+    Some(guess(anatomy, link, palm_from_frame, &place, BTreeMap::new(), None, HandKind::Rigid))
+}
+
+/// Where a body's fingers point away from: the origin of its topmost link, which the last joint of the arm moves.
+fn palm_origin(posture: &Posture, body: usize) -> Point {
+    posture.origin(posture.anatomy.bodies[body].top)
+}
+
+fn between_of(open: &[f64], closed: &[f64], share: f64) -> Vec<f64> {
+    open.iter().zip(closed).map(|(open, closed)| open + (closed - open) * share).collect()
+}
+
+fn ranges(
+    anatomy: &Anatomy,
+    joints: &[usize],
+    open: &[f64],
+    closed: &[f64],
+) -> BTreeMap<String, FingerRange> {
+    let (open, closed) = (by_name(&anatomy.robot, open), by_name(&anatomy.robot, closed));
+    let range = |&joint: &usize| {
+        let name = &anatomy.robot.joint_names()[joint];
+        (name.clone(), FingerRange { open: open[name], closed: closed[name] })
+    };
+    joints.iter().map(range).collect()
+}
+
+/// A frame of which y is as told, z as near as can be to where the fingers point, and x along the hinges, if there are any;
+/// along the axes of the palm where they are nearly that.
+fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Option<Rotation> {
+    let y = snapped(&y.try_normalize(1e-9)?, 5.0_f64.to_radians());
+    let mut z = ahead - y * ahead.dot(&y);
+    if let Some(hinge) = hinge {
+        z -= hinge * z.dot(hinge);
+    }
+    let z = snapped(&z.try_normalize(1e-6)?, 25.0_f64.to_radians());
+    let z = (z - y * z.dot(&y)).try_normalize(0.1)?;
+    let axes = cranny_spatial::nalgebra::Matrix3::from_columns(&[y.cross(&z), y, z]);
+    Some(Rotation::from_matrix(&axes))
+}
+
+/// The axis of the frame that is within that angle of a direction, if one is; else the direction.
+fn snapped(direction: &Vector, within_rad: f64) -> Vector {
+    let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
+    let near = |axis: &Vector| axis.dot(direction) > within_rad.cos();
+    axes.into_iter().find(near).unwrap_or(*direction)
+}
+
+/// Where the gripper frame lies.
+struct Place {
+    origin: Point,
+    opening_m: f64,
+    finger_depth_m: f64,
+}
+
+/// How far behind the tips of fingers of that length, in metres.
+fn inset_m(finger_m: f64) -> f64 {
+    (0.15 * finger_m).clamp(0.003, 0.012)
+}
+
+/// The middle between two sides, a little behind the nearer end of them; `all` is the whole hand. None for a side without
+/// a body.
+fn place(
+    rotation: &Rotation,
+    [low, high]: &[Vec<(Pose, Solid)>; 2],
+    all: &[(Pose, Solid)],
+    hinge_z: f64,
+    between: &Point,
+) -> Option<Place> {
+    if low.is_empty() || high.is_empty() {
+        return None;
+    }
+    let axis = |unit: Vector| rotation * unit;
+    let (x, y, z) = (axis(Vector::x()), axis(Vector::y()), axis(Vector::z()));
+    let tip_z = extent_m(low, &z).min(extent_m(high, &z));
+    let depth_z = tip_z - inset_m(tip_z - hinge_z);
+    let both: Vec<(Pose, Solid)> = low.iter().chain(high).cloned().collect();
+    let middle_x = 0.5 * (extent_m(&both, &x) - extent_m(&both, &-x));
+    let at = |across: f64| Point::from(x * middle_x + y * across + z * depth_z);
+    // As far from the one as from the other.
+    let (mut near, mut far) = (-extent_m(low, &-y), extent_m(high, &y));
+    for _ in 0..60 {
+        let across = 0.5 * (near + far);
+        let point = at(across);
+        if distance_m(low, &point) < distance_m(high, &point) { near = across } else { far = across }
+    }
+    let mut origin = at(0.5 * (near + far));
+    // Half a tenth of a millimetre is what such a search leaves.
+    if (origin - between).dot(&y).abs() < 1e-4 {
+        origin += y * (between - origin).dot(&y);
+    }
+    let opening_m = distance_m(low, &origin) + distance_m(high, &origin);
+    let finger_depth_m = free_way_m(all, &origin, &-z);
+    (opening_m > LEAST_OPENING_M).then_some(Place { origin, opening_m, finger_depth_m })
+}
+
+/// How far a point can go in a direction before it meets a solid, in metres; at most as long as a finger is.
+fn free_way_m(solids: &[(Pose, Solid)], from: &Point, direction: &Vector) -> f64 {
+    /// Nearer is there, in metres.
+    const THERE_M: f64 = 1e-4;
+    let mut way_m = 0.0;
+    while way_m < LONGEST_FINGER_M {
+        let gap_m = distance_m(solids, &(from + direction * way_m));
+        if gap_m < THERE_M {
+            break;
+        }
+        way_m += gap_m;
+    }
+    way_m.clamp(THERE_M, LONGEST_FINGER_M)
+}
+
+/// With what slides press, if their drives say something that a gripper does.
+fn force_n(anatomy: &Anatomy, joints: &[usize]) -> Option<f64> {
+    let named = joints.iter().map(|&joint| &anatomy.joints[&anatomy.robot.joint_names()[joint]]);
+    let slides = named.filter_map(|joint| joint.motion.as_ref());
+    let forces =
+        slides.filter(|motion| motion.kind == JointKind::Prismatic).filter_map(|motion| motion.effort);
+    forces.filter(|effort| (5.0..=500.0).contains(effort)).reduce(f64::min)
+}
+
+fn guess(
+    anatomy: &Anatomy,
+    palm: usize,
+    rotation: Rotation,
+    place: &Place,
+    fingers: BTreeMap<String, FingerRange>,
+    force_n: Option<f64>,
+    kind: HandKind,
+) -> HandGuess {
+    let rounded = place.origin.coords.map(|length| (length * 1e5).round() / 1e5);
+    let palm_from_frame = Pose::from_parts(rounded.into(), rotation);
+    HandGuess {
+        palm,
+        palm_from_frame,
+        existing: existing_frame(anatomy, palm, &palm_from_frame),
+        fingers,
+        opening_m: place.opening_m,
+        finger_depth_m: place.finger_depth_m,
+        force_n,
+        kind,
+        others: Vec::new(),
+    }
+}
+
+/// A bare link with the same axes, in the same plane between the pads, and about as deep.
+fn existing_frame(anatomy: &Anatomy, palm: usize, palm_from_frame: &Pose) -> Option<usize> {
+    const BESIDE_M: f64 = 5e-3;
+    const DEEP_M: f64 = 0.015;
+    const TURNED: f64 = 0.996;
+    let frames = anatomy.robot.frames_at(&anatomy.rest());
+    let body = &anatomy.bodies[anatomy.body_of[palm]];
+    let is_it = |&&link: &&usize| {
+        let palm_from_link = frames.link(palm).inverse() * frames.link(link);
+        let between = palm_from_frame.inv_mul(&palm_from_link);
+        let place = between.translation.vector;
+        let (y, z) = (between.rotation * Vector::y(), between.rotation * Vector::z());
+        anatomy.robot.links()[link].collisions.is_empty()
+            && place.x.abs().max(place.y.abs()) < BESIDE_M
+            && place.z.abs() < DEEP_M
+            && y.y.abs() > TURNED
+            && z.z > TURNED
+    };
+    body.links.iter().find(is_it).copied()
+}

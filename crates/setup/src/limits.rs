@@ -1,0 +1,90 @@
+//! Greatest speeds, accelerations and jerks where nobody says them.
+
+use std::fmt::Write as _;
+
+use cranny_robot::{JointFacts, JointKind};
+
+use crate::choice::Choice;
+
+/// `MoveIt`'s own defaults where a robot has no such limits, 1 rad/s² and 1 m/s², and ten times that for the jerk.
+const ACCELERATION: f64 = 1.0;
+const JERK: f64 = 10.0;
+
+/// A careful speed for a joint without one: `MoveIt`'s 1 rad/s, and half a metre a second.
+const SPEED_RAD_S: f64 = 1.0;
+const SPEED_M_S: f64 = 0.5;
+
+/// What is narrower than the URDF has it, by the joint's name.
+pub(crate) type Ranges = Vec<(String, [f64; 2])>;
+
+/// A `limits.yaml` with just what a robot cannot be built without.
+pub(crate) fn needed_text(joints: &[JointFacts]) -> String {
+    text_of(joints, |text, name, speed| {
+        if let Some(speed) = speed {
+            let _ = writeln!(text, "  {name}: {{velocity: {speed}}}");
+        }
+    })
+}
+
+/// A whole `limits.yaml`, in which each default is called one.
+pub(crate) fn text(joints: &[JointFacts], ranges: &Ranges) -> String {
+    let header = format!(
+        "# Greatest velocities, accelerations and jerks of the joints (m, rad, s), where the URDF does not say them.\n\
+         # EVERY FIGURE IN THIS FILE IS A DEFAULT, not the maker's: accelerations {ACCELERATION} rad/s^2 and m/s^2, as\n\
+         # MoveIt assumes where it is told nothing, jerks {JERK} rad/s^3 and m/s^3. Put the maker's figures in their place:\n\
+         # a trajectory is as quick as they allow. `lower` and `upper` narrow a joint's range, `velocity` its speed.\n"
+    );
+    let body = text_of(joints, |text, name, speed| {
+        let speed = speed.map_or_else(String::new, |speed| format!("velocity: {speed}, "));
+        let range = ranges.iter().find(|(joint, _)| yaml_key(joint) == name);
+        let range =
+            range.map_or_else(String::new, |(_, [lower, upper])| format!("lower: {lower}, upper: {upper}, "));
+        let _ = writeln!(text, "  {name}: {{{range}{speed}acceleration: {ACCELERATION}, jerk: {JERK}}}");
+    });
+    header + &body
+}
+
+/// What was chosen of them.
+pub(crate) fn choice(joints: &[JointFacts]) -> Choice {
+    let moving = joints.iter().filter_map(|joint| Some((joint, joint.motion.as_ref()?)));
+    let slow = moving.filter(|(_, motion)| {
+        motion.mimics.is_none() && motion.velocity.is_none_or(|velocity| velocity <= 0.0)
+    });
+    let slow: Vec<&str> = slow.map(|(joint, _)| joint.name.as_str()).collect();
+    let mut chosen = format!("accelerations {ACCELERATION} rad/s² or m/s², jerks {JERK}");
+    if !slow.is_empty() {
+        let _ = write!(
+            chosen,
+            "; velocities {SPEED_RAD_S} rad/s or {SPEED_M_S} m/s of {}, which have none",
+            slow.join(", ")
+        );
+    }
+    Choice::new("limits", chosen, "defaults: no URDF says them", "the maker's figures in limits.yaml")
+}
+
+/// Calls `line` for each joint that moves by itself, with a speed if it has none.
+fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>)) -> String {
+    let mut text = String::from("joints:\n");
+    let mut is_empty = true;
+    for joint in joints {
+        let Some(motion) = joint.motion.as_ref().filter(|motion| motion.mimics.is_none()) else { continue };
+        let needed = match motion.kind {
+            JointKind::Revolute => SPEED_RAD_S,
+            JointKind::Prismatic => SPEED_M_S,
+        };
+        let speed = motion.velocity.is_none_or(|speed| speed <= 0.0).then_some(needed);
+        let before = text.len();
+        line(&mut text, &yaml_key(&joint.name), speed);
+        is_empty &= text.len() == before;
+    }
+    if is_empty { "joints: {}\n".to_owned() } else { text }
+}
+
+/// A name as a YAML key.
+pub(crate) fn yaml_key(name: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    if !name.is_empty() && name.chars().all(is_plain) && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        return name.to_owned();
+    }
+    format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""))
+}

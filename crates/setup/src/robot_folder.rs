@@ -1,0 +1,175 @@
+//! The files of a robot's folder, as texts with comments.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use cranny_robot::{HandDescription, Robot};
+use cranny_scenario::ScenarioError;
+
+use crate::choice::Choice;
+use crate::limits::yaml_key;
+use crate::self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
+
+/// What goes into the files.
+pub(crate) struct Written {
+    pub stem: String,
+    pub limits: String,
+    pub srdf: Option<String>,
+    pub tip: Option<String>,
+    pub hand: Option<HandDescription>,
+    pub floor_m: f64,
+    pub start: BTreeMap<String, f64>,
+    pub notes: Vec<String>,
+}
+
+impl Written {
+    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+        let mut files = vec![
+            ("robot.yaml".to_owned(), self.description().into_bytes()),
+            ("limits.yaml".to_owned(), self.limits.clone().into_bytes()),
+        ];
+        if let Some(srdf) = &self.srdf {
+            files.push((format!("{}.srdf", self.stem), srdf.clone().into_bytes()));
+        }
+        files
+    }
+
+    /// The text of `robot.yaml`.
+    pub fn description(&self) -> String {
+        let mut text = String::from(
+            "# What the URDF of this robot does not say. `cranny robot check` tells what follows from it.\n",
+        );
+        for note in &self.notes {
+            let _ = writeln!(text, "# {}", note.replace('\n', " "));
+        }
+        let _ = writeln!(text, "urdf: {}", yaml_key(&format!("{}.urdf", self.stem)));
+        let _ = writeln!(
+            text,
+            "# Height of the ground that it stands on in its root frame, in metres.\nfloor_m: {}",
+            self.floor_m
+        );
+        if let Some(tip) = &self.tip {
+            let _ = writeln!(text, "# The link that grasps are reached with.\ntip: {}", yaml_key(tip));
+        }
+        if !self.start.is_empty() {
+            text.push_str(
+                "# Where it starts unless a scenario says otherwise, in metres or radians.\nstart:\n",
+            );
+            for (joint, value) in &self.start {
+                let _ = writeln!(text, "  {}: {value}", yaml_key(joint));
+            }
+        }
+        if let Some(hand) = &self.hand {
+            let _ = writeln!(text, "hand:\n  name: {}", yaml_key(&hand.name));
+            if let Some(tip) = &hand.tip {
+                let _ = writeln!(
+                    text,
+                    "  # The gripper frame: between the pads, y the axis on which they close, z the approach direction.\n  \
+                     tip: {}",
+                    yaml_key(tip)
+                );
+            }
+            if !hand.fingers.is_empty() {
+                text.push_str("  # The joints that close it, in metres or radians; what mimics them closes with them.\n  fingers:\n");
+                for (joint, range) in &hand.fingers {
+                    let _ = writeln!(
+                        text,
+                        "    {}: {{open: {}, closed: {}}}",
+                        yaml_key(joint),
+                        range.open,
+                        range.closed
+                    );
+                }
+            }
+            let _ = writeln!(
+                text,
+                "  # Between the open pads; how far behind the gripper frame the palm begins, in metres; newtons.\n  opening_m: {}\n  \
+                 finger_depth_m: {}\n  closing_force_n: {}",
+                hand.opening_m, hand.finger_depth_m, hand.closing_force_n
+            );
+        }
+        text
+    }
+}
+
+/// An SRDF with the pairs of links that touch by design.
+pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[String; 2]]) -> String {
+    let name = |link: usize| escaped(&robot.links()[link].name);
+    let mut text = format!(
+        "<?xml version=\"1.0\"?>\n<!-- Pairs of links that are not checked against each other, from {SELF_CONTACT_SAMPLES} \
+         drawn configurations. Look at them: what\n     touches always in the model may not in truth. Pairs that never touched \
+         are checked all the same: samples are no proof. -->\n<robot name=\"{}\">\n",
+        escaped(robot.name())
+    );
+    for contact in contacts {
+        let (a, b) = contact.links;
+        let reason = match (contact.is_adjacent, contact.is_always()) {
+            (true, _) => "Adjacent".to_owned(),
+            (false, true) => format!("Always: at least {:.1} mm deep", contact.least_depth_m * 1000.0),
+            (false, false) => continue,
+        };
+        let _ = writeln!(
+            text,
+            "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"{reason}\"/>",
+            name(a),
+            name(b)
+        );
+    }
+    for [a, b] in extra {
+        let _ = writeln!(
+            text,
+            "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"By design\"/>",
+            escaped(a),
+            escaped(b)
+        );
+    }
+    text + "</robot>\n"
+}
+
+pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool, stem: &str) -> Choice {
+    let name = |link: usize| robot.links()[link].name.as_str();
+    let count = |is: &dyn Fn(&SelfContact) -> bool| contacts.iter().filter(|contact| is(contact)).count();
+    let adjacent = count(&|contact| contact.is_adjacent);
+    let never = count(&|contact| contact.touching == 0);
+    let always: Vec<String> = contacts
+        .iter()
+        .filter(|contact| !contact.is_adjacent && contact.is_always())
+        .map(|c| format!("{} and {} ({:.1} mm)", name(c.links.0), name(c.links.1), c.least_depth_m * 1000.0))
+        .collect();
+    let mut chosen = if is_own {
+        format!("{} pairs, as its SRDF says", robot.disabled_pairs().len())
+    } else {
+        format!("{adjacent} adjacent pairs")
+    };
+    if !always.is_empty() {
+        let _ = write!(
+            chosen,
+            ", {} that touch in every drawn configuration: {}",
+            always.len(),
+            always.join(", ")
+        );
+    }
+    let _ = write!(chosen, "; {never} never touched and are checked all the same");
+    Choice {
+        what: "unchecked pairs",
+        chosen,
+        why: format!("{SELF_CONTACT_SAMPLES} drawn configurations"),
+        otherwise: format!("{stem}.srdf"),
+    }
+}
+
+/// Writes files by their names, with slashes.
+pub(crate) fn write(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
+    for (name, content) in files {
+        let path = folder.join(name);
+        let parent = path.parent().unwrap_or(folder);
+        let written = std::fs::create_dir_all(parent).and_then(|()| std::fs::write(&path, content));
+        written.map_err(|reason| ScenarioError::Unwritable { path, reason })?;
+    }
+    Ok(())
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

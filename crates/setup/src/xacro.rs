@@ -1,0 +1,26 @@
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::SetupError;
+
+/// What Python's `xacro` makes of a file.
+///
+/// # Errors
+/// [`SetupError::Xacro`] where it is not installed, or fails.
+pub(crate) fn expand(path: &Path) -> Result<String, SetupError> {
+    let failed = |reason: String| SetupError::Xacro { path: path.to_owned(), reason };
+    let tools: [(&str, &[&str]); 2] = [("xacro", &[]), ("python3", &["-m", "xacro"])];
+    for (program, arguments) in tools {
+        let run = Command::new(program).args(arguments).arg(path).stdin(Stdio::null()).output();
+        let Ok(output) = run else { continue };
+        let said = String::from_utf8_lossy(&output.stderr);
+        if output.status.success() {
+            return String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()));
+        }
+        if !said.contains("No module named xacro") {
+            let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("it fails");
+            return Err(failed(cranny_file::excerpt(last)));
+        }
+    }
+    Err(failed("xacro is not installed (`pip install xacro`)".to_owned()))
+}
