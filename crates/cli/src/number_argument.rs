@@ -29,6 +29,12 @@ pub fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "give a positive number".to_owned())
 }
 
+/// A factor that makes nothing larger.
+pub fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && *number <= 1.0);
+    number.ok_or_else(|| "give a number greater than 0, at most 1".to_owned())
+}
+
 /// A time limit.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=MOST_SECONDS).contains(seconds));

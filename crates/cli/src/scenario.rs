@@ -18,7 +18,7 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::number_argument::{positive, whole};
+use crate::number_argument::{share, whole};
 use crate::output_file;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::text;
@@ -65,7 +65,7 @@ pub struct NewArguments {
     /// Folder to make
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// Another robot than panda_mobile: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made,
+    /// Another robot than `panda_mobile`: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made,
     /// or a URDF
     #[arg(long, value_name = "ROBOT")]
     pub robot: Option<PathBuf>,
@@ -242,7 +242,7 @@ pub struct StageArguments {
     #[arg(long, value_name = "ROBOT", default_value = BUILTIN_ROBOTS[0].name)]
     pub robot: PathBuf,
     /// How much smaller than the paper's the scenes are [default: as it suits the robot's reach]
-    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    #[arg(long, value_name = "FACTOR", value_parser = share)]
     pub scale: Option<f64>,
 }
 
@@ -252,7 +252,7 @@ impl StageArguments {
         let robot = RecipeRobot::load(&self.robot)?;
         let mut settings = SetSettings::new(family, &robot, seed);
         if let Some(scale) = self.scale {
-            settings = settings.scaled(family, scale)?;
+            settings = settings.scaled(family, scale);
         }
         Ok((robot, settings))
     }

@@ -123,9 +123,9 @@ impl Cell {
     /// Where a link of a finger stands in the frame of the tip, the loose links where told.
     fn tip_from_finger_link(&self, link: usize, tip_from_loose: &[Pose]) -> Option<Pose> {
         let robot = self.robot();
-        let above = std::iter::successors(Some(link), |&link| robot.links()[link].parent);
+        let mut above = std::iter::successors(Some(link), |&link| robot.links()[link].parent);
         let slot_of = |link: usize| robot.loose_links().position(|loose| loose == link);
-        let (slot, loose) = above.filter_map(|link| Some((slot_of(link)?, link))).next()?;
+        let (slot, loose) = above.find_map(|link| Some((slot_of(link)?, link)))?;
         let rest = robot.frames();
         Some(tip_from_loose[slot] * rest.link(loose).inverse() * rest.link(link))
     }

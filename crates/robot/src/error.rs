@@ -364,6 +364,15 @@ pub enum RobotError {
         /// What would fit.
         range: String,
     },
+    /// A robot of which no hand is known.
+    #[error(
+        "robot {robot}: nothing says which joints close its hand, so no grasp can be sampled for it (`cranny robot add \
+         URDF` finds the hand and writes it to a robot.yaml)"
+    )]
+    NoHand {
+        /// Its name.
+        robot: String,
+    },
     /// A folder is no robot's.
     #[error(
         "{}: a robot's folder has a robot.yaml that names its URDF (`urdf: NAME.urdf`); `cranny robot add URDF` makes \

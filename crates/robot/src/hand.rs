@@ -180,8 +180,8 @@ fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) ->
     // Per joint right on the palm, how far the bodies beyond it reach to either side.
     let mut reach_m = vec![0.0_f64; joints.len()];
     for (index, link) in links.iter().enumerate() {
-        let above = std::iter::successors(Some(index), |&link| links[link].parent);
-        let moved_by = above.filter_map(|link| joints.iter().position(|joint| joint.link == link)).next();
+        let mut above = std::iter::successors(Some(index), |&link| links[link].parent);
+        let moved_by = above.find_map(|link| joints.iter().position(|joint| joint.link == link));
         let Some(root) = moved_by.map(|joint| root_of(joints, joint)) else { continue };
         for shape in &link.collisions {
             let center_in_tip =

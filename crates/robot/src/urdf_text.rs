@@ -79,7 +79,9 @@ impl UrdfText {
         // From the last to the first, so that the places of the others stay.
         places.sort_by_key(|place| std::cmp::Reverse(place.start));
         let mut text = self.text.clone();
-        places.into_iter().for_each(|place| text.replace_range(place, ""));
+        for place in places {
+            text.replace_range(place, "");
+        }
         Self::new(text, &self.file)
     }
 
@@ -106,9 +108,10 @@ impl UrdfText {
         let (_, end) = self.inside()?;
         let mut text = self.text.clone();
         // An element without content has no end tag.
-        match text[..end].ends_with('/') {
-            true => text.replace_range(end - 1..text.len(), &format!(">{added}</robot>\n")),
-            false => text.insert_str(end, added),
+        if text[..end].ends_with('/') {
+            text.replace_range(end - 1..text.len(), &format!(">{added}</robot>\n"));
+        } else {
+            text.insert_str(end, added);
         }
         Self::new(text, &self.file)
     }

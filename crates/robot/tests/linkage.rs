@@ -1,5 +1,7 @@
 //! Hands on linkages: joints that mimic the one that closes them, one on the other.
 
+use std::fmt::Write as _;
+
 use cranny_robot::{Hold, Robot, RobotOptions, TextSource};
 use cranny_spatial::{Point, Pose, Vector};
 use proptest::prelude::*;
@@ -32,7 +34,8 @@ fn hand_with(options: &RobotOptions) -> Robot {
             } else {
                 mimic(factor)
             };
-            urdf += &format!(
+            let _ = write!(
+                urdf,
                 "<link name='{side}_{name}'><collision><origin xyz='0 0 0.015'/><geometry><box size='{size}'/></geometry>\
                  </collision></link><joint name='{side}_{name}' type='revolute'><parent link='{parent}'/>\
                  <child link='{side}_{name}'/><origin xyz='{x} {y} {z}'/><axis xyz='{sign} 0 0'/>\

@@ -105,7 +105,7 @@ pub struct MountedGripper {
 }
 
 impl MountedGripper {
-    /// The gripper of the built-in UR5e.
+    /// The gripper of the built-in `ur5e`.
     ///
     /// # Errors
     /// None on a sound build.

@@ -412,21 +412,6 @@ pub enum ScenarioError {
         /// The built-in robots.
         known: String,
     },
-    /// A scene would be larger than the paper's, or have no size.
-    #[error("the scale of a scene is {value}, but must be greater than 0 and at most 1")]
-    Scale {
-        /// The scale.
-        value: f64,
-    },
-    /// A robot of which no hand is known.
-    #[error(
-        "robot {robot}: nothing says which joints close its hand, so no grasp can be sampled for it (`cranny robot add \
-         URDF` finds the hand and writes it to a robot.yaml)"
-    )]
-    NoHand {
-        /// Its name.
-        robot: String,
-    },
     /// What a line of a file leads to is wrong.
     #[error("{at}: {fault}")]
     At {
@@ -447,8 +432,7 @@ pub enum ScenarioError {
     },
     /// Only scenarios whose robot can be named can be written.
     #[error(
-        "only scenarios of a built-in robot, or of one whose folder says all of it, can be written, but of this one, with \
-         the joints {joints}, the scenario itself says more (group, tip, fixed, srdf …)"
+        "a scenario that says more of its robot than the robot's own files cannot be written (joints {joints})"
     )]
     OtherRobot {
         /// The robot's joints.

@@ -3,6 +3,7 @@ use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
 use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
+use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
 
@@ -46,7 +47,7 @@ impl FamilyMaker {
     /// defaults: from the side or from above, hand and fingers free of object and ground at the grasp and on the way there.
     ///
     /// # Errors
-    /// [`ScenarioError::NoHand`] for a robot of whose hand nothing is known.
+    /// [`RobotError::NoHand`] for a robot of whose hand nothing is known.
     pub fn new(
         family: Family,
         robot: RecipeRobot,
@@ -55,7 +56,7 @@ impl FamilyMaker {
     ) -> Result<Self, ScenarioError> {
         let resting = family.resting(scale.object)?;
         if robot.robot.hand().is_none() {
-            return Err(ScenarioError::NoHand { robot: robot.robot.name().to_owned() });
+            return Err(RobotError::NoHand { robot: robot.robot.name().to_owned() }.into());
         }
         let hand = robot_hand(&robot.robot);
         let mesh = &resting.mesh;

@@ -53,11 +53,11 @@ impl ObjectType {
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
-        write_into(folder, MESH_FILE, &self.mesh.obj_text(1))?;
+        write_into(folder, MESH_FILE, self.mesh.obj_text(1))?;
         let mut convex_parts = Vec::new();
         for (index, part) in self.parts.parts.iter().enumerate() {
             let name = format!("{PARTS_FOLDER}/{index:02}.obj");
-            write_into(folder, &name, &part.obj_text(1))?;
+            write_into(folder, &name, part.obj_text(1))?;
             convex_parts.push(PathBuf::from(name));
         }
         let i = &self.inertia_kg_m2;

@@ -102,7 +102,7 @@ impl Recipe {
         if let Some(other) = &options.robot {
             let robot = RecipeRobot::load(other)?;
             let options = OpenOptions { robot: None, ..options.clone() };
-            return self.for_robot(robot)?.scenario(id, &options);
+            return self.for_robot(robot).scenario(id, &options);
         }
         Scenario {
             id: id.to_owned(),
@@ -122,10 +122,10 @@ impl Recipe {
     }
 
     /// The same for another robot, which starts where its own files say, if they do.
-    fn for_robot(&self, robot: RecipeRobot) -> Result<Self, ScenarioError> {
+    fn for_robot(&self, robot: RecipeRobot) -> Self {
         let moved = robot.planning_from_scene() * self.robot.scene_from_root;
         let start = robot.robot.default_start().map_or_else(|| self.start.clone(), <[f64]>::to_vec);
-        Ok(Self { grasps: self.grasps.moved(&moved), ik: Vec::new(), start, robot, ..self.clone() })
+        Self { grasps: self.grasps.moved(&moved), ik: Vec::new(), start, robot, ..self.clone() }
     }
 
     /// How the target weighs and slides: as the recipe says, else as its object does.

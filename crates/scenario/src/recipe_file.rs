@@ -33,7 +33,7 @@ impl Recipe {
             for (index, (_, shape)) in body.shapes.iter().enumerate() {
                 match shape {
                     RecipeShape::Mesh(soup) | RecipeShape::Hull(soup) => {
-                        write_into(folder, &mesh_file(body, index), &soup.obj_text(1))?;
+                        write_into(folder, &mesh_file(body, index), soup.obj_text(1))?;
                     }
                     RecipeShape::Object(source) => {
                         if let Some(object) = source.own() {
@@ -44,11 +44,11 @@ impl Recipe {
                 }
             }
         }
-        write_into(folder, "grasps.csv", &csv_text(&self.grasps))?;
+        write_into(folder, "grasps.csv", csv_text(&self.grasps))?;
         if !self.ik.is_empty() {
-            write_into(folder, "ik.csv", &configurations_text(&self.ik))?;
+            write_into(folder, "ik.csv", configurations_text(&self.ik))?;
         }
-        write_into(folder, own_layout::FILE, &self.yaml())
+        write_into(folder, own_layout::FILE, self.yaml())
     }
 
     /// The text of its `scenario.yaml`.

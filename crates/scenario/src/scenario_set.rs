@@ -50,16 +50,11 @@ impl SetSettings {
 }
 
 impl SetSettings {
-    /// The same in scenes of another size.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Scale`] for a factor that is not in (0, 1].
-    pub fn scaled(self, family: Family, scene: f64) -> Result<Self, ScenarioError> {
-        if !(scene > 0.0 && scene <= 1.0) {
-            return Err(ScenarioError::Scale { value: scene });
-        }
+    /// The same in scenes that are `scene` times as large as the paper's, from 0, excluded, to 1.
+    #[must_use]
+    pub fn scaled(self, family: Family, scene: f64) -> Self {
         let parameter_m = family.usual_range_m().map(|end| end * scene);
-        Ok(Self { parameter_m, scale: SceneScale { away: scene, across: scene, ..self.scale }, ..self })
+        Self { parameter_m, scale: SceneScale { away: scene, across: scene, ..self.scale }, ..self }
     }
 }
 

@@ -10,11 +10,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_robot::{FingerRange, JointKind, LinkFrames};
-use cranny_shape::{Solid, separation};
+use cranny_robot::{FingerRange, JointKind};
+use cranny_shape::Solid;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
-use crate::anatomy::{Anatomy, by_name, distance_m, extent_m, is_hand_name, middle, touch};
+use crate::anatomy::{Anatomy, by_name, distance_m, middle, touch};
+use crate::grip_place::{Place, free_way_m, place, upright};
+use crate::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
+use crate::posture::Posture;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -47,12 +50,6 @@ pub(crate) enum HandKind {
     Rigid,
 }
 
-/// A part farther from its joint than this, in metres, is no finger.
-const LONGEST_FINGER_M: f64 = 0.35;
-
-/// A finger has at most so many parts.
-const MOST_PHALANGES: usize = 6;
-
 /// Less than this between two ends of a joint's range opens nothing, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;
 
@@ -66,154 +63,26 @@ const FINGERTIP_M: f64 = 0.04;
 /// What fingers press with where the drives do not say so: as much as a Robotiq 2F-85 does at a sixth of its range.
 pub(crate) const DEFAULT_FORCE_N: f64 = 40.0;
 
-/// A body with its fingers.
-struct Palm {
-    body: usize,
-    fingers: Vec<usize>,
-}
-
 impl HandGuess {
     /// The hand on `palm`, a link, or else the best one that is found.
     pub fn of(anatomy: &Anatomy, palm: Option<usize>) -> Option<Self> {
         let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
-        let mut palms = palms(anatomy, 2);
-        if palms.is_empty() {
-            palms = self::palms(anatomy, 1);
+        let mut found = palms(anatomy, 2);
+        if found.is_empty() {
+            found = palms(anatomy, 1);
         }
-        let others = palms.iter().map(|palm| palm_link(anatomy, palm.fingers[0]));
+        let others = found.iter().map(|palm| palm_link(anatomy, palm.fingers[0]));
         let others: Vec<usize> = others.collect();
-        for (index, palm) in palms.iter().enumerate().filter(|(_, palm)| wanted(palm.body)) {
-            let found =
+        for (index, palm) in found.iter().enumerate().filter(|(_, palm)| wanted(palm.body)) {
+            let guess =
                 if palm.fingers.len() > 1 { of_fingers(anatomy, palm) } else { of_jaw(anatomy, palm) };
-            if let Some(mut found) = found {
-                found.others = others;
-                found.others.remove(index);
-                return Some(found);
+            if let Some(mut guess) = guess {
+                guess.others = others;
+                guess.others.remove(index);
+                return Some(guess);
             }
         }
         rigid(anatomy, palm)
-    }
-}
-
-/// Links whose bodies are marks: specks that float between the pads and touch nothing, as some put them where the hand
-/// grasps. With them every grasp would collide.
-pub(crate) fn marks(anatomy: &Anatomy, guess: &HandGuess) -> Vec<usize> {
-    /// A mark is no larger, in metres, and this far from everything else.
-    const LARGEST_M: f64 = 0.02;
-    const APART_M: f64 = 3e-3;
-    let mut q = anatomy.rest();
-    for (joint, value) in q.iter_mut().enumerate() {
-        *value = guess.fingers.get(&anatomy.robot.joint_names()[joint]).map_or(*value, |range| range.open);
-    }
-    let posture = Posture::at(anatomy, guess.palm, &q);
-    let body = anatomy.body_of[guess.palm];
-    let placed = |link: usize| -> Vec<(Pose, Solid)> {
-        let palm_from_link = posture.frames.link(guess.palm).inverse() * posture.frames.link(link);
-        let shapes = anatomy.robot.links()[link].collisions.iter();
-        shapes.map(|shape| (palm_from_link * shape.link_from_shape, shape.solid.clone())).collect()
-    };
-    let origin = guess.palm_from_frame.translation.vector;
-    let is_mark = |&link: &usize| {
-        let own = placed(link);
-        let is_small = own.iter().all(|(pose, solid)| {
-            let ball = solid.ball();
-            let from_frame_m = ((pose * ball.center).coords - origin).norm();
-            ball.radius_m < LARGEST_M && from_frame_m < 0.5 * guess.opening_m + ball.radius_m
-        });
-        let branch = anatomy.branch(body).into_iter().flat_map(|body| &anatomy.bodies[body].links);
-        let mut others = branch.filter(|other| **other != link).flat_map(|&other| placed(other));
-        let is_apart = others.all(|(pose_b, b)| {
-            own.iter().all(|(pose_a, a)| separation(a, pose_a, &b, &pose_b, APART_M).lower_m >= APART_M)
-        });
-        !own.is_empty() && is_small && is_apart
-    };
-    anatomy.bodies[body].links.iter().copied().filter(is_mark).collect()
-}
-
-/// The bodies with at least so many fingers, the best first.
-fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
-    let mut palms: Vec<(bool, usize, Palm)> = Vec::new();
-    for body in 0..anatomy.bodies.len() {
-        let of_arm: BTreeSet<usize> = anatomy.joints_of(body).map(|mover| mover.joint).collect();
-        let is_finger = |&child: &usize| {
-            let driver = anatomy.bodies[child].above.map(|(_, mover)| mover.joint);
-            is_finger(anatomy, child) && driver.is_some_and(|driver| !of_arm.contains(&driver))
-        };
-        let fingers: Vec<usize> = anatomy.bodies[body].below.iter().copied().filter(is_finger).collect();
-        if fingers.len() < least {
-            continue;
-        }
-        let is_named = fingers.iter().any(|&finger| {
-            let joint = anatomy.joint_above(finger);
-            joint.is_some_and(|joint| is_hand_name(&joint.name) || is_hand_name(&joint.child))
-        });
-        // A single part that moves is mostly the last link of an arm.
-        if least > 1 || (is_named && fingers.len() == 1) {
-            palms.push((is_named, anatomy.joints_of(body).count(), Palm { body, fingers }));
-        }
-    }
-    palms.sort_by_key(|(is_named, depth, palm)| (!is_named, usize::MAX - depth, palm.body));
-    palms.into_iter().map(|(_, _, palm)| palm).collect()
-}
-
-fn is_finger(anatomy: &Anatomy, child: usize) -> bool {
-    let branch = anatomy.branch(child);
-    if branch.len() > MOST_PHALANGES || branch.iter().any(|&body| anatomy.is_endless(body)) {
-        return false;
-    }
-    let top = anatomy.bodies[child].top;
-    let solids = anatomy.solids_in(&branch, top, &anatomy.robot.frames_at(&anatomy.rest()));
-    if solids.is_empty() {
-        return is_hand_name(anatomy.link_name(top));
-    }
-    let far_m = solids.iter().map(|(pose, solid)| {
-        let ball = solid.ball();
-        (pose * ball.center).coords.norm() + ball.radius_m
-    });
-    far_m.fold(0.0, f64::max) < LONGEST_FINGER_M
-}
-
-/// A hand at one configuration, in the frame of its palm link.
-struct Posture<'a> {
-    anatomy: &'a Anatomy,
-    palm: usize,
-    frames: LinkFrames,
-}
-
-impl<'a> Posture<'a> {
-    fn at(anatomy: &'a Anatomy, palm: usize, q: &[f64]) -> Self {
-        Self { anatomy, palm, frames: anatomy.robot.frames_at(q) }
-    }
-
-    fn origin(&self, link: usize) -> Point {
-        (self.frames.link(self.palm).inverse() * self.frames.link(link)).translation.vector.into()
-    }
-
-    fn solids(&self, finger: usize) -> Vec<(Pose, Solid)> {
-        self.anatomy.solids_in(&self.anatomy.branch(finger), self.palm, &self.frames)
-    }
-
-    /// The bodies of the palm itself.
-    fn palm_solids(&self) -> Vec<(Pose, Solid)> {
-        self.anatomy.solids_in(&[self.anatomy.body_of[self.palm]], self.palm, &self.frames)
-    }
-
-    /// About where a finger ends: the middle of that part that is farthest from where it is hinged.
-    fn tip(&self, finger: usize) -> Point {
-        let hinge = self.origin(self.anatomy.bodies[finger].top);
-        let ends = self.solids(finger).into_iter().map(|(pose, solid)| pose * solid.ball().center);
-        let frames =
-            self.anatomy.branch(finger).into_iter().map(|body| self.origin(self.anatomy.bodies[body].top));
-        let ends: Vec<Point> = ends.chain(frames).collect();
-        let farthest = ends.iter().max_by(|a, b| (*a - hinge).norm().total_cmp(&(*b - hinge).norm()));
-        farthest.copied().unwrap_or(hinge)
-    }
-
-    /// The axis of the joint right above a finger.
-    fn axis(&self, finger: usize) -> Option<(JointKind, Vector)> {
-        let (_, mover) = self.anatomy.bodies[finger].above?;
-        let palm_from_link = self.frames.link(self.palm).inverse() * self.frames.link(mover.child_link);
-        Some((mover.kind, palm_from_link.rotation * mover.axis_in_child))
     }
 }
 
@@ -224,12 +93,6 @@ fn drivers(anatomy: &Anatomy, palm: &Palm) -> Vec<usize> {
     joints.into_iter().collect()
 }
 
-/// The link that the joint above a finger hangs on.
-fn palm_link(anatomy: &Anatomy, finger: usize) -> usize {
-    let top = anatomy.bodies[finger].top;
-    anatomy.robot.links()[top].parent.unwrap_or(0)
-}
-
 fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     let link = palm_link(anatomy, palm.fingers[0]);
     let limits = anatomy.robot.limits();
@@ -237,7 +100,9 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     // 2.
     let middle_of = |joint: usize| 0.5 * (limits[joint].lower + limits[joint].upper);
     let mut open = anatomy.rest();
-    drivers.iter().for_each(|&joint| open[joint] = middle_of(joint));
+    for &joint in &drivers {
+        open[joint] = middle_of(joint);
+    }
     let spread_m = |q: &[f64]| {
         let posture = Posture::at(anatomy, link, q);
         let tips: Vec<Point> = palm.fingers.iter().map(|&finger| posture.tip(finger)).collect();
@@ -453,90 +318,6 @@ fn ranges(
         (name.clone(), FingerRange { open: open[name], closed: closed[name] })
     };
     joints.iter().map(range).collect()
-}
-
-/// A frame of which y is as told, z as near as can be to where the fingers point, and x along the hinges, if there are any;
-/// along the axes of the palm where they are nearly that.
-fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Option<Rotation> {
-    let y = snapped(&y.try_normalize(1e-9)?, 5.0_f64.to_radians());
-    let mut z = ahead - y * ahead.dot(&y);
-    if let Some(hinge) = hinge {
-        z -= hinge * z.dot(hinge);
-    }
-    let z = snapped(&z.try_normalize(1e-6)?, 25.0_f64.to_radians());
-    let z = (z - y * z.dot(&y)).try_normalize(0.1)?;
-    let axes = cranny_spatial::nalgebra::Matrix3::from_columns(&[y.cross(&z), y, z]);
-    Some(Rotation::from_matrix(&axes))
-}
-
-/// The axis of the frame that is within that angle of a direction, if one is; else the direction.
-fn snapped(direction: &Vector, within_rad: f64) -> Vector {
-    let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
-    let near = |axis: &Vector| axis.dot(direction) > within_rad.cos();
-    axes.into_iter().find(near).unwrap_or(*direction)
-}
-
-/// Where the gripper frame lies.
-struct Place {
-    origin: Point,
-    opening_m: f64,
-    finger_depth_m: f64,
-}
-
-/// How far behind the tips of fingers of that length, in metres.
-fn inset_m(finger_m: f64) -> f64 {
-    (0.15 * finger_m).clamp(0.003, 0.012)
-}
-
-/// The middle between two sides, a little behind the nearer end of them; `all` is the whole hand. None for a side without
-/// a body.
-fn place(
-    rotation: &Rotation,
-    [low, high]: &[Vec<(Pose, Solid)>; 2],
-    all: &[(Pose, Solid)],
-    hinge_z: f64,
-    between: &Point,
-) -> Option<Place> {
-    if low.is_empty() || high.is_empty() {
-        return None;
-    }
-    let axis = |unit: Vector| rotation * unit;
-    let (x, y, z) = (axis(Vector::x()), axis(Vector::y()), axis(Vector::z()));
-    let tip_z = extent_m(low, &z).min(extent_m(high, &z));
-    let depth_z = tip_z - inset_m(tip_z - hinge_z);
-    let both: Vec<(Pose, Solid)> = low.iter().chain(high).cloned().collect();
-    let middle_x = 0.5 * (extent_m(&both, &x) - extent_m(&both, &-x));
-    let at = |across: f64| Point::from(x * middle_x + y * across + z * depth_z);
-    // As far from the one as from the other.
-    let (mut near, mut far) = (-extent_m(low, &-y), extent_m(high, &y));
-    for _ in 0..60 {
-        let across = 0.5 * (near + far);
-        let point = at(across);
-        if distance_m(low, &point) < distance_m(high, &point) { near = across } else { far = across }
-    }
-    let mut origin = at(0.5 * (near + far));
-    // Half a tenth of a millimetre is what such a search leaves.
-    if (origin - between).dot(&y).abs() < 1e-4 {
-        origin += y * (between - origin).dot(&y);
-    }
-    let opening_m = distance_m(low, &origin) + distance_m(high, &origin);
-    let finger_depth_m = free_way_m(all, &origin, &-z);
-    (opening_m > LEAST_OPENING_M).then_some(Place { origin, opening_m, finger_depth_m })
-}
-
-/// How far a point can go in a direction before it meets a solid, in metres; at most as long as a finger is.
-fn free_way_m(solids: &[(Pose, Solid)], from: &Point, direction: &Vector) -> f64 {
-    /// Nearer is there, in metres.
-    const THERE_M: f64 = 1e-4;
-    let mut way_m = 0.0;
-    while way_m < LONGEST_FINGER_M {
-        let gap_m = distance_m(solids, &(from + direction * way_m));
-        if gap_m < THERE_M {
-            break;
-        }
-        way_m += gap_m;
-    }
-    way_m.clamp(THERE_M, LONGEST_FINGER_M)
 }
 
 /// With what slides press, if their drives say something that a gripper does.

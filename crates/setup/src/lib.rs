@@ -9,10 +9,14 @@
 
 mod anatomy;
 mod choice;
+mod draft;
 mod error;
 mod findings;
+mod grip_place;
 mod hand_guess;
 mod limits;
+mod palm;
+mod posture;
 mod robot_folder;
 mod self_contacts;
 mod setup;

@@ -96,7 +96,7 @@ impl Judge {
         let frames = robot.frames_at(&judge.draw(robot, &mut random));
         let is_base =
             |link: &usize| robot.ancestors(*link).iter().all(|mover| judge.base.contains(&mover.joint));
-        let base_m = judge.ahead(robot, &frames, &|link| is_base(&link));
+        let base_m = Self::ahead(robot, &frames, &|link| is_base(&link));
         judge.ahead_m = base_m.max(shoulder.x + AHEAD * judge.reach_m);
         judge
     }
@@ -120,7 +120,7 @@ impl Judge {
         q
     }
 
-    fn ahead(&self, robot: &Robot, frames: &cranny_robot::LinkFrames, which: &dyn Fn(usize) -> bool) -> f64 {
+    fn ahead(robot: &Robot, frames: &cranny_robot::LinkFrames, which: &dyn Fn(usize) -> bool) -> f64 {
         let shapes = (0..robot.links().len()).filter(|link| which(*link)).flat_map(|link| {
             robot.links()[link].collisions.iter().map(move |shape| {
                 let ball = shape.solid.ball();
@@ -131,7 +131,7 @@ impl Judge {
     }
 
     fn is_behind(&self, robot: &Robot, q: &[f64]) -> bool {
-        self.ahead(robot, &robot.frames_at(q), &|_| true) <= self.ahead_m
+        Self::ahead(robot, &robot.frames_at(q), &|_| true) <= self.ahead_m
     }
 
     fn cost(&self, robot: &Robot, q: &[f64]) -> f64 {
@@ -139,7 +139,7 @@ impl Judge {
         let tip = frames.link(robot.tip());
         let reach_m = self.reach_m.max(1e-3);
         let from_shoulder = (tip.translation.vector - self.shoulder.coords) / reach_m;
-        let too_far = (self.ahead(robot, &frames, &|_| true) - self.ahead_m).max(0.0) / reach_m;
+        let too_far = (Self::ahead(robot, &frames, &|_| true) - self.ahead_m).max(0.0) / reach_m;
         let approach = tip.rotation * Vector::z();
         let off_middle =
             q.iter().zip(robot.limits()).enumerate().filter(|(joint, _)| !self.base.contains(joint));

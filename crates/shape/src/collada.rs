@@ -184,8 +184,9 @@ impl<'a> Reader<'a> {
                     fault(primitive, &format!("vertex {vertex} is named, but there are {}", positions.len()))
                 })?;
                 let point = placed * position.to_homogeneous();
-                let piece = self.pieces.last_mut().map(|piece| &mut piece.corners);
-                piece.into_iter().for_each(|corners| corners.push(Point::new(point.x, point.y, point.z)));
+                if let Some(piece) = self.pieces.last_mut() {
+                    piece.corners.push(Point::new(point.x, point.y, point.z));
+                }
                 self.corners += 1;
             }
         }

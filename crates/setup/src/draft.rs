@@ -1,0 +1,349 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_robot::{
+    HandDescription, JointKind, MountingJoint, Robot, RobotError, RobotOptions, TextSource, UrdfText,
+};
+use cranny_scenario::MountedGripper;
+use cranny_spatial::Pose;
+
+use crate::anatomy::Anatomy;
+use crate::choice::Choice;
+use crate::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
+use crate::posture::marks;
+use crate::robot_folder::Written;
+use crate::{Base, SetupError, SetupOptions, xacro};
+
+/// What a base is called that is put under a robot.
+pub(crate) const BASE_JOINT: &str = "base";
+const BASE_LINK: &str = "ground";
+
+/// A robot that is being found out about: its text as it will be written, and what was chosen so far.
+pub(crate) struct Draft<'a> {
+    /// What errors call it.
+    pub file: String,
+    folder: PathBuf,
+    options: &'a SetupOptions,
+    pub text: UrdfText,
+    anatomy: Anatomy,
+    pub choices: Vec<Choice>,
+    pub hand: Option<HandDescription>,
+    /// Whether it is a hand without an arm.
+    is_alone: bool,
+}
+
+impl<'a> Draft<'a> {
+    pub fn read(urdf: &Path, options: &'a SetupOptions) -> Result<Self, SetupError> {
+        let mut choices = Vec::new();
+        let (text, file) = read(urdf, &mut choices)?;
+        let folder = urdf.parent().map_or_else(|| PathBuf::from("."), Path::to_owned);
+        let anatomy = Anatomy::of(&text, Some(&folder), &options.packages)?;
+        check_ranges(&file, &anatomy)?;
+        Ok(Self { file, folder, options, text, anatomy, choices, hand: None, is_alone: false })
+    }
+
+    fn look_again(&mut self) -> Result<(), SetupError> {
+        self.anatomy = Anatomy::of(&self.text, Some(&self.folder), &self.options.packages)?;
+        Ok(())
+    }
+
+    /// Finds the hand, or mounts one: which, if it is not the robot's own.
+    pub fn find_hand(&mut self) -> Result<Option<MountedGripper>, SetupError> {
+        let link = |name: &Option<String>| {
+            name.as_ref().map(|name| named_link(&self.anatomy, &self.file, name)).transpose()
+        };
+        let (palm, tip) = (link(&self.options.palm)?, link(&self.options.tip)?);
+        let mut guess = HandGuess::of(&self.anatomy, palm);
+        if self.leave_out_marks(guess.as_ref())? {
+            guess = HandGuess::of(&self.anatomy, palm);
+        }
+        match guess {
+            Some(guess) => {
+                self.is_alone = self.anatomy.joints_of(self.anatomy.body_of[guess.palm]).next().is_none();
+                self.hand = Some(describe(&self.anatomy, &guess, tip, &mut self.text, &mut self.choices)?);
+                Ok(None)
+            }
+            None if palm.is_some() => {
+                let what =
+                    format!("link {} carries no fingers", self.options.palm.as_deref().unwrap_or_default());
+                Err(SetupError::NotThere { file: self.file.clone(), what })
+            }
+            None if self.options.is_bare => Ok(None),
+            None => self.mount_gripper(tip).map(Some),
+        }
+    }
+
+    /// Whether there were bodies to leave out because they are marks.
+    fn leave_out_marks(&mut self, guess: Option<&HandGuess>) -> Result<bool, SetupError> {
+        let marks = guess.map_or_else(Vec::new, |guess| marks(&self.anatomy, guess));
+        for mark in &marks {
+            let name = self.anatomy.link_name(*mark);
+            self.text = self.text.without_body(name)?;
+            self.choices.push(Choice::new(
+                "left out",
+                format!("the collision geometry of {name}"),
+                "a speck between the pads that touches nothing is a mark, and every grasp would collide with it",
+                "put it back in the URDF",
+            ));
+        }
+        if !marks.is_empty() {
+            self.look_again()?;
+        }
+        Ok(!marks.is_empty())
+    }
+
+    fn mount_gripper(&mut self, tip: Option<usize>) -> Result<MountedGripper, SetupError> {
+        let flange = tip.or_else(|| flange(&self.anatomy)).filter(|flange| is_on_arm(&self.anatomy, *flange));
+        let flange = flange.ok_or_else(|| self.no_arm())?;
+        let gripper = MountedGripper::built_in()?;
+        let name = self.anatomy.link_name(flange).to_owned();
+        self.text = self.text.carrying(&name, &gripper.urdf, &fixed("gripper_mount"))?;
+        self.look_again()?;
+        self.hand = Some(gripper.hand.clone());
+        self.choices.push(Choice::new(
+            "hand",
+            format!("none found: the built-in gripper ({}) is mounted on {name}", gripper.hand.name),
+            "no link carries parts that close towards each other",
+            "--bare leaves the arm as it is; --palm LINK names the link that carries the fingers; --tip LINK the flange",
+        ));
+        Ok(gripper)
+    }
+
+    fn no_arm(&self) -> SetupError {
+        let joints = self.anatomy.robot.joint_names().join(", ");
+        SetupError::NoArm { file: self.file.clone(), joints }
+    }
+
+    /// Puts the robot on the base that is wanted; a hand alone on one that flies.
+    pub fn put_on_base(&mut self) -> Result<Base, SetupError> {
+        let base = self.options.base.unwrap_or(if self.is_alone { Base::Floating } else { Base::Own });
+        if base == Base::Own && self.is_alone {
+            return Err(self.no_arm());
+        }
+        if base != Base::Own {
+            self.text = on_base(&self.text, base)?;
+        }
+        describe_base(&self.anatomy, base, self.is_alone, &mut self.choices);
+        Ok(base)
+    }
+
+    /// The robot as the files will have it.
+    pub fn robot(&self, written: &Written) -> Result<Arc<Robot>, RobotError> {
+        let named = |name: &str, text: String| Some(TextSource::Text { name: name.to_owned(), text });
+        let options = RobotOptions {
+            srdf: written.srdf.clone().and_then(|srdf| named(&format!("{}.srdf", written.stem), srdf)),
+            limits: named("limits.yaml", written.limits.clone()),
+            description: named("robot.yaml", written.description()),
+            packages: self.options.packages.clone(),
+            ..RobotOptions::default()
+        };
+        Robot::from_urdf_text(self.text.text(), &self.file, Some(&self.folder), &options).map(Arc::new)
+    }
+}
+
+pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
+    let unreadable = |reason| RobotError::Unreadable { path: path.to_owned(), reason };
+    cranny_file::TEXT.argument().text(path).map_err(unreadable)
+}
+
+/// The text of a URDF, expanded if it is a xacro file, and what errors call it.
+fn read(urdf: &Path, choices: &mut Vec<Choice>) -> Result<(UrdfText, String), SetupError> {
+    let file = urdf.display().to_string();
+    let is_xacro = urdf.extension().is_some_and(|ending| ending == "xacro");
+    let plain = if is_xacro { None } else { Some(UrdfText::new(read_text(urdf)?, &file)) };
+    match plain {
+        Some(Err(RobotError::Xacro { .. })) | None => {
+            let text = UrdfText::new(xacro::expand(urdf)?, &file)?;
+            choices.push(Choice::new("file", "a xacro file", "expanded by Python's xacro", "give a URDF"));
+            Ok((text, file))
+        }
+        Some(text) => Ok((text?, file)),
+    }
+}
+
+fn named_link(anatomy: &Anatomy, file: &str, name: &str) -> Result<usize, SetupError> {
+    let known = || anatomy.robot.links().iter().map(|link| link.name.as_str()).collect::<Vec<_>>().join(", ");
+    anatomy.robot.link_index(name).ok_or_else(|| SetupError::NotThere {
+        file: file.to_owned(),
+        what: format!("there is no link {name}; it has {}", cranny_file::excerpt(&known())),
+    })
+}
+
+/// That something moves.
+fn check_ranges(file: &str, anatomy: &Anatomy) -> Result<(), SetupError> {
+    let limits = anatomy.robot.limits().iter().zip(anatomy.robot.joint_names());
+    let stuck: Vec<&str> = limits
+        .clone()
+        .filter(|(limits, _)| limits.upper <= limits.lower)
+        .map(|(_, name)| name.as_str())
+        .collect();
+    if !stuck.is_empty() && 2 * stuck.len() > limits.count() {
+        return Err(SetupError::NoRange { file: file.to_owned(), joints: stuck.join(", ") });
+    }
+    Ok(())
+}
+
+fn fixed(name: &str) -> MountingJoint {
+    MountingJoint { name: name.to_owned(), kind: "fixed", mount_from_carried: Pose::identity() }
+}
+
+/// Where a tool goes: a bare link with a flange's name on the last body of the longest chain, else its last link.
+fn flange(anatomy: &Anatomy) -> Option<usize> {
+    let depth = |body: &usize| anatomy.joints_of(*body).count();
+    let body = (0..anatomy.bodies.len()).max_by_key(depth)?;
+    let links = &anatomy.bodies[body].links;
+    let named = ["tool0", "flange", "tool", "tcp", "ee", "end_effector"];
+    let find = |word: &&str| {
+        let word: &str = word;
+        links.iter().copied().find(|&link| {
+            let name = anatomy.link_name(link).to_lowercase();
+            name.split('_').any(|part| part == word) || name.ends_with(word)
+        })
+    };
+    named.iter().find_map(find).or_else(|| links.last().copied())
+}
+
+/// Whether enough joints lead there to speak of an arm.
+fn is_on_arm(anatomy: &Anatomy, link: usize) -> bool {
+    const FEWEST: usize = 3;
+    anatomy.joints_of(anatomy.body_of[link]).count() >= FEWEST
+}
+
+/// The hand that was found, its frame made a link of the URDF.
+fn describe(
+    anatomy: &Anatomy,
+    guess: &HandGuess,
+    tip: Option<usize>,
+    text: &mut UrdfText,
+    choices: &mut Vec<Choice>,
+) -> Result<HandDescription, SetupError> {
+    let palm = anatomy.link_name(guess.palm).to_owned();
+    let joints: Vec<String> = guess
+        .fingers
+        .iter()
+        .map(|(name, range)| format!("{name} {:.3} to {:.3}", range.open, range.closed))
+        .collect();
+    let others = guess.others.iter().map(|&link| anatomy.link_name(link)).collect::<Vec<_>>();
+    let others =
+        if others.is_empty() { String::new() } else { format!(" (also found: {})", others.join(", ")) };
+    let (what, why) = match guess.kind {
+        HandKind::Fingers => {
+            (format!("on {palm}, closed by {}", joints.join(", ")), "fingers move on both sides of it")
+        }
+        HandKind::Jaw => (
+            format!("on {palm}, closed by {}", joints.join(", ")),
+            "one jaw moves towards one that is part of it",
+        ),
+        HandKind::Rigid => (
+            format!(
+                "two prongs on {palm} that do not come together: grasps can be reached, but not closed on"
+            ),
+            "no joint moves them towards each other",
+        ),
+    };
+    choices.push(Choice::new("hand", what + &others, why, "--palm LINK, or `hand` in robot.yaml"));
+    let name = match (tip, guess.existing) {
+        (Some(tip), _) => {
+            let name = anatomy.link_name(tip).to_owned();
+            choices.push(Choice::new("gripper frame", name.clone(), "as told", "--tip LINK"));
+            name
+        }
+        (None, Some(link)) => {
+            let name = anatomy.link_name(link).to_owned();
+            let why =
+                "a bare link between the pads, y the axis on which they close, z the approach direction";
+            choices.push(Choice::new(
+                "gripper frame",
+                name.clone(),
+                why,
+                "--tip LINK, or `tip` in robot.yaml",
+            ));
+            name
+        }
+        (None, None) => {
+            let name = free_name(anatomy, "grasp_frame");
+            *text = text.with_frame(&name, &palm, &guess.palm_from_frame)?;
+            let [x, y, z] = guess.palm_from_frame.translation.vector.map(|length| length * 1000.0).into();
+            choices.push(Choice::new(
+                "gripper frame",
+                format!("{name}, a new link at ({x:.1}, {y:.1}, {z:.1}) mm on {palm}"),
+                "between the pads, y the axis on which they close, z the approach direction",
+                "--tip LINK, or `tip` in robot.yaml",
+            ));
+            name
+        }
+    };
+    let mut figures = format!(
+        "{:.1} mm between the open pads, {:.1} mm from the frame back to the palm",
+        guess.opening_m * 1000.0,
+        guess.finger_depth_m * 1000.0
+    );
+    let force_n = guess.force_n.unwrap_or(DEFAULT_FORCE_N);
+    let _ = write!(figures, ", closing with {force_n:.0} N");
+    let why = if guess.force_n.is_some() {
+        "measured on its collision geometry; the force is its drives'"
+    } else {
+        "measured on its collision geometry; the force is a default"
+    };
+    choices.push(Choice::new("grip", figures, why, "`hand` in robot.yaml"));
+    let rounded = |length: f64| (length * 1e5).round() / 1e5;
+    Ok(HandDescription {
+        name: palm,
+        tip: Some(name),
+        fingers: guess.fingers.clone(),
+        opening_m: rounded(guess.opening_m),
+        finger_depth_m: rounded(guess.finger_depth_m).max(1e-5),
+        closing_force_n: force_n,
+    })
+}
+
+/// A name that no link has.
+fn free_name(anatomy: &Anatomy, name: &str) -> String {
+    let numbered = (2..).map(|number: u32| format!("{name}_{number}"));
+    let mut names = std::iter::once(name.to_owned()).chain(numbered);
+    names.find(|name| anatomy.robot.link_index(name).is_none()).unwrap_or_default()
+}
+
+/// The same on a base that moves.
+fn on_base(text: &UrdfText, base: Base) -> Result<UrdfText, SetupError> {
+    let name = text.robot_name()?.replace(['<', '&', '"'], "_");
+    let ground = format!("<robot name=\"{name}\">\n  <link name=\"{BASE_LINK}\"/>\n</robot>\n");
+    let kind = if base == Base::Planar { "planar" } else { "floating" };
+    let joint = MountingJoint { kind, ..fixed(BASE_JOINT) };
+    Ok(UrdfText::new(ground, text.file())?.carrying(BASE_LINK, text, &joint)?)
+}
+
+fn describe_base(anatomy: &Anatomy, base: Base, is_alone: bool, choices: &mut Vec<Choice>) {
+    let (what, why, otherwise) = match base {
+        Base::Floating => (
+            "flies: floating joint under its root (x, y, z, yaw, pitch, roll)".to_owned(),
+            if is_alone { "a hand without an arm" } else { "as told" },
+            "give the URDF of the whole robot",
+        ),
+        Base::Planar => {
+            ("drives: planar joint under its root (x, y, theta)".to_owned(), "as told", "--base own")
+        }
+        Base::Own => {
+            let slides = anatomy.robot.joints().iter().filter(|joint| joint.kind == JointKind::Prismatic);
+            let first = slides.take_while(|joint| anatomy.body_of[joint.child_link] > 0).next();
+            let drives = first.is_some_and(|joint| {
+                let links = anatomy.robot.links();
+                let above = links[joint.child_link].parent.unwrap_or(0);
+                anatomy.robot.ancestors(above).is_empty() && links[above].collisions.is_empty()
+            });
+            match (drives, anatomy.wheels()) {
+                (true, _) => {
+                    ("its own joints move its base".to_owned(), "they come first in it", "limits.yaml")
+                }
+                (false, 0) => ("fixed".to_owned(), "no joint moves its root", "--base planar lets it drive"),
+                (false, wheels) => (
+                    format!("fixed, though it has {wheels} wheels"),
+                    "no joint of the URDF moves its root",
+                    "--base planar lets it drive, as x, y and heading",
+                ),
+            }
+        }
+    };
+    choices.push(Choice::new("base", what, why, otherwise));
+}

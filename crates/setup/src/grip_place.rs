@@ -1,0 +1,92 @@
+use cranny_shape::Solid;
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+
+use crate::anatomy::{distance_m, extent_m};
+use crate::palm::LONGEST_FINGER_M;
+
+/// Less than this between two sides holds nothing, in metres.
+const LEAST_OPENING_M: f64 = 1e-3;
+
+/// A frame of which y is as told, z as near as can be to where the fingers point, and x along the hinges, if there are any;
+/// along the axes of the palm where they are nearly that.
+pub(crate) fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Option<Rotation> {
+    let y = snapped(&y.try_normalize(1e-9)?, 5.0_f64.to_radians());
+    let mut z = ahead - y * ahead.dot(&y);
+    if let Some(hinge) = hinge {
+        z -= hinge * z.dot(hinge);
+    }
+    let z = snapped(&z.try_normalize(1e-6)?, 25.0_f64.to_radians());
+    let z = (z - y * z.dot(&y)).try_normalize(0.1)?;
+    let axes = cranny_spatial::nalgebra::Matrix3::from_columns(&[y.cross(&z), y, z]);
+    Some(Rotation::from_matrix(&axes))
+}
+
+/// The axis of the frame that is within that angle of a direction, if one is; else the direction.
+fn snapped(direction: &Vector, within_rad: f64) -> Vector {
+    let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
+    let near = |axis: &Vector| axis.dot(direction) > within_rad.cos();
+    axes.into_iter().find(near).unwrap_or(*direction)
+}
+
+/// Where the gripper frame lies.
+pub(crate) struct Place {
+    pub origin: Point,
+    pub opening_m: f64,
+    pub finger_depth_m: f64,
+}
+
+/// How far behind the tips of fingers of that length, in metres.
+fn inset_m(finger_m: f64) -> f64 {
+    (0.15 * finger_m).clamp(0.003, 0.012)
+}
+
+/// The middle between two sides, a little behind the nearer end of them; `all` is the whole hand. None for a side without
+/// a body.
+pub(crate) fn place(
+    rotation: &Rotation,
+    [low, high]: &[Vec<(Pose, Solid)>; 2],
+    all: &[(Pose, Solid)],
+    hinge_z: f64,
+    between: &Point,
+) -> Option<Place> {
+    if low.is_empty() || high.is_empty() {
+        return None;
+    }
+    let axis = |unit: Vector| rotation * unit;
+    let (x, y, z) = (axis(Vector::x()), axis(Vector::y()), axis(Vector::z()));
+    let tip_z = extent_m(low, &z).min(extent_m(high, &z));
+    let depth_z = tip_z - inset_m(tip_z - hinge_z);
+    let both: Vec<(Pose, Solid)> = low.iter().chain(high).cloned().collect();
+    let middle_x = 0.5 * (extent_m(&both, &x) - extent_m(&both, &-x));
+    let at = |across: f64| Point::from(x * middle_x + y * across + z * depth_z);
+    // As far from the one as from the other.
+    let (mut near, mut far) = (-extent_m(low, &-y), extent_m(high, &y));
+    for _ in 0..60 {
+        let across = 0.5 * (near + far);
+        let point = at(across);
+        if distance_m(low, &point) < distance_m(high, &point) { near = across } else { far = across }
+    }
+    let mut origin = at(0.5 * (near + far));
+    // Half a tenth of a millimetre is what such a search leaves.
+    if (origin - between).dot(&y).abs() < 1e-4 {
+        origin += y * (between - origin).dot(&y);
+    }
+    let opening_m = distance_m(low, &origin) + distance_m(high, &origin);
+    let finger_depth_m = free_way_m(all, &origin, &-z);
+    (opening_m > LEAST_OPENING_M).then_some(Place { origin, opening_m, finger_depth_m })
+}
+
+/// How far a point can go in a direction before it meets a solid, in metres; at most as long as a finger is.
+pub(crate) fn free_way_m(solids: &[(Pose, Solid)], from: &Point, direction: &Vector) -> f64 {
+    /// Nearer is there, in metres.
+    const THERE_M: f64 = 1e-4;
+    let mut way_m = 0.0;
+    while way_m < LONGEST_FINGER_M {
+        let gap_m = distance_m(solids, &(from + direction * way_m));
+        if gap_m < THERE_M {
+            break;
+        }
+        way_m += gap_m;
+    }
+    way_m.clamp(THERE_M, LONGEST_FINGER_M)
+}
