@@ -329,7 +329,10 @@ pub enum RobotError {
         upper: f64,
     },
     /// A mesh file is not where the robot's file says.
-    #[error("{at}: link `{link}`: mesh `{mesh}` not found; tried {}", listed(tried))]
+    #[error(
+        "{at}: link `{link}`: mesh `{mesh}` not found; tried {}{}", listed(tried),
+        if mesh.starts_with("package://") { " (--package FOLDER names the folder that holds the package)" } else { "" }
+    )]
     MeshNotFound {
         /// Where the mesh is named.
         at: Location,

@@ -38,6 +38,9 @@ impl<'a> Draft<'a> {
         let mut choices = Vec::new();
         let (text, file) = read(urdf, &mut choices)?;
         let folder = urdf.parent().map_or_else(|| PathBuf::from("."), Path::to_owned);
+        if text.joints()?.iter().all(|joint| joint.motion.is_none()) {
+            return Err(SetupError::NoArm { file, joints: "nothing moves".to_owned() });
+        }
         let anatomy = Anatomy::of(&text, Some(&folder), &options.packages)?;
         check_ranges(&file, &anatomy)?;
         Ok(Self { file, folder, options, text, anatomy, choices, hand: None, is_alone: false })

@@ -18,7 +18,13 @@ pub(crate) fn expand(path: &Path) -> Result<String, SetupError> {
             return String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()));
         }
         if !said.contains("No module named xacro") {
-            let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("it fails");
+            // What is wrong stands before the files that it was met in.
+            let is_reason = |line: &&str| {
+                let line = line.trim();
+                !line.is_empty()
+                    && !["when ", "included ", "in file"].iter().any(|begin| line.starts_with(begin))
+            };
+            let last = said.lines().rev().find(is_reason).unwrap_or("it fails");
             return Err(failed(cranny_file::excerpt(last)));
         }
     }
