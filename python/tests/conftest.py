@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+from collections.abc import Container
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -62,6 +63,9 @@ def plan(scenario: cranny.Scenario) -> cranny.Plan:
 
 class Reference:
     """A robot as Pinocchio has it, with the joints of a Cranny robot."""
+
+    solid_meshes: Container[str] = ()
+    """Links whose meshes stand for what they enclose."""
 
     def __init__(self, urdf: Path, robot: cranny.Robot, fixed: dict[str, float] | None = None) -> None:
         self.pin: Any = package("pinocchio")

@@ -39,7 +39,7 @@ class CoalCell:
         for item in reference.geometry.geometryObjects:
             link = self.model.frames[item.parentFrame].name
             shape = item.geometry
-            if isinstance(shape, self.coal.BVHModelBase):
+            if isinstance(shape, self.coal.BVHModelBase) and link not in reference.solid_meshes:
                 shape.buildConvexHull(True, "Qt")
                 shape = shape.convex
             placed = self.pin.GeometryObject(item.name, item.parentJoint, item.parentFrame, item.placement, shape)

@@ -89,6 +89,7 @@ class Whole(Reference):
                 self.mimics[str(joint.get("name"))] = str(mimic.get("joint")), factor, offset
         self.robot = robot
         self.places = {name: k for k, name in enumerate(robot.joint_names)}
+        self.solid_meshes = set(described.get("solid_meshes", []))
         fingers = described.get("hand", {}).get("fingers", {})
         self.held = {name: float(range_["open"]) for name, range_ in fingers.items()}
         whole = self.pin.buildModelFromUrdf(str(plain))

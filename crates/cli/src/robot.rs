@@ -54,7 +54,7 @@ pub struct AddArguments {
     /// Folder to make [default: the name of the URDF, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Its SRDF [default: the file beside the URDF with its name, if there is one]
+    /// Its SRDF [default: the file beside the URDF with its name, else what fits of the one in ../srdf, if there is one]
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<PathBuf>,
     /// Folder in which package:// names of the URDF are looked for; may be given more than once

@@ -20,7 +20,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::{share, whole};
 use crate::output_file;
-use crate::progress::{bar, stop_on_interrupt};
+use crate::progress::{bar, spinner, stop_on_interrupt};
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -378,7 +378,7 @@ fn sweep(arguments: &SweepArguments, output: Output) -> Result<Answer, Failure> 
     let folder = arguments.output.clone().unwrap_or_else(default_name);
     check_free_folder(&folder)?;
     let (robot, settings) = arguments.stage.settings(family, arguments.seed)?;
-    let maker = SetMaker::new(family, robot, settings)?;
+    let maker = maker(family, robot, settings, output)?;
     let values = [arguments.from, arguments.to];
     let steps = arguments.steps;
     watched(&folder, steps, output, |progress| write_sweep(&maker, &folder, values, steps as usize, progress))
@@ -393,9 +393,22 @@ fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Fai
     settings.parameter_m[0] = arguments.from.unwrap_or(settings.parameter_m[0]);
     settings.parameter_m[1] = arguments.to.unwrap_or(settings.parameter_m[1]);
     settings.most_clutter = arguments.clutter.into();
-    let maker = SetMaker::new(family, robot, settings)?;
+    let maker = maker(family, robot, settings, output)?;
     let count = arguments.count;
     watched(&folder, count, output, |progress| write_set(&maker, &folder, count.into(), progress))
+}
+
+/// Who draws the scenarios of a set: has the hand try the object first.
+fn maker(
+    family: Family,
+    robot: RecipeRobot,
+    settings: SetSettings,
+    output: Output,
+) -> Result<SetMaker, Failure> {
+    let spinner = spinner("sampling grasps", output.quiet);
+    let maker = SetMaker::new(family, robot, settings);
+    spinner.finish_and_clear();
+    Ok(maker?)
 }
 
 /// What `scenario sweep` and `scenario generate` print with `--json`.

@@ -20,6 +20,7 @@ mod optimisation;
 #[cfg(unix)]
 mod output_files;
 mod pictures;
+mod robots;
 mod scenarios;
 mod simulation;
 mod trajectory;

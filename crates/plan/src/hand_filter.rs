@@ -73,8 +73,8 @@ fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
 /// straight approach to it.
 ///
 /// The hand is checked as the solids that its parts sweep over, so the whole approach is decided at once and
-/// exactly; only a cylinder counts as a prism around it and a mesh as its convex hull. Contact is contact
-/// below [`CONTACT_M`], as everywhere.
+/// exactly; only a cylinder counts as a prism around it, and the surface of a mesh as the hulls of its pieces. Contact
+/// is contact below [`CONTACT_M`], as everywhere.
 #[derive(Clone, Debug)]
 pub struct HandFilter {
     world: World,
@@ -98,7 +98,7 @@ impl HandFilter {
     /// along the gripper's z.
     ///
     /// # Errors
-    /// [`ShapeError::FlatHull`] for a part of the hand without volume, [`ShapeError::Size`] for a negative
+    /// [`ShapeError::FlatHull`] for a part of the hand without extent, [`ShapeError::Size`] for a negative
     /// approach or one that is no number.
     pub fn new(hand: &Hand, world: World, approach_m: f64) -> Result<Self, ShapeError> {
         if !(0.0..=cranny_spatial::FARTHEST_M).contains(&approach_m) {
@@ -109,13 +109,16 @@ impl HandFilter {
         for (gripper_from_part, solid) in &hand.parts {
             let back_in_part = gripper_from_part.rotation.inverse() * Vector::z() * -approach_m;
             // A half-space sweeps over everything, and belongs to no hand.
-            let Some(solid) = solid.swept(&back_in_part) else { continue };
-            if let Some((points, radius_m)) = solid.bounding_points() {
-                let points = if radius_m > 0.0 { with_rounding(&points, radius_m) } else { points };
-                let hull = TriangleSoup::convex_hull(&points)?;
-                swept_surfaces.push((*gripper_from_part, Surface::new(&hull)?));
+            for solid in solid.swept(&back_in_part) {
+                if let Some((points, radius_m)) = solid.bounding_points() {
+                    let points = if radius_m > 0.0 { with_rounding(&points, radius_m) } else { points };
+                    // A piece of a mesh may be flat.
+                    let hull = TriangleSoup::convex_hull(&points)
+                        .or_else(|_| TriangleSoup::convex_hull(&with_rounding(&points, CONTACT_M)))?;
+                    swept_surfaces.push((*gripper_from_part, Surface::new(&hull)?));
+                }
+                swept.push((*gripper_from_part, solid));
             }
-            swept.push((*gripper_from_part, solid));
         }
         Ok(Self { world, swept, open_surfaces: Vec::new(), swept_surfaces })
     }

@@ -61,7 +61,7 @@ pub use j_plus_rrt::{GraspChoice, JPlusRrt};
 pub use motion_limits::{MotionLimits, TimingMethod};
 pub use nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use not_checked::{NotChecked, NotCheckedReason, search};
-pub use optimise::{Improvement, OptimiseSettings, Optimised, optimise};
+pub use optimise::{Improvement, OptimiseSettings, Optimised, optimise, other_seed};
 pub use path_cost::PathCost;
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};

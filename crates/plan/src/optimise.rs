@@ -174,7 +174,7 @@ impl Rounds<'_> {
         let mut better_are_hopeless = false;
         while self.left(best).is_some() && !observer.should_stop() {
             self.round += 1;
-            let seed = self.next_seed();
+            let seed = other_seed(self.seed, self.round);
             // 2.
             let narrowed =
                 if self.round % 2 == 1 && !better_are_hopeless { best.with_better_grasps() } else { None };
@@ -210,12 +210,12 @@ impl Rounds<'_> {
         let most = PATIENCE.saturating_mul(self.first_iterations).max(LEAST_ITERATIONS);
         Some(Budget { iterations: left.min(most), time })
     }
+}
 
-    /// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
-    fn next_seed(&self) -> u64 {
-        const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
-        self.seed.wrapping_add(self.round.wrapping_mul(GOLDEN))
-    }
+/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
+pub fn other_seed(seed: u64, round: u64) -> u64 {
+    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+    seed.wrapping_add(round.wrapping_mul(GOLDEN))
 }
 
 /// Counts on from the searches before.

@@ -280,10 +280,10 @@ impl SolidSource<'_> {
             LinkForm::Mesh { name, scale, .. } => {
                 let path = self.find(link, collision, name)?;
                 TriangleSoup::load(&path, *scale).and_then(|triangles| {
-                    let solid = match self.options.meshes {
-                        MeshUse::Hull => Solid::hull(&triangles.vertices),
-                        MeshUse::Solid => Solid::mesh(&triangles),
-                    };
+                    let is_solid = self.options.meshes == MeshUse::Solid
+                        || self.options.solid_meshes.contains(&link.name);
+                    let solid =
+                        if is_solid { Solid::mesh(&triangles) } else { Solid::hull(&triangles.vertices) };
                     soup = Some(triangles);
                     solid
                 })

@@ -43,7 +43,7 @@ pub enum RobotError {
         file: String,
     },
     /// A file holds more of something than any robot has.
-    #[error("{at}: {actual} {what}, but at most {most} are read")]
+    #[error("{at}: {actual} {what}, but at most {most} are read; leave out what no motion needs")]
     TooMany {
         /// Where.
         at: Location,

@@ -21,6 +21,23 @@ impl Robot {
         }
         is_turned
     }
+
+    /// How far beyond need a path turns the joint that it turns farthest so, in radians: what the joint travels, less
+    /// the way from where it starts to the nearest of the whole turns, within its limits, at which the path could end.
+    /// Only joints that have a full turn count.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn needless_turn(&self, path: &[Vec<f64>]) -> f64 {
+        let (Some(start), Some(end)) = (path.first(), path.last()) else { return 0.0 };
+        let mut end = end.clone();
+        self.turn_towards(start, &mut end);
+        let beyond_need = |joint: usize| {
+            let travelled: f64 = path.windows(2).map(|edge| (edge[1][joint] - edge[0][joint]).abs()).sum();
+            travelled - (end[joint] - start[joint]).abs()
+        };
+        (0..self.dof()).filter(|joint| self.full_turns[*joint]).map(beyond_need).fold(0.0, f64::max)
+    }
 }
 
 /// Per joint of the group whether it can stand a full turn from where it stands with all links in the same place: it
@@ -47,6 +64,8 @@ fn nearest_turn(value: f64, reference: f64, limits: &JointLimits) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::{JointUnit, RobotOptions};
 
@@ -70,6 +89,24 @@ mod tests {
                 (nearest_turn(value, reference, &limits) - expected).abs() < 1e-12,
                 "{value} {reference}"
             );
+        }
+    }
+
+    #[test]
+    fn a_needless_turn_is_what_a_path_travels_beyond_the_nearest_end() {
+        let urdf = r#"<robot name="t"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="turning" type="continuous"><parent link="a"/><child link="b"/><limit velocity="1" effort="1"/></joint>
+<joint name="sliding" type="prismatic"><parent link="b"/><child link="c"/><limit lower="-9" upper="9" velocity="1" effort="1"/></joint>
+</robot>"#;
+        let robot =
+            Robot::from_urdf_text(urdf, "t.urdf", None, &RobotOptions::default()).expect("a good URDF");
+        let turn = |values: &[f64]| {
+            robot.needless_turn(&values.iter().map(|value| vec![*value, 2.0 * value]).collect::<Vec<_>>())
+        };
+        for (values, expected) in
+            [(&[][..], 0.0), (&[0.5, 1.0, 2.0], 0.0), (&[0.0, -0.5, 1.0], 1.0), (&[0.0, 1.5 * PI], PI)]
+        {
+            assert!((turn(values) - expected).abs() < 1e-12, "{values:?}: {}", turn(values));
         }
     }
 

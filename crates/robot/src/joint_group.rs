@@ -101,6 +101,9 @@ impl Resolver<'_> {
                 follower = &self.urdf.joints[self.known_joint(&mimic.master, place)?];
             }
         }
+        for name in &self.options.solid_meshes {
+            self.known_link(name, || format!("{}: solid_meshes", self.urdf.file))?;
+        }
         for (name, &value) in &self.options.fixed {
             let index = self.known_joint(name, || format!("{}: joints held at a value", self.urdf.file))?;
             let joint = &self.urdf.joints[index];
@@ -116,6 +119,15 @@ impl Resolver<'_> {
 
     fn known_joint(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         self.tree.joint(name).ok_or_else(|| unknown_joint(self.urdf, place(), name))
+    }
+
+    /// The joint of this name, or all parts of the planar or floating one.
+    fn joint_or_its_parts(&self, name: &str, place: impl Fn() -> String) -> Result<Vec<usize>, RobotError> {
+        let is_part =
+            |joint: &UrdfJoint| joint.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('/'));
+        let joints = self.urdf.joints.iter().enumerate();
+        let parts: Vec<usize> = joints.filter(|(_, joint)| is_part(joint)).map(|(index, _)| index).collect();
+        if parts.is_empty() { Ok(vec![self.known_joint(name, place)?]) } else { Ok(parts) }
     }
 
     fn known_link(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
@@ -217,7 +229,7 @@ impl Resolver<'_> {
             joints.extend(chain);
         }
         for name in &group.joints {
-            joints.push(self.known_joint(name, place)?);
+            joints.extend(self.joint_or_its_parts(name, place)?);
         }
         for name in &group.links {
             let node = self.known_link(name, place)?;

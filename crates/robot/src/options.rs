@@ -32,6 +32,8 @@ pub struct RobotOptions {
     pub packages: Vec<PathBuf>,
     /// What solid a mesh stands for.
     pub meshes: MeshUse,
+    /// Links whose meshes stand for what they enclose, whatever `meshes` says.
+    pub solid_meshes: Vec<String>,
     /// Pairs of links, by name, that may touch: exempt as those are that the SRDF disables.
     pub unchecked_pairs: Vec<[String; 2]>,
 }

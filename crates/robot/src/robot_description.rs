@@ -28,6 +28,10 @@ pub struct RobotDescription {
     /// Joints outside the group, and where they stand (m, rad).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub fixed: BTreeMap<String, f64>,
+    /// Links whose meshes stand for what they enclose, not for their convex hull: those that an object reaches into, such as
+    /// a palm that is one body with a jaw. Motions of the others are found faster.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solid_meshes: Vec<String>,
     /// Where it starts if a scenario says nothing else: each joint that moves (m, rad).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub start: BTreeMap<String, f64>,
@@ -87,6 +91,7 @@ impl RobotDescription {
             options.group = JointGroup::Srdf(group.clone());
         }
         options.tip = options.tip.take().or_else(|| self.tip.clone());
+        options.solid_meshes.extend_from_slice(&self.solid_meshes);
         for (joint, value) in &self.fixed {
             options.fixed.entry(joint.clone()).or_insert(*value);
         }

@@ -42,6 +42,10 @@ const GRASPS: usize = 200;
 /// From so many they are chosen, as in the paper.
 const CANDIDATES: usize = 2000;
 
+/// A hand that takes so few after so many waves of contacts takes few of the others, and each may cost milliseconds.
+const HOPELESS: usize = CANDIDATES / 20;
+const PATIENT_WAVES: usize = 40;
+
 impl FamilyMaker {
     /// Samples the grasps of the family's object for the robot's hand, the object resting on level ground, by the sampler's
     /// defaults: from the side or from above, hand and fingers free of object and ground at the grasp and on the way there.
@@ -79,7 +83,12 @@ impl FamilyMaker {
             ..SamplerSettings::default()
         };
         let accept = |sampled: &SampledGrasp| filter.is_free(&sampled.grasp);
-        let found = sample_grasps(&Surface::new(mesh)?, &settings, &accept, &mut |_| true)?;
+        let mut waves = 0;
+        let mut go_on = |found: usize| {
+            waves += 1;
+            waves < PATIENT_WAVES || found > HOPELESS
+        };
+        let found = sample_grasps(&Surface::new(mesh)?, &settings, &accept, &mut go_on)?;
         let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
         let few = covering_subset(&candidates, GRASPS, COVERAGE_THRESHOLD);
         let few = few.into_iter().map(|index| candidates[index]).collect();
@@ -103,7 +112,7 @@ impl FamilyMaker {
 
     /// How high the object lies, in metres.
     fn support_m(&self) -> f64 {
-        self.scale.across * self.family.support_m()
+        self.scale.shift_m[2] + self.scale.across * self.family.support_m()
     }
 
     /// The scenario at a value of the dial (m), with the object where the paper has it.
@@ -178,7 +187,7 @@ impl FamilyMaker {
         );
         Ok(Recipe {
             title,
-            obstacles: obstacles.map(|body| self.scale.obstacle(body)).collect(),
+            obstacles: obstacles.map(|body| self.scale.obstacle(body)).chain(self.scale.platform()).collect(),
             target: Some(self.resting.body(placement, self.support_m())),
             given_physics: self.resting.given_physics,
             start: self.robot.start(),

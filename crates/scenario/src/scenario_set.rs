@@ -3,10 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use cranny_collision::{Body, Margins, Part, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{IkAnnotationSettings, IkStatus, annotate_ik};
+use cranny_plan::{
+    Budget, Criterion, IkAnnotationSettings, IkStatus, Outcome, Unobserved, annotate_ik, default_planner,
+};
 use cranny_robot::{Robot, RobotFiles};
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
@@ -27,13 +30,24 @@ pub struct SetSettings {
     pub parameter_m: [f64; 2],
     /// How much smaller than the paper's the scenes are. Default: as it suits the robot.
     pub scale: SceneScale,
-    /// Whether the arm must come to one of the grasps, free of collision. Default: for every robot but the paper's own, for
-    /// which the environments were made.
-    pub is_reached: bool,
+    /// What the arm must be able to do. Default: nothing for the paper's own robot, for which the environments were made,
+    /// to hold a grasp for the other built-in ones, to get there for a robot of one's own.
+    pub demand: ArmDemand,
     /// At most so many things stand about; how many is drawn. Default 3.
     pub most_clutter: usize,
     /// Seed of all randomness.
     pub seed: u64,
+}
+
+/// What the arm must be able to do in the scenarios of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmDemand {
+    /// Nothing is asked.
+    Nothing,
+    /// To hold the object at one of the grasps, free of collision, as far as some attempts at some of them show.
+    Hold,
+    /// That a short search of `reach` finds a way to a grasp. Scenarios of which only this is known favour that planner.
+    Reach,
 }
 
 impl SetSettings {
@@ -45,7 +59,12 @@ impl SetSettings {
         let scale =
             if is_papers { SceneScale::PAPER } else { SceneScale::of(&robot.robot, family, opening_m) };
         let parameter_m = family.usual_range_m().map(|end| end * scale.of_dial(family));
-        Self { parameter_m, scale, most_clutter: 3, is_reached: !is_papers, seed }
+        let demand = match (is_papers, &robot.files) {
+            (true, _) => ArmDemand::Nothing,
+            (false, None) => ArmDemand::Hold,
+            (false, Some(_)) => ArmDemand::Reach,
+        };
+        Self { parameter_m, scale, most_clutter: 3, demand, seed }
     }
 }
 
@@ -148,7 +167,7 @@ impl SetMaker {
             Some(Rejections { start_collides: 1, ..one })
         } else if recipe.grasps.is_empty() {
             Some(Rejections { no_free_grasp: 1, ..one })
-        } else if self.settings.is_reached && !is_reached(recipe)? {
+        } else if !meets(recipe, self.settings.demand)? {
             Some(Rejections { out_of_reach: 1, ..one })
         } else {
             None
@@ -214,8 +233,24 @@ impl SetMaker {
     }
 }
 
-/// Whether the arm can hold the object at one of the grasps, as far as some attempts at some of them show.
+fn meets(recipe: &Recipe, demand: ArmDemand) -> Result<bool, ScenarioError> {
+    match demand {
+        ArmDemand::Nothing => Ok(true),
+        ArmDemand::Hold => is_held(recipe),
+        ArmDemand::Reach => Ok(is_held(recipe)? && is_reached(recipe)?),
+    }
+}
+
+/// Whether a short search finds a way.
 fn is_reached(recipe: &Recipe) -> Result<bool, ScenarioError> {
+    const BUDGET: Budget = Budget { iterations: 5000, time: Duration::MAX };
+    let problem = recipe.scenario("draw", &OpenOptions::default())?.problem(Margins::default())?;
+    let report = default_planner(Criterion::Exact).plan(&problem, &BUDGET, 0, &mut Unobserved)?;
+    Ok(report.outcome == Outcome::Solved)
+}
+
+/// Whether the arm can hold the object at one of the grasps, as far as some attempts at some of them show.
+fn is_held(recipe: &Recipe) -> Result<bool, ScenarioError> {
     /// So many grasps, from the best score down, are tried in turns until one is held.
     const IN_TURN: usize = 20;
     const TURNS: usize = 3;

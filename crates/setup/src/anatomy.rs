@@ -30,7 +30,13 @@ pub(crate) struct RigidBody {
 }
 
 impl Anatomy {
-    pub fn of(urdf: &UrdfText, base_dir: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
+    /// `solid_meshes`: as in [`RobotOptions`].
+    pub fn of(
+        urdf: &UrdfText,
+        base_dir: Option<&Path>,
+        packages: &[PathBuf],
+        solid_meshes: &[String],
+    ) -> Result<Self, RobotError> {
         let facts = urdf.joints()?;
         let is_free =
             |joint: &&JointFacts| joint.motion.as_ref().is_some_and(|motion| motion.mimics.is_none());
@@ -44,6 +50,7 @@ impl Anatomy {
                 text: limits::needed_text(&facts),
             }),
             packages: packages.to_owned(),
+            solid_meshes: solid_meshes.to_owned(),
             ..RobotOptions::default()
         };
         let robot = Robot::from_urdf_text(urdf.text(), urdf.file(), base_dir, &options)?;

@@ -11,6 +11,7 @@ use cranny_spatial::Pose;
 use crate::anatomy::Anatomy;
 use crate::choice::Choice;
 use crate::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
+use crate::palm::jaw_links;
 use crate::posture::marks;
 use crate::robot_folder::Written;
 use crate::{Base, SetupError, SetupOptions, xacro};
@@ -29,6 +30,8 @@ pub(crate) struct Draft<'a> {
     anatomy: Anatomy,
     pub choices: Vec<Choice>,
     pub hand: Option<HandDescription>,
+    /// Links whose meshes stand for what they enclose.
+    pub solid_meshes: Vec<String>,
     /// Whether it is a hand without an arm.
     is_alone: bool,
 }
@@ -41,13 +44,24 @@ impl<'a> Draft<'a> {
         if text.joints()?.iter().all(|joint| joint.motion.is_none()) {
             return Err(SetupError::NoArm { file, joints: "nothing moves".to_owned() });
         }
-        let anatomy = Anatomy::of(&text, Some(&folder), &options.packages)?;
+        let anatomy = Anatomy::of(&text, Some(&folder), &options.packages, &[])?;
         check_ranges(&file, &anatomy)?;
-        Ok(Self { file, folder, options, text, anatomy, choices, hand: None, is_alone: false })
+        Ok(Self {
+            file,
+            folder,
+            options,
+            text,
+            anatomy,
+            choices,
+            hand: None,
+            solid_meshes: Vec::new(),
+            is_alone: false,
+        })
     }
 
     fn look_again(&mut self) -> Result<(), SetupError> {
-        self.anatomy = Anatomy::of(&self.text, Some(&self.folder), &self.options.packages)?;
+        let packages = &self.options.packages;
+        self.anatomy = Anatomy::of(&self.text, Some(&self.folder), packages, &self.solid_meshes)?;
         Ok(())
     }
 
@@ -59,6 +73,9 @@ impl<'a> Draft<'a> {
         let (palm, tip) = (link(&self.options.palm)?, link(&self.options.tip)?);
         let mut guess = HandGuess::of(&self.anatomy, palm);
         if self.leave_out_marks(guess.as_ref())? {
+            guess = HandGuess::of(&self.anatomy, palm);
+        }
+        if guess.is_none() && self.open_mouth(palm) {
             guess = HandGuess::of(&self.anatomy, palm);
         }
         match guess {
@@ -75,6 +92,26 @@ impl<'a> Draft<'a> {
             None if self.options.is_bare => Ok(None),
             None => self.mount_gripper(tip).map(Some),
         }
+    }
+
+    /// Whether a jaw was found once its meshes, and those of the palm that is one body with the other jaw, were taken for
+    /// what they enclose: their hulls may fill the mouth between them.
+    fn open_mouth(&mut self, palm: Option<usize>) -> bool {
+        let Some(links) = jaw_links(&self.anatomy, palm) else { return false };
+        let (folder, packages) = (Some(self.folder.as_path()), &self.options.packages);
+        // Meshes that enclose nothing stay hulls.
+        let Ok(anatomy) = Anatomy::of(&self.text, folder, packages, &links) else { return false };
+        if HandGuess::of(&anatomy, palm).is_none_or(|guess| guess.kind != HandKind::Jaw) {
+            return false;
+        }
+        self.choices.push(Choice::new(
+            "solid meshes",
+            links.join(", "),
+            "the convex hulls that other meshes stand for fill the mouth between the jaws",
+            "`solid_meshes` in robot.yaml",
+        ));
+        (self.anatomy, self.solid_meshes) = (anatomy, links);
+        true
     }
 
     /// Whether there were bodies to leave out because they are marks.

@@ -147,7 +147,7 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
     for contact in contacts.iter().filter(|c| !is_disabled(c) && !c.is_adjacent && c.is_always()) {
         let depth_mm = contact.least_depth_m * 1000.0;
         let found = format!(
-            "{}: they touch in every drawn configuration, at least {depth_mm:.1} mm deep",
+            "{}: they touch in nearly every drawn configuration, at least {depth_mm:.1} mm deep",
             pair(contact)
         );
         let consequence =

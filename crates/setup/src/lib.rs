@@ -15,6 +15,7 @@ mod findings;
 mod grip_place;
 mod hand_guess;
 mod limits;
+mod near_srdf;
 mod palm;
 mod posture;
 mod robot_folder;

@@ -62,3 +62,13 @@ pub(crate) fn palm_link(anatomy: &Anatomy, finger: usize) -> usize {
     let top = anatomy.bodies[finger].top;
     anatomy.robot.links()[top].parent.unwrap_or(0)
 }
+
+/// The links with bodies of the best palm on which a single part moves, and of that part.
+pub(crate) fn jaw_links(anatomy: &Anatomy, palm: Option<usize>) -> Option<Vec<String>> {
+    let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
+    let palm = palms(anatomy, 1).into_iter().find(|palm| wanted(palm.body) && palm.fingers.len() == 1)?;
+    let bodies = std::iter::once(palm.body).chain(palm.fingers);
+    let links = bodies.flat_map(|body| anatomy.bodies[body].links.iter().copied());
+    let with_body = links.filter(|link| !anatomy.robot.links()[*link].collisions.is_empty());
+    Some(with_body.map(|link| anatomy.link_name(link).to_owned()).collect())
+}

@@ -17,6 +17,7 @@ pub(crate) struct Written {
     pub limits: String,
     pub srdf: Option<String>,
     pub tip: Option<String>,
+    pub solid_meshes: Vec<String>,
     pub hand: Option<HandDescription>,
     pub floor_m: f64,
     pub start: BTreeMap<String, f64>,
@@ -51,6 +52,12 @@ impl Written {
         );
         if let Some(tip) = &self.tip {
             let _ = writeln!(text, "# The link that grasps are reached with.\ntip: {}", yaml_key(tip));
+        }
+        if !self.solid_meshes.is_empty() {
+            text.push_str("# Links whose meshes stand for what they enclose, not for their convex hull.\nsolid_meshes:\n");
+            for link in &self.solid_meshes {
+                let _ = writeln!(text, "  - {}", yaml_key(link));
+            }
         }
         if !self.start.is_empty() {
             text.push_str(
@@ -95,7 +102,7 @@ impl Written {
 
 /// An SRDF with the pairs of links that touch by design.
 pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[String; 2]]) -> String {
-    let name = |link: usize| escaped(&robot.links()[link].name);
+    let name = |link: usize| robot.links()[link].name.as_str();
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<!-- Pairs of links that are not checked against each other, from {SELF_CONTACT_SAMPLES} \
          drawn configurations. Look at them: what\n     touches always in the model may not in truth. Pairs that never touched \
@@ -103,28 +110,44 @@ pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[Strin
         escaped(robot.name())
     );
     for contact in contacts {
-        let (a, b) = contact.links;
         let reason = match (contact.is_adjacent, contact.is_always()) {
             (true, _) => "Adjacent".to_owned(),
-            (false, true) => format!("Always: at least {:.1} mm deep", contact.least_depth_m * 1000.0),
+            (false, true) => always(contact),
             (false, false) => continue,
         };
-        let _ = writeln!(
-            text,
-            "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"{reason}\"/>",
-            name(a),
-            name(b)
-        );
+        let (a, b) = contact.links;
+        text.push_str(&disabled(name(a), name(b), &reason));
     }
     for [a, b] in extra {
-        let _ = writeln!(
-            text,
-            "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"By design\"/>",
-            escaped(a),
-            escaped(b)
-        );
+        text.push_str(&disabled(a, b, "By design"));
     }
     text + "</robot>\n"
+}
+
+/// An SRDF with the pairs besides that touch nearly always and that it checks.
+pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContact]) -> String {
+    let checked = |contact: &&SelfContact| {
+        !contact.is_adjacent
+            && contact.is_always()
+            && robot.disabled_pairs().binary_search(&contact.links).is_err()
+    };
+    let name = |link: usize| robot.links()[link].name.as_str();
+    let pairs = contacts.iter().filter(checked);
+    let lines: String = pairs.map(|c| disabled(name(c.links.0), name(c.links.1), &always(c))).collect();
+    match own.rfind("</robot>") {
+        Some(end) => [&own[..end], &lines, &own[end..]].concat(),
+        None => own.to_owned(),
+    }
+}
+
+fn always(contact: &SelfContact) -> String {
+    format!("Always: at least {:.1} mm deep", contact.least_depth_m * 1000.0)
+}
+
+/// A line of an SRDF.
+fn disabled(a: &str, b: &str, reason: &str) -> String {
+    let (a, b) = (escaped(a), escaped(b));
+    format!("  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>\n")
 }
 
 pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool, stem: &str) -> Choice {
@@ -145,7 +168,7 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
     if !always.is_empty() {
         let _ = write!(
             chosen,
-            ", {} that touch in every drawn configuration: {}",
+            ", {} that touch in nearly every drawn configuration: {}",
             always.len(),
             always.join(", ")
         );

@@ -12,12 +12,12 @@ use crate::limits::Ranges;
 use crate::robot_folder::{self, Written};
 use crate::self_contacts::SelfContact;
 use crate::start_choice::StartChoice;
-use crate::{SetupError, limits};
+use crate::{SetupError, limits, near_srdf};
 
 /// What whoever adds a robot says of it; what is left open is chosen.
 #[derive(Clone, Debug, Default)]
 pub struct SetupOptions {
-    /// Its SRDF. Default: the one beside the URDF, if there is one.
+    /// Its SRDF. Default: the one beside the URDF; else what fits of one in `../srdf`, if there is one.
     pub srdf: Option<PathBuf>,
     /// Folders in which `package://` names are looked for.
     pub packages: Vec<PathBuf>,
@@ -98,12 +98,14 @@ impl RobotSetup {
         let beside = urdf.with_extension("srdf");
         let own_srdf = options.srdf.clone().or_else(|| beside.is_file().then_some(beside));
         let own_srdf = own_srdf.map(|path| read_text(&path)).transpose()?;
+        let near_srdf = if own_srdf.is_none() { near_srdf::find(urdf) } else { None };
         let stem = urdf.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut written = Written {
             stem: stem.clone(),
             limits: limits::text(&facts, &base.ranges()),
             srdf: own_srdf.clone(),
             tip: options.tip.clone().filter(|_| draft.hand.is_none()),
+            solid_meshes: draft.solid_meshes.clone(),
             hand: draft.hand.clone(),
             floor_m: 0.0,
             start: BTreeMap::new(),
@@ -111,17 +113,23 @@ impl RobotSetup {
         };
         let robot = draft.robot(&written)?;
         let contacts = SelfContact::sample(&robot);
-        if own_srdf.is_none() {
-            let extra = mounted.as_ref().map_or(&[][..], |gripper| &gripper.touching);
-            written.srdf = Some(robot_folder::srdf_text(&robot, &contacts, extra));
-        }
+        written.srdf = Some(if let Some(own) = &own_srdf {
+            robot_folder::with_always_pairs(own, &robot, &contacts)
+        } else {
+            let mut extra = mounted.as_ref().map_or_else(Vec::new, |gripper| gripper.touching.clone());
+            if let Some(near) = &near_srdf {
+                extra.extend(near.pairs(&robot));
+                draft.choices.push(near.choice());
+            }
+            robot_folder::srdf_text(&robot, &contacts, &extra)
+        });
         draft.choices.push(robot_folder::pairs_choice(&robot, &contacts, own_srdf.is_some(), &stem));
         // 4.
         written.floor_m = floor_m(&robot, base);
         let robot = draft.robot(&written)?;
         let states = match &own_srdf {
             Some(srdf) => states(&robot, &Srdf::parse(srdf, &stem)?),
-            None => Vec::new(),
+            None => near_srdf.map_or_else(Vec::new, |near| states(&robot, &near.srdf)),
         };
         let start = StartChoice::of(&robot, written.floor_m, &states)?
             .ok_or_else(|| never_free(&draft.file, &robot, &contacts))?;

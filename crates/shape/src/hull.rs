@@ -25,7 +25,7 @@ impl Solid {
         let given: Vec<_> = points.iter().map(parry::point).collect();
         let outer = outer_points(&given);
         if outer.len() > MOST_HULL_CORNERS {
-            return rounded_hull(&outer).ok_or(flat);
+            return rounded_hull(&outer, ROUNDED_CORNERS).ok_or(flat);
         }
         let Ok((hull, faces)) = try_convex_hull(&outer) else { return Err(flat) };
         let volume: f64 = faces
@@ -104,12 +104,13 @@ fn farthest(points: &[ParryVector], directions: u32) -> Vec<ParryVector> {
     found
 }
 
-/// The hull of some of the points, rounded so far that it contains all; `None` if they span no volume.
-fn rounded_hull(points: &[ParryVector]) -> Option<Solid> {
-    /// A sphere of 0.1 m is then rounded by 0.2 mm.
-    const CORNERS: u32 = 2000;
+/// A sphere of 0.1 m is then rounded by 0.2 mm.
+const ROUNDED_CORNERS: u32 = 2000;
+
+/// The hull of about so many of the points, rounded so far that it contains all; `None` if they span no volume.
+pub(crate) fn rounded_hull(points: &[ParryVector], corners: u32) -> Option<Solid> {
     let chosen: Vec<Point> =
-        farthest(points, CORNERS).into_iter().map(|p| parry::to_vector(p).into()).collect();
+        farthest(points, corners).into_iter().map(|p| parry::to_vector(p).into()).collect();
     let inner = Solid::hull(&chosen).ok()?;
     let speck = Solid::convex(Convex::sharp(Core::Point));
     let stands_out_m = |p: &ParryVector| {

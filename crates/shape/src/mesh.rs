@@ -59,6 +59,14 @@ impl Mesh {
         self.triangles.iter().flat_map(corners)
     }
 
+    /// The corners of at most [`MOST_PIECES`] pieces of the surface, near ones together.
+    pub fn pieces(&self) -> Vec<Vec<Point>> {
+        let mut triangles: Vec<[Point; 3]> = self.triangles.iter().map(corners).collect();
+        let mut pieces = Vec::new();
+        split(&mut triangles, MOST_PIECES, &mut pieces);
+        pieces
+    }
+
     /// The triangles whose boxes meet `region`, which is given in the mesh's frame.
     pub fn triangles_near(&self, region: &Aabb) -> Vec<u32> {
         self.tree.near(region).collect()
@@ -77,6 +85,26 @@ pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let denominator = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
     2.0 * libm::atan2(a.dot(&b.cross(&c)), denominator)
+}
+
+/// More of them bulge little less.
+const MOST_PIECES: usize = 32;
+
+/// Halves triangles across the longest side of the box around their first corners, until there are so many pieces.
+fn split(triangles: &mut [[Point; 3]], most: usize, pieces: &mut Vec<Vec<Point>>) {
+    /// Fewer are no less convex in halves.
+    const FEWEST: usize = 8;
+    if most <= 1 || triangles.len() <= FEWEST {
+        pieces.push(triangles.iter().flatten().copied().collect());
+        return;
+    }
+    let firsts: Vec<Point> = triangles.iter().map(|triangle| triangle[0]).collect();
+    let axis = Aabb::around(&firsts, 0.0).half_extents.imax();
+    let middle = triangles.len() / 2;
+    triangles.select_nth_unstable_by(middle, |a, b| a[0][axis].total_cmp(&b[0][axis]));
+    let (low, high) = triangles.split_at_mut(middle);
+    split(low, most / 2, pieces);
+    split(high, most / 2, pieces);
 }
 
 fn triangle(corners: &[Point; 3]) -> Convex {

@@ -37,13 +37,13 @@ impl PaintedMesh {
     /// As [`TriangleSoup::load`].
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        if extension.eq_ignore_ascii_case("ply") {
+        if ["ply", "stl"].iter().any(|plain| extension.eq_ignore_ascii_case(plain)) {
             return Ok(Self { pieces: vec![PaintedPiece::of_soup(&TriangleSoup::load(path, scale)?)] });
         }
         if extension.eq_ignore_ascii_case("dae") {
             return Self::of_collada(path, scale);
         }
-        if !["obj", "stl"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        if !extension.eq_ignore_ascii_case("obj") {
             return Err(ShapeError::Format { path: path.to_owned(), extension: extension.to_lowercase() });
         }
         let read = mesh_loader::Loader::default()

@@ -346,8 +346,8 @@ proptest! {
         let pose = Pose::new(vector(0.1), vector(1.0));
         let shift = vector(0.1);
         for solid in &solids {
-            let swept = solid.swept(&shift).unwrap();
-            let gap = separation(&swept, &Pose::identity(), &obstacle, &pose, 1.0);
+            let [swept] = &solid.swept(&shift)[..] else { panic!("one convex solid") };
+            let gap = separation(swept, &Pose::identity(), &obstacle, &pose, 1.0);
             // The least distance of the solid on its way, at many places: never less than that of the sweep,
             // and more by at most half a step.
             let steps = 200;

@@ -1,11 +1,12 @@
+use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer, Outcome, PlanError,
-    PlanReport, Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with,
-    optimise, search, shortcut,
+    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer, Outcome,
+    PlanError, PlanReport, Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task,
+    audit_with, optimise, other_seed, search, shortcut,
 };
 use cranny_robot::Robot;
 
@@ -21,6 +22,8 @@ use crate::{
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered.
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
 /// 4. A path that holds gets its time, if that is asked.
+/// 5. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
+///    [`Robot::needless_turn`].
 ///
 /// That there is no path is an answer ([`Outcome`]), no error.
 ///
@@ -32,6 +35,47 @@ pub fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
     request.check(problem)?;
+    let begin = Instant::now();
+    let mut answer = solve_once(problem, request, observer)?;
+    // 5.
+    /// More seeds find little that these do not.
+    const OTHER_SEEDS: u64 = 8;
+    /// A search that takes so many times the iterations of the first, and some, is not waited for. What the request
+    /// allows plays no part: a plan file tells the iterations of the first search alone, and leads to the same path.
+    const PATIENCE: u64 = 4;
+    const LEAST_ITERATIONS: u64 = 1000;
+    let is_left = request.keep_path || request.optimise.is_some() || !answer.is_solved();
+    let mut turn = if is_left { 0.0 } else { needless_turn(problem.robot(), &answer) };
+    for other in 1..=OTHER_SEEDS {
+        if turn <= PI || observer.should_stop() {
+            break;
+        }
+        let most = PATIENCE.saturating_mul(answer.statistics.iterations).max(LEAST_ITERATIONS);
+        let budget = Budget { iterations: most, time: request.budget.time.saturating_sub(begin.elapsed()) };
+        let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
+        let found = solve_once(problem, &again, &mut Unobserved)?;
+        let found_turn = needless_turn(problem.robot(), &found);
+        if found.is_solved() && found_turn < turn {
+            let Answer { budget, seed, statistics, .. } = answer;
+            answer = Answer { budget, seed, statistics, ..found };
+            turn = found_turn;
+        }
+    }
+    Ok(answer)
+}
+
+/// The most that any segment turns a joint beyond need, in radians.
+fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
+    let turns = answer.segments.iter().map(|segment| robot.needless_turn(&segment.waypoints));
+    turns.fold(0.0, f64::max)
+}
+
+/// Steps 1 to 4.
+fn solve_once(
+    problem: &Problem,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Answer, SolveError> {
     let mut problem = request.scored(problem)?;
     if let Some(threshold) = request.goal_threshold {
         problem = problem.with_goal_threshold(threshold);
