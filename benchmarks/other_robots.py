@@ -8,7 +8,9 @@ a table: how long each took in all and what was chosen for it.
 
 import argparse
 import json
+import os
 import subprocess
+import sys
 import sysconfig
 import tempfile
 import time
@@ -40,6 +42,8 @@ arguments.add_argument("robots", nargs="*", help="NAME URDF …")
 given = arguments.parse_args()
 pairs = list(zip(given.robots[::2], map(Path, given.robots[1::2]), strict=True)) or URDFS
 
+# xacro lies beside this Python.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 print("| robot | in all (s) | plan (s) | hand | gripper frame | base |\n|---|---|---|---|---|---|")
 for name, urdf in pairs:
     with tempfile.TemporaryDirectory() as folder:

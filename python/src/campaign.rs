@@ -79,6 +79,7 @@ pub fn run_campaign(
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
         information: RunInformation::here(None, command, workers),
+        again: Vec::new(),
     };
     let (stop, progress) = (AtomicBool::new(false), Progress::default());
     let heard = heard.map(Bound::unbind);

@@ -4,9 +4,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
+use crate::exports::Exports;
 use crate::worker_message::{Request, TrialRun};
 use crate::worker_process::{Served, WorkerProcess};
-use crate::{BenchError, Question, Results, RunInformation, Schedule, TrialRecord, WorkerProgram};
+use crate::{
+    BenchError, Question, Results, RunInformation, Schedule, TrialOutcome, TrialRecord, WorkerProgram,
+};
 
 /// How a campaign is run.
 #[derive(Clone, Debug)]
@@ -19,6 +22,8 @@ pub struct CampaignSettings {
     pub memory_limit_bytes: u64,
     /// What is stored with the run.
     pub information: RunInformation,
+    /// Trials that ended so are run again, and take the place of those before. Default: none.
+    pub again: Vec<TrialOutcome>,
 }
 
 /// What a run did.
@@ -61,7 +66,7 @@ impl CampaignObserver for Unheard {}
 /// `stop` ends the campaign; the trials under way are then not stored.
 ///
 /// # Errors
-/// [`BenchError::Refused`] where a trial cannot be run at all, [`BenchError::NotRunnable`] where no worker starts,
+/// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be run at all, [`BenchError::NotRunnable`] where no worker starts,
 /// and what [`Results`] say; trials that are stored stay so.
 pub fn run_campaign(
     schedule: &Schedule,
@@ -71,7 +76,13 @@ pub fn run_campaign(
     stop: &AtomicBool,
 ) -> Result<RunSummary, BenchError> {
     // 1.
-    let known: HashSet<String> = results.known()?.iter().map(crate::Trial::key).collect();
+    results.claim()?;
+    let again = |record: &TrialRecord| settings.again.contains(&record.outcome);
+    let records = results.records()?;
+    let known: HashSet<String> =
+        records.iter().filter(|record| !again(record)).map(|record| record.trial.key()).collect();
+    let replaced: HashSet<String> =
+        records.iter().filter(|record| again(record)).map(|record| record.trial.key()).collect();
     let is_open = |question: &&Question| !known.contains(&question.trial.key());
     let open: Vec<&Question> = schedule.questions.iter().filter(is_open).collect();
     let mut summary = RunSummary {
@@ -94,7 +105,7 @@ pub fn run_campaign(
             results.note_planner(&trial.planner, &trial.settings, &source)?;
         }
     }
-    let exports = exports()?;
+    let exports = Exports::new()?;
     let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
     let is_stopped = || stop.load(Ordering::Relaxed) || is_over.load(Ordering::Relaxed);
     thread::scope(|scope| {
@@ -121,7 +132,11 @@ pub fn run_campaign(
         let mut store = || -> Result<(), BenchError> {
             for asked in &answers {
                 let Some((record, path)) = asked? else { continue };
-                results.append(run, &record, &path)?;
+                if replaced.contains(&record.trial.key()) {
+                    results.replace(run, &record, &path)?;
+                } else {
+                    results.append(run, &record, &path)?;
+                }
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
                 observer.trial_ended(&record);
@@ -180,15 +195,6 @@ pub(crate) fn ask_once(
     settings: &CampaignSettings,
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
-    let exports = exports()?;
+    let exports = Exports::new()?;
     ask(&mut None, question, settings, exports.path(), stop)
-}
-
-/// A folder for what the programs of others read and write; it goes with the campaign.
-fn exports() -> Result<tempfile::TempDir, BenchError> {
-    let made = tempfile::Builder::new().prefix("cranny-bench-").tempdir();
-    made.map_err(|reason| BenchError::NotRunnable {
-        program: "a campaign".to_owned(),
-        reason: format!("no temporary folder: {reason}"),
-    })
 }

@@ -195,6 +195,47 @@ pub enum BenchError {
         /// What it was opened by.
         source_name: String,
     },
+    /// The files of a scenario changed while a campaign ran.
+    #[error(
+        "scenario {scenario} ({source_name}) has changed since the campaign began; what is stored stays. Begin the campaign \
+         again: trials on the new content are counted apart"
+    )]
+    ChangedScenario {
+        /// The scenario.
+        scenario: String,
+        /// What it was opened by.
+        source_name: String,
+    },
+    /// A program is not the one that a trial was planned with.
+    #[error(
+        "the program of planner '{planner}' is not the one of the trial: a file of `{command}` has changed, or is gone"
+    )]
+    OtherProgram {
+        /// The planner.
+        planner: String,
+        /// The command.
+        command: String,
+    },
+    /// A trial runs a command that somebody may have written into the results.
+    #[error(
+        "trial {id} runs a program, as these results name it: `{command}`; if you trust them, --allow-exec runs it"
+    )]
+    ForeignCommand {
+        /// The trial.
+        id: u64,
+        /// The command.
+        command: String,
+    },
+    /// Another campaign writes the results.
+    #[error(
+        "{}: another campaign is writing these results; wait for its end, or write to another file and join both by \
+         `cranny bench merge`",
+        path.display()
+    )]
+    InUse {
+        /// The file.
+        path: PathBuf,
+    },
     /// How a planner was called is not known.
     #[error("how planner '{planner}' of the trial was called is not in the results")]
     UnknownCall {

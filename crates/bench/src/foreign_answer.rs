@@ -47,6 +47,9 @@ struct ForeignStatistics {
     goals_tried: u64,
 }
 
+/// No program counts more of anything: what a file of results can hold.
+const MOST_COUNT: u64 = i64::MAX.cast_unsigned();
+
 /// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
 /// path.
 ///
@@ -92,6 +95,12 @@ pub fn read_output(output: &[u8], joints: usize, carries: bool) -> Result<Foreig
     }
     let ForeignStatistics { iterations, nodes, collision_checks, ik_attempts, goals_tried } =
         document.statistics;
+    if let Some(count) = [iterations, nodes, collision_checks, ik_attempts, goals_tried]
+        .into_iter()
+        .find(|&count| count > MOST_COUNT)
+    {
+        return Err(format!("the statistics count {count} of something, more than any program can"));
+    }
     let outcome = match document.outcome.unwrap_or(Outcome::BudgetExhausted) {
         Outcome::Solved if segments.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
@@ -164,7 +173,7 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
     };
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     // Counts, written as numbers of any kind.
-    let count = |number: Option<f64>| number.map_or(0, |number| number.max(0.0) as u64);
+    let count = |number: Option<f64>| number.map_or(0, |number| (number.max(0.0) as u64).min(MOST_COUNT));
     let statistics = Statistics {
         iterations: count(summary.iters),
         nodes: count(summary.treesize),
@@ -285,6 +294,7 @@ mod tests {
         assert!(fault(b"{\"outcome\": \"solved\"}").contains("no way points"));
         assert!(fault(b"{\"way_points\": []}").contains("way_points"));
         assert!(fault(b"{\"outcome\": \"cancelled\"}").contains("'cancelled'"));
+        assert!(fault(b"{\"statistics\": {\"iterations\": 18446744073709551615}}").contains("more than any"));
         assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
     }
 

@@ -7,7 +7,9 @@ use cranny_plan::{CarryEnd, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
 use cranny_solve::{Carry, Segment};
 use serde_json::json;
+use tempfile::TempDir;
 
+use crate::file_stamp::FileStamp;
 use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
 use crate::opened_scenario::OpenedScenario;
@@ -30,8 +32,10 @@ struct ForeignFiles {
     cranny: PathBuf,
     /// The robot.
     urdf: PathBuf,
-    /// For what the program writes.
+    /// Under which each trial has a folder of its own for what the program writes.
     scratch: PathBuf,
+    /// What was written for the program, to be seen if it changes anything of it.
+    written: Vec<(PathBuf, Option<FileStamp>)>,
 }
 
 /// One trial of such a program.
@@ -79,14 +83,17 @@ impl ForeignPlanner {
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let limits =
             Limits { time: time.saturating_add(GRACE), memory_bytes: task.request.memory_limit_bytes };
-        let prefix = self.files.scratch.join(format!("trial-{}", std::process::id()));
-        forget(&prefix);
-        let words = self.command.iter().map(|word| self.filled(word, task, &prefix)).collect::<Vec<_>>();
+        // New for each trial: nothing that one leaves behind is there for the next.
+        let scratch = TempDir::new_in(&self.files.scratch);
+        let scratch = scratch
+            .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let (scratch, prefix) = (scratch.path(), scratch.path().join("trial"));
+        let words = self.command.iter().map(|word| self.filled(word, task, scratch)).collect::<Vec<_>>();
         let missing = || BenchError::Program { program: String::new() };
         let (program, arguments) = words.split_first().ok_or_else(missing)?;
         let mut command = Command::new(program);
-        command.args(arguments).current_dir(&self.files.scratch);
-        let input = self.problem(task).to_string() + "\n";
+        command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
+        let input = self.problem(task, scratch).to_string() + "\n";
         let (ending, elapsed_s) =
             foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
@@ -126,12 +133,19 @@ impl ForeignPlanner {
                 }
             }
         };
-        forget(&prefix);
-        Ok(answer)
+        match self.files.first_changed() {
+            Some(file) => {
+                let detail = format!("it changed a file that it was given: {}", file.display());
+                // The next trial gets them anew.
+                self.files.discard();
+                Ok(without(TrialOutcome::Garbled, Some(detail)))
+            }
+            None => Ok(answer),
+        }
     }
 
     /// A word of the command with its placeholders filled in.
-    fn filled(&self, word: &str, task: &ForeignTask, prefix: &Path) -> String {
+    fn filled(&self, word: &str, task: &ForeignTask, scratch: &Path) -> String {
         /// Where only time counts: beyond what any planner does in hours, and within 32 bits.
         const ENDLESS: u64 = 2_000_000_000;
         let trial = &task.request.question.trial;
@@ -151,14 +165,14 @@ impl ForeignPlanner {
             ("{grasps}", export("grasps.csv")),
             ("{start}", export("robot_start_conf.csv")),
             ("{ik}", export("grasp_IK_solutions.csv")),
-            ("{scratch}", path(&self.files.scratch)),
-            ("{prefix}", path(prefix)),
+            ("{scratch}", path(scratch)),
+            ("{prefix}", path(&scratch.join("trial"))),
         ];
         placeholders.iter().fold(word.to_owned(), |word, (name, value)| word.replace(name, value))
     }
 
     /// What the program reads on its standard input.
-    fn problem(&self, task: &ForeignTask) -> serde_json::Value {
+    fn problem(&self, task: &ForeignTask, scratch: &Path) -> serde_json::Value {
         let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
         let robot = problem.robot();
         let named = robot.joint_names().iter().zip(robot.limits());
@@ -190,7 +204,7 @@ impl ForeignPlanner {
                 "grasps": export.join("grasps.csv"),
                 "start": export.join("robot_start_conf.csv"),
                 "ik": export.join("grasp_IK_solutions.csv"),
-                "scratch": self.files.scratch,
+                "scratch": scratch,
             },
         })
     }
@@ -210,6 +224,7 @@ impl ForeignFiles {
             cranny: folder.join("cranny").join(&opened.scenario.id),
             urdf: folder.join("robot").join(recipe.robot.urdf_name()),
             scratch,
+            written: Vec::new(),
         };
         // Written last of all, so that what has it is whole.
         let mark = folder.join(format!("{}.whole", opened.problem.criterion().name()));
@@ -221,6 +236,9 @@ impl ForeignFiles {
             recipe.write_released(&files.released)?;
             std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;
         }
+        for written in ["robot", "cranny", "released"] {
+            files.note_written(&folder.join(written));
+        }
         // A released scenario is given as it is, with its own robot.
         let source = Path::new(&request.question.source);
         if source.join("scene.yaml").is_file() && source.join("export/obstacles.obj").is_file() {
@@ -231,6 +249,44 @@ impl ForeignFiles {
             }
         }
         Ok(files)
+    }
+
+    /// Notes all files below a folder, and lets nobody write them by accident.
+    fn note_written(&mut self, folder: &Path) {
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
+        let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        paths.sort();
+        for path in paths {
+            if path.is_dir() {
+                self.note_written(&path);
+                continue;
+            }
+            if let Ok(mut permissions) = std::fs::metadata(&path).map(|facts| facts.permissions()) {
+                permissions.set_readonly(true);
+                // Where that cannot be said, a change is seen all the same.
+                let _ = std::fs::set_permissions(&path, permissions);
+            }
+            let stamp = FileStamp::of(&path);
+            self.written.push((path, stamp));
+        }
+    }
+
+    /// The first file that is not as it was written.
+    fn first_changed(&self) -> Option<&Path> {
+        let mut changed = self.written.iter().filter(|(path, stamp)| FileStamp::of(path) != *stamp);
+        changed.next().map(|(path, _)| path.as_path())
+    }
+
+    /// Takes the marks away by which files count as whole, so that they are written anew.
+    fn discard(&self) {
+        let folder = self.scratch.parent().unwrap_or(&self.scratch);
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
+        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+            let removed =
+                if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+            // What stays will be found changed again.
+            let _ = removed;
+        }
     }
 }
 
@@ -246,12 +302,4 @@ fn asked_to_carry(carry: CarryTo) -> serde_json::Value {
         "clear_m": clear_m,
         "lift_off": {"most_m": lift_off.most_m, "clear_m": lift_off.clear_m, "slack_m": lift_off.slack_m},
     })
-}
-
-/// Removes what an earlier trial wrote.
-fn forget(prefix: &Path) {
-    for ending in ["try", "txt", "vis"] {
-        // Mostly there is none.
-        let _ = std::fs::remove_file(prefix.with_extension(ending));
-    }
 }

@@ -4,7 +4,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::process_group::{self, Leash};
+use crate::process_group::{self, Family, Leash};
 
 /// What the program of others may take.
 #[derive(Clone, Copy, Debug)]
@@ -58,11 +58,13 @@ pub fn run(
     let output = child.stdout.take().map(|stdout| reader(stdout, MOST_OUTPUT_BYTES + 1, Some(sender)));
     let complaint = child.stderr.take().map(|stderr| reader(stderr, MOST_COMPLAINT_BYTES, None));
     let ended = watch(&mut child, begin, limits, &closed);
+    // Until its end and that of its output, whoever holds that open.
     let elapsed_s = begin.elapsed().as_secs_f64();
     // What it started and left behind, too: nobody reads on.
     process_group::kill(id);
     leash.hold(None);
     let status = child.wait()?;
+    process_group::end_descendants();
     let join = |handle: Option<thread::JoinHandle<Vec<u8>>>| {
         handle.and_then(|handle| handle.join().ok()).unwrap_or_default()
     };
@@ -100,27 +102,36 @@ fn reader(
     })
 }
 
-/// Waits for the end of a program; nothing if it ended by itself.
+/// What a program started may hold its output open for so long after its own end.
+const AFTER_THE_END: Duration = Duration::from_millis(200);
+
+/// Waits for the end of a program and of its output; nothing if it ended by itself.
 fn watch(child: &mut Child, begin: Instant, limits: Limits, closed: &mpsc::Receiver<()>) -> Option<Ending> {
-    let mut is_closed = false;
+    let mut family = Family::of_program(child.id());
+    let (mut is_closed, mut gone): (bool, Option<Instant>) = (false, None);
     loop {
         // That it cannot be asked means that it is gone.
-        if !matches!(child.try_wait(), Ok(None)) {
-            return None;
+        if gone.is_none() && !matches!(child.try_wait(), Ok(None)) {
+            gone = Some(Instant::now());
+        }
+        match gone {
+            Some(gone) if is_closed || gone.elapsed() >= AFTER_THE_END => return None,
+            _ => {}
         }
         if begin.elapsed() >= limits.time {
             return Some(Ending::Hung);
         }
-        match process_group::resident_bytes_of_family(child.id()) {
-            Some(bytes) if bytes > limits.memory_bytes => return Some(Ending::OutOfMemory(bytes)),
-            _ => {}
+        let bytes = family.look();
+        if bytes > limits.memory_bytes {
+            return Some(Ending::OutOfMemory(bytes));
         }
         if is_closed {
             // Between its last word and its end little time goes by.
             thread::sleep(Duration::from_micros(200));
         } else {
             let left = limits.time.saturating_sub(begin.elapsed());
-            let heard = closed.recv_timeout(LOOK_EVERY.min(left));
+            let after = gone.map_or(LOOK_EVERY, |gone| AFTER_THE_END.saturating_sub(gone.elapsed()));
+            let heard = closed.recv_timeout(LOOK_EVERY.min(left).min(after));
             is_closed = !matches!(heard, Err(RecvTimeoutError::Timeout));
         }
     }

@@ -236,7 +236,7 @@ fn status(outcome: TrialOutcome) -> u8 {
         TrialOutcome::BudgetExhausted => 4,
         TrialOutcome::Solved => 6,
         TrialOutcome::Crashed => 7,
-        TrialOutcome::Hung | TrialOutcome::OutOfMemory | TrialOutcome::Cancelled => 8,
+        TrialOutcome::Hung | TrialOutcome::OutOfMemory | TrialOutcome::Cancelled | TrialOutcome::Killed => 8,
         TrialOutcome::NoReachableGrasp => 9,
     }
 }

@@ -6,7 +6,9 @@ use std::sync::atomic::AtomicBool;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
-use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
+use cranny_scenario::{Identity, OpenOptions, Scenario, ScenarioError};
+
+use crate::{BenchError, Trial};
 
 /// A scenario, opened under a criterion, with its problem: what takes longer than many a trial.
 pub struct OpenedScenario {
@@ -56,8 +58,21 @@ pub struct OpenedScenarios {
 }
 
 impl OpenedScenarios {
-    /// The scenario, opened now if it has not been before.
-    pub fn get(&mut self, source: &str, criterion: Criterion) -> Result<Rc<OpenedScenario>, ScenarioError> {
+    /// The scenario of this content, opened now if it has not been before.
+    ///
+    /// # Errors
+    /// [`BenchError::ChangedScenario`] where the files are others than those of the campaign; those of opening it.
+    pub fn get(
+        &mut self,
+        trial: &Trial,
+        source: &str,
+        criterion: Criterion,
+    ) -> Result<Rc<OpenedScenario>, BenchError> {
+        // Before each trial: files may be edited while a campaign runs, and some are read only now.
+        if Identity::of(source)?.sha256 != trial.scenario_hash {
+            let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
+            return Err(BenchError::ChangedScenario { scenario, source_name });
+        }
         let key = (source.to_owned(), criterion.name());
         if let Some(opened) = self.opened.get(&key) {
             return Ok(opened.clone());

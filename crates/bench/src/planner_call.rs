@@ -1,12 +1,15 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use cranny_grasp::ScoreKind;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
-use crate::BenchError;
+use crate::file_stamp::FileStamp;
+use crate::{BenchError, CarryTo, Trial};
 
 /// How a planner is called.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,6 +110,29 @@ impl PlannerCall {
         }
     }
 
+    /// The program of others that it runs, with its arguments; nothing for a built-in planner.
+    pub fn command(&self) -> String {
+        match self {
+            Self::BuiltIn { .. } => String::new(),
+            Self::Exec { command } => command.join(" "),
+            Self::Released { program, arguments } => {
+                [std::slice::from_ref(program), arguments].concat().join(" ")
+            }
+        }
+    }
+
+    /// Whether the files of the command are those that a trial was planned with.
+    ///
+    /// # Errors
+    /// [`BenchError::OtherProgram`].
+    pub(crate) fn check_unchanged(&self, trial: &Trial) -> Result<(), BenchError> {
+        let settings = CarryTo::among(CarryTo::of_settings(&trial.settings), self.settings());
+        if settings == trial.settings {
+            return Ok(());
+        }
+        Err(BenchError::OtherProgram { planner: trial.planner.clone(), command: self.command() })
+    }
+
     /// All settings, as canonical JSON: the same on every machine. A file of the command counts with its name and
     /// its content, not with where it lies.
     pub fn settings(&self) -> String {
@@ -177,7 +203,23 @@ fn absolute(word: &str) -> Option<String> {
     Some(std::path::absolute(word).ok()?.to_str()?.to_owned())
 }
 
+/// The SHA-256 of a file, computed once for as long as the system says that it is the same.
 fn checksum(word: &str) -> String {
+    static KNOWN: Mutex<BTreeMap<String, (FileStamp, String)>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let stamp = FileStamp::of(Path::new(word));
+    match (known.get(word), &stamp) {
+        (Some((before, sum)), Some(now)) if before == now => return sum.clone(),
+        _ => {}
+    }
+    let sum = computed_checksum(word);
+    if let Some(stamp) = stamp {
+        known.insert(word.to_owned(), (stamp, sum.clone()));
+    }
+    sum
+}
+
+fn computed_checksum(word: &str) -> String {
     let content = cranny_file::PROGRAM.bytes(Path::new(word)).unwrap_or_default();
     let mut text = String::new();
     for byte in Sha256::digest(content) {

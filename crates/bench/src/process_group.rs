@@ -1,8 +1,12 @@
 //! Processes with all that they start, as far as the system lets one know them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// The program of others that is running just now, for whoever must end it.
 #[derive(Clone, Debug, Default)]
@@ -16,11 +20,147 @@ impl Leash {
         *self.leader.lock().unwrap_or_else(PoisonError::into_inner) = leader;
     }
 
-    /// Ends the group that is held, if one is.
+    /// Ends the group that is held, if one is, and all that a worker has started.
     pub fn kill(&self) {
         if let Some(leader) = *self.leader.lock().unwrap_or_else(PoisonError::into_inner) {
             kill(leader);
         }
+        end_descendants();
+    }
+}
+
+/// Whether this process adopts what its children leave behind, and ends it.
+static IS_ADOPTING: AtomicBool = AtomicBool::new(false);
+
+/// Closes this process to others of the same user, those of root excepted (Linux): what it has open, the results of a
+/// campaign among them, cannot be reached through `/proc`.
+pub fn close_to_others() {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{DumpableBehavior, set_dumpable_behavior};
+        // An old kernel may refuse; then it is as it was.
+        let _ = set_dumpable_behavior(DumpableBehavior::NotDumpable);
+    }
+}
+
+/// Makes this process, a worker, the one to which processes fall that its children start and leave behind, however often
+/// they fork (a subreaper, Linux): nothing that a program starts outlives its trial.
+pub fn adopt() {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{getpid, set_child_subreaper};
+        IS_ADOPTING.store(set_child_subreaper(Some(getpid())).is_ok(), Ordering::Relaxed);
+    }
+}
+
+/// Ends all that a worker has started, and what that has started, until nothing is left of it.
+pub fn end_descendants() {
+    /// Who forks faster than they are ended is left after so long.
+    const PATIENCE: Duration = Duration::from_secs(2);
+    if !IS_ADOPTING.load(Ordering::Relaxed) {
+        return;
+    }
+    let begin = Instant::now();
+    let mut family = Family::of(std::process::id());
+    while family.end() && begin.elapsed() < PATIENCE {
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// What a process started, however often it forked, as far as the system tells (Linux): what was once seen to belong to it
+/// is known even after those between have ended.
+#[derive(Clone, Debug)]
+pub struct Family {
+    root: u32,
+    /// Everybody that was seen, by process id, and when it began: ids are used again.
+    seen: BTreeMap<u32, u64>,
+}
+
+impl Family {
+    /// That of `root`, which does not belong to it itself.
+    pub fn of(root: u32) -> Self {
+        Self { root, seen: BTreeMap::new() }
+    }
+
+    /// That of a worker with a program of others: whatever the worker has adopted belongs to it.
+    pub fn of_program(program: u32) -> Self {
+        Self::of(if IS_ADOPTING.load(Ordering::Relaxed) { std::process::id() } else { program })
+    }
+
+    /// Looks who belongs to it now; the memory that they hold, in bytes.
+    pub fn look(&mut self) -> u64 {
+        let mut bytes = 0;
+        self.seen.retain(|process, began| Facts::of(*process).is_some_and(|facts| facts.began == *began));
+        let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
+        let mut counted = Vec::new();
+        while let Some(process) = left.pop() {
+            if counted.contains(&process) {
+                continue;
+            }
+            counted.push(process);
+            left.extend(children(process));
+            if let Some(facts) = Facts::of(process).filter(|_| process != self.root) {
+                self.seen.insert(process, facts.began);
+                bytes += facts.resident_bytes;
+            }
+        }
+        bytes
+    }
+
+    /// Ends all of them; whether anybody was there.
+    pub fn end(&mut self) -> bool {
+        self.look();
+        for process in self.seen.keys() {
+            signal_kill(*process);
+        }
+        reap();
+        !self.seen.is_empty()
+    }
+}
+
+/// What the system tells of a process that has not ended.
+struct Facts {
+    began: u64,
+    resident_bytes: u64,
+}
+
+impl Facts {
+    fn of(process: u32) -> Option<Self> {
+        const PAGE_BYTES: u64 = 4096;
+        let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+        // The name, in parentheses, may hold anything.
+        let (_, fields) = stat.rsplit_once(") ")?;
+        let fields: Vec<&str> = fields.split_whitespace().collect();
+        let number = |index: usize| fields.get(index)?.parse::<u64>().ok();
+        let is_gone = matches!(fields.first(), Some(&"Z" | &"X"));
+        (!is_gone).then_some(Self { began: number(19)?, resident_bytes: number(21)? * PAGE_BYTES })
+    }
+}
+
+/// The children of all threads of a process.
+fn children(process: u32) -> Vec<u32> {
+    let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return Vec::new() };
+    let lists = threads.filter_map(|thread| fs::read_to_string(thread.ok()?.path().join("children")).ok());
+    lists
+        .flat_map(|list| list.split_whitespace().filter_map(|child| child.parse().ok()).collect::<Vec<_>>())
+        .collect()
+}
+
+fn signal_kill(process: u32) {
+    #[cfg(unix)]
+    if let Some(process) = i32::try_from(process).ok().and_then(rustix::process::Pid::from_raw) {
+        // That it is gone already is what is wanted.
+        let _ = rustix::process::kill_process(process, rustix::process::Signal::KILL);
+    }
+    #[cfg(not(unix))]
+    let _ = process;
+}
+
+/// Takes note of the end of processes that were adopted; without that they stay as names.
+fn reap() {
+    #[cfg(unix)]
+    if IS_ADOPTING.load(Ordering::Relaxed) {
+        while let Ok(Some(_)) = rustix::process::wait(rustix::process::WaitOptions::NOHANG) {}
     }
 }
 
@@ -51,12 +191,21 @@ pub fn resident_bytes(process: u32) -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
-/// The same of a process and all that it started, as far as they are still its children.
-pub fn resident_bytes_of_family(process: u32) -> Option<u64> {
-    let own = resident_bytes(process)?;
-    let children = fs::read_to_string(format!("/proc/{process}/task/{process}/children")).unwrap_or_default();
-    let children = children.split_whitespace().filter_map(|child| child.parse().ok());
-    Some(own + children.filter_map(resident_bytes_of_family).sum::<u64>())
+/// Whether somebody ended a process by a signal that nobody sends itself.
+pub fn is_killed(status: std::process::ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use rustix::process::Signal;
+        let signal = std::os::unix::process::ExitStatusExt::signal(&status);
+        signal.is_some_and(|signal| {
+            [Signal::KILL, Signal::TERM, Signal::HUP].iter().any(|sent| sent.as_raw() == signal)
+        })
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
+    }
 }
 
 /// How a process ended, in a few words.

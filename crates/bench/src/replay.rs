@@ -36,12 +36,14 @@ const TIME_FACTOR: f64 = 20.0;
 /// is to be found, if it is not where it was. Nothing where `stop` ended it.
 ///
 /// # Errors
-/// [`BenchError::NoTrial`]; [`BenchError::OtherScenario`] where the scenario is not what it was;
-/// [`BenchError::UnknownCall`]; and as [`run_campaign`](crate::run_campaign).
+/// [`BenchError::NoTrial`]; [`BenchError::OtherScenario`] where the scenario is not what it was, and
+/// [`BenchError::OtherProgram`] where the program is not; [`BenchError::UnknownCall`];
+/// [`BenchError::ForeignCommand`] unless `allow_exec`: results of somebody else may name any command; and as [`run_campaign`](crate::run_campaign).
 pub fn replay(
     results: &Results,
     id: u64,
     source: Option<&str>,
+    allow_exec: bool,
     settings: &CampaignSettings,
     stop: &AtomicBool,
 ) -> Result<Option<Replay>, BenchError> {
@@ -53,6 +55,12 @@ pub fn replay(
     let call = results.planner_source(&trial.planner, &trial.settings)?.ok_or_else(unknown)?;
     let call: PlannerCall = serde_json::from_str(&call).map_err(|_| unknown())?;
     let is_built_in = matches!(call, PlannerCall::BuiltIn { .. });
+    if !is_built_in {
+        if !allow_exec {
+            return Err(BenchError::ForeignCommand { id, command: call.command() });
+        }
+        call.check_unchanged(trial)?;
+    }
     let iterations = stored.record.statistics.iterations;
     let asked = if is_built_in && !is_lost(&stored) {
         let time_limit_s = trial.time_limit_s * TIME_FACTOR;
@@ -74,8 +82,8 @@ pub fn replay(
 
 /// Whether the trial took its worker with it: then nobody counted its iterations.
 fn is_lost(stored: &StoredTrial) -> bool {
-    use crate::TrialOutcome::{Crashed, Hung, OutOfMemory};
-    matches!(stored.record.outcome, Crashed | Hung | OutOfMemory)
+    use crate::TrialOutcome::{Crashed, Hung, Killed, OutOfMemory};
+    matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed)
 }
 
 /// What the scenario of a trial is opened by, its content checked: `given`, else where the results say that it was,

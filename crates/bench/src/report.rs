@@ -20,6 +20,7 @@ mod row;
 mod success_curve;
 mod success_plot;
 mod summary;
+mod warning;
 mod worst_trial;
 
 pub use comparison::Comparison;

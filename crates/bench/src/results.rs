@@ -1,6 +1,9 @@
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OptionalExtension as _, params};
+
+use tempfile::TempDir;
 
 use crate::results_row::{self, COLUMNS};
 use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
@@ -13,6 +16,10 @@ use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
 pub struct Results {
     pub(crate) connection: Connection,
     pub(crate) path: PathBuf,
+    /// Held while a campaign writes; the system lets go of it however the campaign ends.
+    claim: Option<File>,
+    /// A copy that is read in place of results on a medium that cannot be written.
+    copy: Option<TempDir>,
 }
 
 /// A run of a campaign, as the results keep it: the same campaign begun again is another run.
@@ -69,7 +76,30 @@ impl Results {
     /// [`BenchError::Damaged`], [`BenchError::Database`]; what stood there before is untouched.
     pub fn create(path: &Path) -> Result<Self, BenchError> {
         results_file::begin(path)?;
-        Ok(Self { connection: results_file::open(path)?, path: path.to_owned() })
+        Ok(Self::new(results_file::open(path)?, path))
+    }
+
+    fn new(connection: Connection, path: &Path) -> Self {
+        Self { connection, path: path.to_owned(), claim: None, copy: None }
+    }
+
+    /// Claims the results for one campaign, until they are closed: two that write the same would do all work twice.
+    ///
+    /// # Errors
+    /// [`BenchError::InUse`].
+    pub fn claim(&mut self) -> Result<(), BenchError> {
+        if self.claim.is_some() {
+            return Ok(());
+        }
+        let file = File::open(&self.path)
+            .map_err(|reason| BenchError::Unwritable { path: self.path.clone(), reason })?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => return Err(BenchError::InUse { path: self.path.clone() }),
+            // A file system without locks.
+            Err(TryLockError::Error(_)) => {}
+            Ok(()) => self.claim = Some(file),
+        }
+        Ok(())
     }
 
     /// Opens the results at `path` to read them.
@@ -80,7 +110,14 @@ impl Results {
         if !path.exists() {
             return Err(BenchError::NoResults { path: path.to_owned() });
         }
-        let results = Self { connection: results_file::open(path)?, path: path.to_owned() };
+        let mut results = if results_file::is_writable(path) {
+            Self::new(results_file::open(path)?, path)
+        } else {
+            // Reading, too, may write a log back.
+            let (copy, file) = results_file::copied(path)?;
+            Self { copy: Some(copy), ..Self::new(results_file::open(&file)?, path) }
+        };
+        path.clone_into(&mut results.path);
         results.done(results.connection.pragma_update(None, "query_only", true))?;
         Ok(results)
     }
@@ -112,6 +149,15 @@ impl Results {
     pub fn end_run(&mut self, run: u64) -> Result<(), BenchError> {
         let sql = "UPDATE runs SET ended = strftime('%Y-%m-%dT%H:%M:%SZ', 'now') WHERE id = ?1";
         self.done(self.connection.execute(sql, [run])).map(drop)
+    }
+
+    /// Puts a trial that was run again in the place of the one before.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn replace(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<(), BenchError> {
+        let replaced = results_row::replace(&mut self.connection, run, record, path);
+        self.done(replaced)
     }
 
     /// Adds a trial with the path that its planner gave, and returns whether it was new: one that is there
@@ -262,8 +308,10 @@ impl Results {
     /// # Errors
     /// As [`Self::open`] of the others, [`BenchError::Database`].
     pub fn merge(&mut self, others: &Path) -> Result<Merged, BenchError> {
-        // Opened by itself first, for its log and its faults.
-        Self::open(others)?;
+        // Opened by itself first, for its log and its faults; a copy of it is there as long as this.
+        let opened = Self::open(others)?;
+        let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
+        let others = copy.unwrap_or_else(|| others.to_owned());
         let others = others.to_string_lossy();
         self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
         let merged = self.take_up_others();
@@ -289,7 +337,7 @@ impl Results {
         let beside = results_file::folder_beside(into)?;
         let partial = beside.path().join("results.db");
         results_file::begin(&partial)?;
-        let mut results = Self { connection: results_file::open(&partial)?, path: into.to_owned() };
+        let mut results = Self::new(results_file::open(&partial)?, into);
         let merged = take_up(&mut results)?;
         // With its log written back, which the last to close it does.
         drop(results);

@@ -152,6 +152,32 @@ pub fn open(path: &Path) -> Result<Connection, BenchError> {
     Ok(connection)
 }
 
+/// Whether results, and what `SQLite` lays beside them, can be written.
+pub fn is_writable(path: &Path) -> bool {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::OpenOptions::new().write(true).open(path).is_ok() && tempfile::tempfile_in(folder).is_ok()
+}
+
+/// What a copy of results is called.
+pub const COPY: &str = "results.db";
+
+/// A copy of results with the log that belongs to them, in a folder that goes with it.
+pub fn copied(path: &Path) -> Result<(TempDir, std::path::PathBuf), BenchError> {
+    let copy = || -> std::io::Result<_> {
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join(COPY);
+        std::io::copy(&mut fs::File::open(path)?, &mut fs::File::create(&file)?)?;
+        let beside = |path: &Path| {
+            path.with_file_name(format!("{}-wal", path.file_name().unwrap_or_default().display()))
+        };
+        if let Ok(mut log) = fs::File::open(beside(path)) {
+            std::io::copy(&mut log, &mut fs::File::create(beside(&file))?)?;
+        }
+        Ok((folder, file))
+    };
+    copy().map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })
+}
+
 /// Nothing that a file brings along is run, and nothing huge is read.
 fn harden(connection: &Connection) -> rusqlite::Result<()> {
     connection.busy_timeout(PATIENCE)?;

@@ -63,6 +63,34 @@ pub fn insert(
     ])
 }
 
+/// Puts a row in the place of that of the same trial, all or nothing.
+pub fn replace(
+    connection: &mut Connection,
+    run: u64,
+    record: &TrialRecord,
+    path: &[Vec<f64>],
+) -> rusqlite::Result<()> {
+    let transaction = connection.transaction()?;
+    let trial = &record.trial;
+    transaction.execute(
+        "DELETE FROM trials WHERE scenario = ?1 AND scenario_hash = ?2 AND planner = ?3 AND settings = ?4 AND \
+         criterion = ?5 AND seed = ?6 AND time_limit_s = ?7 AND iteration_limit IS ?8 AND goal IS ?9",
+        params![
+            trial.scenario,
+            trial.scenario_hash,
+            trial.planner,
+            trial.settings,
+            trial.criterion.name(),
+            trial.seed,
+            trial.time_limit_s,
+            trial.iteration_limit,
+            trial.goal
+        ],
+    )?;
+    insert(&transaction, run, record, path)?;
+    transaction.commit()
+}
+
 /// Takes the trials of the attached database `others` up, with their runs, which are there already.
 pub fn take_up_trials() -> String {
     format!(

@@ -63,6 +63,8 @@ pub enum TrialOutcome {
     Hung,
     /// The planner took more memory than it was given.
     OutOfMemory,
+    /// Somebody ended the worker by a signal: nothing is known of the trial.
+    Killed,
 }
 
 impl TrialOutcome {

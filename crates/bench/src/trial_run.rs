@@ -26,16 +26,19 @@ pub fn run(
     let question = &request.question;
     let trial = &question.trial;
     // 1.
-    let opened = scenarios.get(&question.source, trial.criterion)?;
+    let opened = scenarios.get(trial, &question.source, trial.criterion)?;
     let goal = trial.goal.map(|index| goal_of(&opened, index)).transpose()?;
     let other = match trial.criterion {
         Criterion::Exact => Criterion::Paper,
         Criterion::Paper => Criterion::Exact,
     };
-    let other = if question.judge_both { Some(scenarios.get(&question.source, other)?) } else { None };
+    let other = if question.judge_both { Some(scenarios.get(trial, &question.source, other)?) } else { None };
     let foreign = match &question.call {
         PlannerCall::BuiltIn { .. } => None,
-        _ => Some(ForeignPlanner::new(request, &opened)?),
+        call => {
+            call.check_unchanged(trial)?;
+            Some(ForeignPlanner::new(request, &opened)?)
+        }
     };
     tell(&Message::Opened)?;
     // 2.

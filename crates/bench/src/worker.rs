@@ -3,7 +3,7 @@ use std::sync::mpsc;
 use std::thread;
 
 use crate::opened_scenario::OpenedScenarios;
-use crate::process_group::Leash;
+use crate::process_group::{self, Leash};
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, trial_run};
 
@@ -13,6 +13,8 @@ use crate::{BenchError, trial_run};
 /// # Errors
 /// [`BenchError::Message`] for a line that is no request, or where nobody listens to the answers.
 pub fn serve(input: impl BufRead + Send + 'static, output: &mut impl Write) -> Result<(), BenchError> {
+    process_group::close_to_others();
+    process_group::adopt();
     let leash = Leash::default();
     let (sender, requests) = mpsc::channel();
     let last_will = leash.clone();

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use cranny_plan::Statistics;
 
 use crate::foreign_process::LOOK_EVERY;
-use crate::process_group;
+use crate::process_group::{self, Family};
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 
@@ -26,6 +26,8 @@ pub struct WorkerProgram {
 /// A process that serves trials one after the other, and may end at any of them.
 pub struct WorkerProcess {
     child: Child,
+    /// What it started, as far as it was seen.
+    family: Family,
     requests: Option<ChildStdin>,
     lines: Receiver<String>,
     complaint: Arc<Mutex<String>>,
@@ -94,7 +96,8 @@ impl WorkerProcess {
             })
         });
         let requests = child.stdin.take();
-        Ok(Self { child, requests, lines, complaint, listener })
+        let family = Family::of(child.id());
+        Ok(Self { child, family, requests, lines, complaint, listener })
     }
 
     /// Asks for a trial and waits for the answer, at most as long as the trial may take.
@@ -141,6 +144,7 @@ impl WorkerProcess {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
                         return self.ended(trial, TrialOutcome::Hung, detail, begin);
                     }
+                    self.family.look();
                     let held = process_group::resident_bytes(self.child.id());
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
@@ -162,7 +166,14 @@ impl WorkerProcess {
 
     /// The trial of a worker that ended by itself.
     fn lost(&mut self, trial: &Trial, begin: Instant) -> Served {
-        let mut detail = self.end().map_or_else(|| "ended".to_owned(), process_group::ending);
+        let status = self.end();
+        // What it started, in whatever group.
+        self.family.end();
+        let outcome = match status {
+            Some(status) if process_group::is_killed(status) => TrialOutcome::Killed,
+            _ => TrialOutcome::Crashed,
+        };
+        let mut detail = status.map_or_else(|| "ended".to_owned(), process_group::ending);
         // Its last words may still be on their way; what it started may hold the line open.
         let gone = Instant::now();
         while self.listener.as_ref().is_some_and(|listener| !listener.is_finished())
@@ -174,10 +185,10 @@ impl WorkerProcess {
         if !complaint.is_empty() {
             detail = format!("{detail}: {complaint}");
         }
-        Served::Lost(lost(trial, TrialOutcome::Crashed, detail, begin))
+        Served::Lost(lost(trial, outcome, detail, begin))
     }
 
-    /// Ends the worker, and what it started: told so first, then by force.
+    /// Ends the worker, and what it started: told so first, then by force. How it ended by itself.
     fn end(&mut self) -> Option<std::process::ExitStatus> {
         self.requests = None;
         let begin = Instant::now();
@@ -190,7 +201,9 @@ impl WorkerProcess {
         process_group::kill(self.child.id());
         // Where there are no groups, the worker alone; that it is gone already is what is wanted.
         let _ = self.child.kill();
-        self.child.wait().ok()
+        let _ = self.child.wait();
+        self.family.end();
+        None
     }
 
     /// Whether it can be asked.

@@ -348,9 +348,10 @@ proptest! {
     ) {
         let mut campaign = plain();
         for (trial, (outcome, time_s)) in campaign.trials.iter_mut().zip(ends) {
-            // A search that was cancelled is cut short too.
+            // A search that was cancelled, or killed with its worker, is cut short too.
             let outcome = TrialOutcome::VARIANTS[outcome];
-            end(trial, if outcome == TrialOutcome::Cancelled { TrialOutcome::GaveUp } else { outcome }, time_s);
+            let is_cut_short = matches!(outcome, TrialOutcome::Cancelled | TrialOutcome::Killed);
+            end(trial, if is_cut_short { TrialOutcome::GaveUp } else { outcome }, time_s);
         }
         let summary = summary(&campaign);
         let curve = summary.curves.iter().find(|curve| curve.over == Measure::Time).expect("a curve over time");

@@ -27,6 +27,7 @@ fn settings(script: &str) -> CampaignSettings {
         workers: 1,
         memory_limit_bytes: 100 << 20,
         information: RunInformation::here(None, "cranny bench run", 1),
+        again: Vec::new(),
     }
 }
 
@@ -52,7 +53,7 @@ fn a_worker_that_crashes_takes_one_trial_with_it_and_is_replaced() {
         assert_eq!(detail, "ended with exit code 3: out of luck");
     }
     for (outcome, detail) in outcomes("read line; echo '\"opened\"'; kill -9 $$") {
-        assert_eq!(outcome, TrialOutcome::Crashed);
+        assert_eq!(outcome, TrialOutcome::Killed);
         assert_eq!(detail, "ended by signal 9");
     }
 }

@@ -35,6 +35,9 @@ pub struct ReplayArguments {
     /// Where the scenario is, if it is not where it was
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
+    /// Run the program that the results name, if the trial was one of somebody's program: only for results you trust
+    #[arg(long)]
+    allow_exec: bool,
     /// Write the way points here (.csv)
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -74,11 +77,12 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
         workers: 1,
         memory_limit_bytes: MEMORY_LIMIT_BYTES,
         information: RunInformation::here(bench::COMMIT, "", 1),
+        again: Vec::new(),
     };
     let stop = stop_on_interrupt()?;
     let spinner = spinner("replaying", output.quiet);
     let source = arguments.scenario.as_deref();
-    let replayed = replay(&results, arguments.trial, source, &settings, &stop);
+    let replayed = replay(&results, arguments.trial, source, arguments.allow_exec, &settings, &stop);
     spinner.finish_and_clear();
     let Some(replayed) = replayed? else {
         writeln!(std::io::stderr(), "stopped before the trial had ended")?;

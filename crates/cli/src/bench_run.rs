@@ -6,11 +6,13 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    PlannerCall, Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, run_campaign,
+    PlannerCall, Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, close_to_others,
+    run_campaign,
 };
 use cranny_plan::Criterion;
 use indicatif::ProgressBar;
 use serde::Serialize;
+use strum::VariantArray as _;
 
 use crate::Answer;
 use crate::arguments::{CriterionArgument, Output};
@@ -28,6 +30,7 @@ use crate::text;
   cranny bench run campaign.yaml -o results.db
   cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
   cranny bench run --scenarios all --planners reach --carry home
+  cranny bench run campaign.yaml -o results.db --again killed,crashed     once more what was lost
   cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
 
 The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
@@ -85,9 +88,17 @@ pub struct RunArguments {
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
     workers: usize,
+    /// Run trials again that ended so, and put them in the place of those before: killed, crashed, hung, …; comma-separated
+    #[arg(long, value_name = "OUTCOMES", value_delimiter = ',', value_parser = outcome)]
+    again: Vec<TrialOutcome>,
     /// Where the results are, or shall be
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]
     output: PathBuf,
+}
+
+fn outcome(text: &str) -> Result<TrialOutcome, String> {
+    let known = || TrialOutcome::VARIANTS.iter().map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ");
+    text.parse().map_err(|_| format!("no outcome; known are {}", known()))
 }
 
 fn carry_to(text: &str) -> Result<CarryTo, String> {
@@ -124,6 +135,7 @@ struct Lost {
 }
 
 pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> {
+    close_to_others();
     let campaign = campaign(arguments)?;
     // Better now than after the opening of many scenarios.
     output_file::check_folder(&arguments.output)?;
@@ -148,6 +160,7 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
         information: RunInformation::here(bench::COMMIT, &command, workers),
+        again: arguments.again.clone(),
     };
     let mut progress = CampaignProgress::new(output.quiet);
     let ended = run_campaign(&schedule, &settings, &mut results, &mut progress, &stop);
@@ -269,8 +282,8 @@ impl CampaignProgress {
 
     /// Counts what says more of a planner, or of how it was called, than of its search.
     fn note_loss(&mut self, record: &TrialRecord) {
-        use TrialOutcome::{Crashed, Garbled, Hung, OutOfMemory, Rejected};
-        if !matches!(record.outcome, Crashed | Garbled | Hung | OutOfMemory | Rejected) {
+        use TrialOutcome::{Crashed, Garbled, Hung, Killed, OutOfMemory, Rejected};
+        if !matches!(record.outcome, Crashed | Garbled | Hung | Killed | OutOfMemory | Rejected) {
             return;
         }
         let (planner, outcome) = (&record.trial.planner, record.outcome.name());

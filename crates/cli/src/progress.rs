@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// Nothing is shown for what is done sooner than this.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A flag that Ctrl-C sets.
+/// A flag that Ctrl-C sets, or whoever asks the program to end (SIGTERM, SIGHUP).
 pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();

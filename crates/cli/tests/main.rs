@@ -11,6 +11,8 @@ mod bench;
 mod bench_report;
 #[cfg(unix)]
 mod campaigns;
+#[cfg(target_os = "linux")]
+mod cheating_planners;
 mod commands;
 mod false_proofs;
 #[cfg(unix)]

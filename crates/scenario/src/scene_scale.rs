@@ -262,8 +262,8 @@ impl Workspace {
     fn shift_m(&self, floor_m: f64) -> [f64; 3] {
         /// An arm so little beside its root is before it, in metres.
         const BESIDE_M: f64 = 0.1;
-        /// Lower than this part of what it reaches a robot seldom gets.
-        const SELDOM: f64 = 0.2;
+        /// Whose tip is seldom lower than this share of what it reaches comes to little on the ground.
+        const HIGH: f64 = 0.4;
         // The value that one of so many is below.
         let quantile = |axis: usize, one_of: usize| {
             let mut values: Vec<f64> = self.ahead.iter().map(|tip| tip[axis]).collect();
@@ -272,7 +272,7 @@ impl Workspace {
         };
         let (left_m, low_m) = (quantile(1, 2), quantile(2, 5) - floor_m);
         let right_m = if left_m.abs() > BESIDE_M { -left_m } else { 0.0 };
-        let up_m = if low_m > SELDOM * self.reach_m { low_m } else { 0.0 };
+        let up_m = if low_m > HIGH * self.reach_m { low_m } else { 0.0 };
         [0.0, right_m, up_m].map(|shift_m| (shift_m * 100.0).round() / 100.0)
     }
 }

@@ -37,7 +37,7 @@ pub fn paper_time_s(record: &TrialRecord) -> f64 {
 fn is_stopped_early(record: &TrialRecord) -> bool {
     let is_done = || record.trial.iteration_limit.is_some_and(|limit| record.statistics.iterations >= limit);
     match record.outcome {
-        TrialOutcome::Cancelled => true,
+        TrialOutcome::Cancelled | TrialOutcome::Killed => true,
         TrialOutcome::BudgetExhausted => is_done(),
         TrialOutcome::Solved
         | TrialOutcome::GaveUp

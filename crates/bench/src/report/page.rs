@@ -53,12 +53,8 @@ fn head(page: &mut Markup) {
         summary.criteria().join(" and "),
         escape(summary.version)
     );
-    if let Some(most) = summary.runs.iter().map(|run| run.workers).max().filter(|&workers| workers > 1) {
-        let _ = writeln!(
-            page.text,
-            "<p class=\"warning\">Up to {most} trials ran at a time on one machine, so times are longer than those of a \
-             machine at rest.</p>"
-        );
+    for warning in &summary.warnings {
+        let _ = writeln!(page.text, "<p class=\"warning\">{}</p>", escape(warning));
     }
     page.text.push_str("<nav aria-label=\"Contents\"><ul>\n");
     for criterion in summary.criteria() {

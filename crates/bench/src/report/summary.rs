@@ -6,6 +6,7 @@ use crate::report::comparison::{Comparison, comparisons};
 use crate::report::configuration::{Configuration, Names};
 use crate::report::row::{GoalRow, Group, Row};
 use crate::report::success_curve::{SuccessCurve, success_curves};
+use crate::report::warning::warnings;
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
 
@@ -19,6 +20,8 @@ pub struct Summary {
     pub version: &'static str,
     /// How many trials.
     pub trials: usize,
+    /// What a reader must know before the figures are believed.
+    pub warnings: Vec<String>,
     /// On what the trials ran.
     pub runs: Vec<RunOrigin>,
     /// One row for each planner on each scenario, by criterion.
@@ -110,6 +113,7 @@ impl Summary {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
             trials: source.trials.len(),
+            warnings: warnings(&groups, source.runs),
             runs: source.runs.iter().filter_map(|run| run_origin(run, source.trials)).collect(),
             known_goals: known_goals(configurations.keys(), &names, source.scenarios),
             comparisons: comparisons(&groups),

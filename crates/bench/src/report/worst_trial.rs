@@ -61,7 +61,7 @@ fn badness(run: &StoredTrial) -> f64 {
         TrialOutcome::GoalsInvalid => 5.0,
         TrialOutcome::NoReachableGrasp => 4.0,
         TrialOutcome::GaveUp => 3.0,
-        TrialOutcome::Cancelled => 2.0,
+        TrialOutcome::Cancelled | TrialOutcome::Killed => 2.0,
         TrialOutcome::BudgetExhausted => 1.0,
         TrialOutcome::Solved => 0.0,
     };

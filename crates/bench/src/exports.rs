@@ -1,0 +1,78 @@
+use std::fs::{self, File};
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::BenchError;
+
+/// A folder for what the programs of others read and write; it goes with the campaign, and those of campaigns that were
+/// killed go with the next one.
+#[derive(Debug)]
+pub struct Exports {
+    folder: TempDir,
+    /// As long as it is held the folder is somebody's; the system lets go of it however a campaign ends.
+    _lock: File,
+}
+
+const PREFIX: &str = "cranny-bench-";
+const LOCK: &str = "lock";
+
+impl Exports {
+    pub fn new() -> Result<Self, BenchError> {
+        sweep(&std::env::temp_dir());
+        let make = || -> std::io::Result<Self> {
+            let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
+            let lock = File::create(folder.path().join(LOCK))?;
+            // On a file system without locks the folder may be swept by another campaign's beginning once this one is over.
+            let _ = lock.try_lock();
+            Ok(Self { folder, _lock: lock })
+        };
+        make().map_err(|reason| BenchError::NotRunnable {
+            program: "a campaign".to_owned(),
+            reason: format!("no temporary folder: {reason}"),
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes the folders of campaigns that are gone.
+fn sweep(temporary: &Path) {
+    let Ok(entries) = fs::read_dir(temporary) else { return };
+    for entry in entries.filter_map(Result::ok) {
+        let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        // One without a lock is being made, or somebody else's.
+        let lock = File::open(entry.path().join(LOCK)).ok().filter(|_| is_ours);
+        if lock.is_some_and(|lock| lock.try_lock().is_ok()) {
+            // What cannot be removed is another user's.
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_of_campaigns_that_are_gone_are_swept_and_those_of_others_stay() {
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = |name: &str, has_lock: bool| {
+            let folder = temporary.path().join(name);
+            fs::create_dir_all(folder.join("1-abc")).unwrap();
+            has_lock.then(|| File::create(folder.join(LOCK)).unwrap())
+        };
+        let running = folder("cranny-bench-a", true);
+        running.as_ref().unwrap().lock().unwrap();
+        drop(folder("cranny-bench-b", true));
+        folder("cranny-bench-c", false);
+        drop(folder("other", true));
+        sweep(temporary.path());
+        let mut left: Vec<_> =
+            fs::read_dir(temporary.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["cranny-bench-a", "cranny-bench-c", "other"]);
+    }
+}

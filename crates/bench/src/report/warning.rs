@@ -1,0 +1,71 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::report::row::Group;
+use crate::{Run, RunInformation};
+
+/// What a reader must know before the figures are believed, in one sentence each.
+pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
+    let used: BTreeSet<u64> = groups.iter().flat_map(|group| &group.runs).map(|trial| trial.run).collect();
+    let runs: BTreeMap<u64, &RunInformation> =
+        runs.iter().filter(|run| used.contains(&run.id)).map(|run| (run.id, &run.information)).collect();
+    let mut warnings = Vec::new();
+    if let Some(most) = runs.values().map(|run| run.workers).max().filter(|workers| *workers > 1) {
+        warnings.push(format!(
+            "Up to {most} trials ran at a time on one machine, so times are longer than those of a machine at rest."
+        ));
+    }
+    let machine = |run: &RunInformation| format!("{} ({}, {} cores)", run.machine, run.processor, run.cores);
+    warnings.extend(pooled(groups, &runs, "machines", machine));
+    let built = |run: &RunInformation| {
+        run.commit.as_ref().map_or(run.version.clone(), |commit| format!("{} ({commit})", run.version))
+    };
+    warnings.extend(pooled(groups, &runs, "versions of Cranny", built));
+    warnings.extend(pooled(groups, &runs, "numbers of workers", |run| run.workers.to_string()));
+    warnings.extend(groups.iter().filter_map(same_paths));
+    warnings
+}
+
+/// That rows hold trials that do not belong together, of different `what`.
+fn pooled(
+    groups: &[Group],
+    runs: &BTreeMap<u64, &RunInformation>,
+    what: &str,
+    of: impl Fn(&RunInformation) -> String,
+) -> Option<String> {
+    let kinds = |group: &Group| -> BTreeSet<String> {
+        group.runs.iter().filter_map(|trial| runs.get(&trial.run)).map(|run| of(run)).collect()
+    };
+    let mixed: Vec<(&Group, BTreeSet<String>)> =
+        groups.iter().map(|group| (group, kinds(group))).filter(|(_, kinds)| kinds.len() > 1).collect();
+    let (first, kinds) = mixed.first()?;
+    let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
+    Some(format!(
+        "{} of {} rows pool trials of different {what}: that of {} in {} those of {}. Their times are no sample of one \
+         distribution.",
+        mixed.len(),
+        groups.len(),
+        first.row.planner_name,
+        first.row.scenario_name,
+        kinds.join(" and ")
+    ))
+}
+
+/// That a planner gave the same path under different seeds.
+fn same_paths(group: &Group) -> Option<String> {
+    let mut seeds: BTreeMap<(u64, Option<usize>), BTreeSet<u64>> = BTreeMap::new();
+    for trial in group.runs.iter().filter(|trial| trial.record.is_solved()) {
+        // Two paths of one length, to the last bit, to one grasp are one path.
+        if let Some(length) = trial.record.path_length {
+            seeds.entry((length.to_bits(), trial.record.grasp)).or_default().insert(trial.record.trial.seed);
+        }
+    }
+    let solved: usize = seeds.values().map(BTreeSet::len).sum();
+    let same: usize = seeds.values().map(BTreeSet::len).filter(|seeds| *seeds > 1).sum();
+    (same > 0).then(|| {
+        format!(
+            "{same} of {solved} paths of {} in {} are the same as under another seed: it takes no notice of the seed, or \
+             remembers answers.",
+            group.row.planner_name, group.row.scenario_name
+        )
+    })
+}
