@@ -44,7 +44,7 @@ fn sweep(temporary: &Path) {
     for entry in entries.filter_map(Result::ok) {
         let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
         // One without a lock is being made, or somebody else's.
-        let lock = File::open(entry.path().join(LOCK)).ok().filter(|_| is_ours);
+        let lock = File::options().read(true).open(entry.path().join(LOCK)).ok().filter(|_| is_ours);
         if lock.is_some_and(|lock| lock.try_lock().is_ok()) {
             // What cannot be removed is another user's.
             let _ = fs::remove_dir_all(entry.path());

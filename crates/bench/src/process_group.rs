@@ -140,10 +140,13 @@ impl Facts {
 /// The children of all threads of a process.
 fn children(process: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return Vec::new() };
-    let lists = threads.filter_map(|thread| fs::read_to_string(thread.ok()?.path().join("children")).ok());
-    lists
-        .flat_map(|list| list.split_whitespace().filter_map(|child| child.parse().ok()).collect::<Vec<_>>())
-        .collect()
+    let threads = threads.filter_map(|thread| Some(thread.ok()?.file_name()));
+    let list = |thread: std::ffi::OsString| {
+        fs::read_to_string(format!("/proc/{process}/task/{}/children", thread.display())).unwrap_or_default()
+    };
+    let numbers =
+        |list: String| list.split_whitespace().filter_map(|child| child.parse().ok()).collect::<Vec<_>>();
+    threads.map(list).flat_map(numbers).collect()
 }
 
 fn signal_kill(process: u32) {

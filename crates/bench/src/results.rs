@@ -91,7 +91,9 @@ impl Results {
         if self.claim.is_some() {
             return Ok(());
         }
-        let file = File::open(&self.path)
+        let file = File::options()
+            .read(true)
+            .open(&self.path)
             .map_err(|reason| BenchError::Unwritable { path: self.path.clone(), reason })?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => return Err(BenchError::InUse { path: self.path.clone() }),

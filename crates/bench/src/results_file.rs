@@ -164,13 +164,14 @@ pub const COPY: &str = "results.db";
 /// A copy of results with the log that belongs to them, in a folder that goes with it.
 pub fn copied(path: &Path) -> Result<(TempDir, std::path::PathBuf), BenchError> {
     let copy = || -> std::io::Result<_> {
+        let read = |path: &Path| fs::OpenOptions::new().read(true).open(path);
         let folder = tempfile::tempdir()?;
         let file = folder.path().join(COPY);
-        std::io::copy(&mut fs::File::open(path)?, &mut fs::File::create(&file)?)?;
+        std::io::copy(&mut read(path)?, &mut fs::File::create(&file)?)?;
         let beside = |path: &Path| {
             path.with_file_name(format!("{}-wal", path.file_name().unwrap_or_default().display()))
         };
-        if let Ok(mut log) = fs::File::open(beside(path)) {
+        if let Ok(mut log) = read(&beside(path)) {
             std::io::copy(&mut log, &mut fs::File::create(beside(&file))?)?;
         }
         Ok((folder, file))
