@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import sysconfig
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,12 @@ def run(*words: str | Path) -> None:
     program = os.environ.get("CRANNY_BIN")
     if not program:
         lacking("CRANNY_BIN is unset: no program")
-    ended = subprocess.run([str(program), *map(str, words)], capture_output=True, text=True, check=False)
+    # xacro lies beside this Python.
+    places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    command = [str(program), *map(str, words)]
+    ended = subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, "PATH": places}
+    )
     assert ended.returncode == 0, ended.stdout + ended.stderr
 
 
