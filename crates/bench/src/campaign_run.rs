@@ -66,8 +66,9 @@ impl CampaignObserver for Unheard {}
 /// `stop` ends the campaign; the trials under way are then not stored.
 ///
 /// # Errors
-/// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be run at all, [`BenchError::NotRunnable`] where no worker starts,
-/// and what [`Results`] say; trials that are stored stay so.
+/// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be
+/// run at all, [`BenchError::NotRunnable`] where no worker starts, and what [`Results`] say; trials that are stored stay
+/// so.
 pub fn run_campaign(
     schedule: &Schedule,
     settings: &CampaignSettings,
@@ -77,12 +78,9 @@ pub fn run_campaign(
 ) -> Result<RunSummary, BenchError> {
     // 1.
     results.claim()?;
-    let again = |record: &TrialRecord| settings.again.contains(&record.outcome);
-    let records = results.records()?;
-    let known: HashSet<String> =
-        records.iter().filter(|record| !again(record)).map(|record| record.trial.key()).collect();
-    let replaced: HashSet<String> =
-        records.iter().filter(|record| again(record)).map(|record| record.trial.key()).collect();
+    let stays = |record: &TrialRecord| !settings.again.contains(&record.outcome);
+    let stored = results.records()?.into_iter().filter(stays);
+    let known: HashSet<String> = stored.map(|record| record.trial.key()).collect();
     let is_open = |question: &&Question| !known.contains(&question.trial.key());
     let open: Vec<&Question> = schedule.questions.iter().filter(is_open).collect();
     let mut summary = RunSummary {
@@ -132,11 +130,8 @@ pub fn run_campaign(
         let mut store = || -> Result<(), BenchError> {
             for asked in &answers {
                 let Some((record, path)) = asked? else { continue };
-                if replaced.contains(&record.trial.key()) {
-                    results.replace(run, &record, &path)?;
-                } else {
-                    results.append(run, &record, &path)?;
-                }
+                // What is there already was to be run again.
+                results.replace(run, &record, &path)?;
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
                 observer.trial_ended(&record);

@@ -90,7 +90,7 @@ impl Family {
     /// Looks who belongs to it now; the memory that they hold, in bytes.
     pub fn look(&mut self) -> u64 {
         let mut bytes = 0;
-        self.seen.retain(|process, began| Facts::of(*process).is_some_and(|facts| facts.began == *began));
+        self.seen.retain(|process, began| beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
         let mut counted = Vec::new();
         while let Some(process) = left.pop() {
@@ -99,9 +99,9 @@ impl Family {
             }
             counted.push(process);
             left.extend(children(process));
-            if let Some(facts) = Facts::of(process).filter(|_| process != self.root) {
-                self.seen.insert(process, facts.began);
-                bytes += facts.resident_bytes;
+            if let Some(began) = beginning(process).filter(|_| process != self.root) {
+                self.seen.insert(process, began);
+                bytes += resident_bytes(process).unwrap_or(0);
             }
         }
         bytes
@@ -118,23 +118,14 @@ impl Family {
     }
 }
 
-/// What the system tells of a process that has not ended.
-struct Facts {
-    began: u64,
-    resident_bytes: u64,
-}
-
-impl Facts {
-    fn of(process: u32) -> Option<Self> {
-        const PAGE_BYTES: u64 = 4096;
-        let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-        // The name, in parentheses, may hold anything.
-        let (_, fields) = stat.rsplit_once(") ")?;
-        let fields: Vec<&str> = fields.split_whitespace().collect();
-        let number = |index: usize| fields.get(index)?.parse::<u64>().ok();
-        let is_gone = matches!(fields.first(), Some(&"Z" | &"X"));
-        (!is_gone).then_some(Self { began: number(19)?, resident_bytes: number(21)? * PAGE_BYTES })
-    }
+/// When a process began, in ticks since the machine did; nothing for one that has ended.
+fn beginning(process: u32) -> Option<u64> {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The name, in parentheses, may hold anything.
+    let (_, fields) = stat.rsplit_once(") ")?;
+    let mut fields = fields.split_whitespace();
+    let is_gone = matches!(fields.next(), Some("Z" | "X"));
+    fields.nth(18).filter(|_| !is_gone)?.parse().ok()
 }
 
 /// The children of all threads of a process.

@@ -5,7 +5,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 
 use tempfile::TempDir;
 
-use crate::results_row::{self, COLUMNS};
+use crate::results_row::{self, COLUMNS, Present};
 use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
@@ -153,13 +153,12 @@ impl Results {
         self.done(self.connection.execute(sql, [run])).map(drop)
     }
 
-    /// Puts a trial that was run again in the place of the one before.
+    /// Adds a trial, in the place of the same one where it is there already.
     ///
     /// # Errors
     /// [`BenchError::Database`].
     pub fn replace(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<(), BenchError> {
-        let replaced = results_row::replace(&mut self.connection, run, record, path);
-        self.done(replaced)
+        self.done(results_row::insert(&self.connection, Present::IsReplaced, run, record, path)).map(drop)
     }
 
     /// Adds a trial with the path that its planner gave, and returns whether it was new: one that is there
@@ -168,7 +167,7 @@ impl Results {
     /// # Errors
     /// [`BenchError::Database`].
     pub fn append(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<bool, BenchError> {
-        let added = results_row::insert(&self.connection, run, record, path);
+        let added = results_row::insert(&self.connection, Present::Stays, run, record, path);
         Ok(self.done(added)? == 1)
     }
 

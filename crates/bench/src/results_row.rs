@@ -19,15 +19,27 @@ const CONTENT: &str = "scenario, scenario_hash, planner, settings, criterion, se
     planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
     grasp_score, also_solved, path";
 
-/// Adds a row unless its trial is there; how many were added.
+/// What becomes of a row whose trial is there already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Present {
+    Stays,
+    IsReplaced,
+}
+
+/// Adds a row; how many were added.
 pub fn insert(
     connection: &Connection,
+    present: Present,
     run: u64,
     record: &TrialRecord,
     path: &[Vec<f64>],
 ) -> rusqlite::Result<usize> {
+    let otherwise = match present {
+        Present::Stays => "IGNORE",
+        Present::IsReplaced => "REPLACE",
+    };
     let sql = format!(
-        "INSERT OR IGNORE INTO trials (run, {CONTENT}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
+        "INSERT OR {otherwise} INTO trials (run, {CONTENT}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
          ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28)"
     );
     let (trial, statistics) = (&record.trial, &record.statistics);
@@ -61,34 +73,6 @@ pub fn insert(
         record.also_solved,
         (!path.is_empty()).then(|| bytes_of_path(path)),
     ])
-}
-
-/// Puts a row in the place of that of the same trial, all or nothing.
-pub fn replace(
-    connection: &mut Connection,
-    run: u64,
-    record: &TrialRecord,
-    path: &[Vec<f64>],
-) -> rusqlite::Result<()> {
-    let transaction = connection.transaction()?;
-    let trial = &record.trial;
-    transaction.execute(
-        "DELETE FROM trials WHERE scenario = ?1 AND scenario_hash = ?2 AND planner = ?3 AND settings = ?4 AND \
-         criterion = ?5 AND seed = ?6 AND time_limit_s = ?7 AND iteration_limit IS ?8 AND goal IS ?9",
-        params![
-            trial.scenario,
-            trial.scenario_hash,
-            trial.planner,
-            trial.settings,
-            trial.criterion.name(),
-            trial.seed,
-            trial.time_limit_s,
-            trial.iteration_limit,
-            trial.goal
-        ],
-    )?;
-    insert(&transaction, run, record, path)?;
-    transaction.commit()
 }
 
 /// Takes the trials of the attached database `others` up, with their runs, which are there already.
