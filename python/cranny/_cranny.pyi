@@ -474,6 +474,10 @@ def run_campaign(
     judge_both: bool,
     measure_clearance: bool,
     carry: str | None,
+    margin_m: float,
+    grasp_margin_m: float,
+    sandbox: str,
+    again: list[str],
     command: str,
     heard: Callable[[int, int, int], None] | None = None,
 ) -> None: ...

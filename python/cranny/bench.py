@@ -132,6 +132,10 @@ def run(
     judge_both: bool = False,
     measure_clearance: bool = False,
     carry: str | None = None,
+    margin_m: float = 0.0,
+    grasp_margin_m: float = 0.0,
+    sandbox: str = "auto",
+    again: Sequence[str] = (),
     heard: Heard | None = None,
 ) -> Results:
     """Runs a campaign: `scenarios` (ids, `01x`, `all`, folders, archives) by `planners` by `criteria` by `runs` seeds
@@ -139,7 +143,11 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    With `carry`, "home" or "out", the target is carried on once it is grasped. A mapping of `planners` gives them
+    With `carry`, "home" or "out", the target is carried on once it is grasped. `margin_m` and `grasp_margin_m` are the
+    clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
+    `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
+    all of them or not at all. Trials that ended in one of the outcomes `again` ("crashed", "killed", …) are run again.
+    A mapping of `planners` gives them
     names. `heard` is called whenever trials have ended, with the numbers of those that ended, that are to be run, and
     that were solved.
     """
@@ -166,6 +174,10 @@ def run(
         judge_both=judge_both,
         measure_clearance=measure_clearance,
         carry=carry,
+        margin_m=margin_m,
+        grasp_margin_m=grasp_margin_m,
+        sandbox=sandbox,
+        again=list(again),
         command=" ".join(sys.argv) or "python",
         heard=heard,
     )

@@ -2,16 +2,19 @@
 
 use std::io::{BufReader, stdin, stdout};
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use cranny_bench::{
-    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, PlannerCall, Results,
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PathDemand, PlannerCall, Results,
     RunInformation, TrialRecord, WorkerProgram,
 };
+use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use pyo3::prelude::*;
+use strum::VariantArray;
 
 use crate::fault::{bad_type, bad_value, fault};
 use crate::json::settings_of;
@@ -22,10 +25,13 @@ use crate::whole;
 /// How often the interpreter is asked for signals, and told how far the campaign is.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Where a campaign has the target carried.
-fn carry_to(word: &str) -> PyResult<CarryTo> {
-    let wrong = |_| bad_value(format!("carry is '{word}', but \"home\" or \"out\" is expected"));
-    word.parse().map_err(wrong)
+/// The value of an argument that names one of a few.
+fn one_of<T>(argument: &str, word: &str) -> PyResult<T>
+where
+    T: FromStr + VariantArray + Copy + Into<&'static str>,
+{
+    let known = || T::VARIANTS.iter().map(|one| (*one).into()).collect::<Vec<&str>>().join(", ");
+    word.parse().map_err(|_| bad_value(format!("{argument} is '{word}', but one of {} is expected", known())))
 }
 
 /// Runs what is not in `output` yet of a campaign: `scenarios` by `planners` by `criteria` by seeds. What `bench.run`
@@ -37,7 +43,8 @@ fn carry_to(word: &str) -> PyResult<CarryTo> {
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, command, heard=None))]
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, margin_m, grasp_margin_m, sandbox, again, command,
+    heard=None))]
 #[allow(clippy::too_many_arguments)] // What a campaign is.
 pub fn run_campaign(
     py: Python<'_>,
@@ -55,6 +62,10 @@ pub fn run_campaign(
     judge_both: bool,
     measure_clearance: bool,
     carry: Option<&str>,
+    margin_m: f64,
+    grasp_margin_m: f64,
+    sandbox: &str,
+    again: Vec<String>,
     command: &str,
     heard: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
@@ -70,7 +81,10 @@ pub fn run_campaign(
         memory_limit_bytes: memory_limit_mb.saturating_mul(1 << 20),
         judge_both,
         measure_clearance,
-        carry: carry.map(carry_to).transpose()?,
+        demand: PathDemand {
+            carry: carry.map(|word| one_of("carry", word)).transpose()?,
+            margins: Margins { margin_m, grasp_margin_m },
+        },
         exceptions: Vec::new(),
     };
     let schedule = py.detach(|| campaign.schedule()).map_err(fault)?;
@@ -79,7 +93,8 @@ pub fn run_campaign(
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
         information: RunInformation::here(None, command, workers),
-        again: Vec::new(),
+        sandbox: one_of("sandbox", sandbox)?,
+        again: again.iter().map(|outcome| one_of("again", outcome)).collect::<PyResult<_>>()?,
     };
     let (stop, progress) = (AtomicBool::new(false), Progress::default());
     let heard = heard.map(Bound::unbind);

@@ -7,7 +7,7 @@ use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
 use crate::scenario_choice::{choose_scenarios, matches};
-use crate::{BenchError, CarryTo, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
+use crate::{BenchError, CarryTo, PathDemand, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
 
 /// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
 pub const MOST_TRIALS: u64 = 1_000_000;
@@ -42,8 +42,8 @@ pub struct Campaign {
     /// Whether the least clearance along each path is measured. Default: no; it takes some milliseconds for every
     /// edge of a path.
     pub measure_clearance: bool,
-    /// Where the target is carried to, once it is grasped. Default: a trial ends at the grasp.
-    pub carry: Option<CarryTo>,
+    /// What is asked of each path beyond its criterion. Default: nothing.
+    pub demand: PathDemand,
     /// Where other limits hold.
     pub exceptions: Vec<Exception>,
 }
@@ -88,7 +88,7 @@ impl Default for Campaign {
             memory_limit_bytes: 4 << 30,
             judge_both: false,
             measure_clearance: false,
-            carry: None,
+            demand: PathDemand::default(),
             exceptions: Vec::new(),
         }
     }
@@ -165,7 +165,7 @@ impl Campaign {
                 goals: None,
             };
             for criterion in &criteria {
-                let opened = OpenedScenario::open(&source.source, *criterion)?;
+                let opened = OpenedScenario::open(&source.source, *criterion, self.demand.margins)?;
                 if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
                     source.goals = Some(opened.goals()?.len());
                 }
@@ -174,7 +174,7 @@ impl Campaign {
             scenarios.push(source);
         }
         self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
-        let settings_of = |planner: &CampaignPlanner| CarryTo::among(self.carry, planner.call.settings());
+        let settings_of = |planner: &CampaignPlanner| self.demand.among(planner.call.settings());
         let settings: Vec<String> = self.planners.iter().map(settings_of).collect();
         let most_runs =
             self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
@@ -268,11 +268,11 @@ impl Campaign {
         let asked = cranny_solve::Request {
             planner: Some(name.clone()),
             score: *score,
-            carry: self.carry.map(CarryTo::carry),
+            carry: self.demand.carry.map(CarryTo::carry),
             ..cranny_solve::Request::default()
         };
         asked.check(problem)?;
-        if let Some(carry) = self.carry {
+        if let Some(carry) = self.demand.carry {
             Carrier::new(problem, carry.carry().lift_off)?;
         }
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
@@ -321,14 +321,14 @@ impl Campaign {
         let own = self.planners.iter().filter_map(|planner| planner.time_limit_s);
         let exceptions = self.exceptions.iter().map(|exception| exception.time_limit_s);
         for value in std::iter::once(self.time_limit_s).chain(own).chain(exceptions) {
-            if !(value > 0.0 && value <= MOST_TIME_LIMIT_S) {
-                let range = "above 0 and at most 10000000 s";
-                return Err(BenchError::Range { what: "a time limit", value, range });
-            }
+            checked_time_limit(value)?;
         }
         let most_runs = self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max();
         if most_runs == Some(0) {
             return Err(BenchError::Range { what: "the number of runs", value: 0.0, range: "at least 1" });
+        }
+        for value in [self.demand.margins.margin_m, self.demand.margins.grasp_margin_m] {
+            checked_margin(value)?;
         }
         // What a file of results can hold.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
@@ -347,4 +347,22 @@ impl Campaign {
         }
         Ok(())
     }
+}
+
+/// A time limit in seconds, if it can be one.
+pub(crate) fn checked_time_limit(value: f64) -> Result<f64, BenchError> {
+    if value > 0.0 && value <= MOST_TIME_LIMIT_S {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a time limit", value, range: "above 0 and at most 10000000 s" })
+}
+
+/// A clearance that is demanded, in metres, if it can be one.
+pub(crate) fn checked_margin(value: f64) -> Result<f64, BenchError> {
+    /// Nothing in a cell is as far from all others.
+    const MOST_M: f64 = 1.0;
+    if (0.0..=MOST_M).contains(&value) {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a margin", value, range: "from 0 to 1 m" })
 }

@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::Criterion;
 use cranny_scenario::catalogue;
@@ -7,8 +8,9 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
+use crate::campaign::{checked_margin, checked_time_limit};
 use crate::scenario_choice::matches;
-use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PlannerCall};
+use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
 
 /// What a campaign's file says.
 #[derive(Deserialize)]
@@ -23,7 +25,7 @@ struct CampaignEntry {
     #[serde(default)]
     first_seed: Option<u64>,
     #[serde(default)]
-    time_limit_s: Option<f64>,
+    time_limit_s: Option<Spanned<f64>>,
     #[serde(default)]
     iteration_limit: Option<u64>,
     #[serde(default)]
@@ -34,6 +36,10 @@ struct CampaignEntry {
     measure_clearance: Option<bool>,
     #[serde(default)]
     carry: Option<CarryTo>,
+    #[serde(default)]
+    margin_m: Option<Spanned<f64>>,
+    #[serde(default)]
+    grasp_margin_m: Option<Spanned<f64>>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
@@ -94,7 +100,16 @@ impl Campaign {
         for Spanned { value: planner, referenced, .. } in entry.planners {
             planners.push(planner.read(folder).map_err(|problem| fault(referenced, problem))?);
         }
+        let checked =
+            |given: Option<Spanned<f64>>, default: f64, check: fn(f64) -> Result<f64, BenchError>| {
+                let Some(given) = given else { return Ok(default) };
+                check(given.value).map_err(|problem| fault(given.referenced, problem.to_string()))
+            };
         let default = Self::default();
+        let margins = Margins {
+            margin_m: checked(entry.margin_m, 0.0, checked_margin)?,
+            grasp_margin_m: checked(entry.grasp_margin_m, 0.0, checked_margin)?,
+        };
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions
@@ -107,6 +122,7 @@ impl Campaign {
                 );
                 return Err(fault(referenced, problem));
             }
+            checked_time_limit(time_limit_s).map_err(|problem| fault(referenced, problem.to_string()))?;
             exceptions.push(Exception { scenario, planner, time_limit_s });
         }
         Ok(Self {
@@ -115,14 +131,14 @@ impl Campaign {
             criteria: entry.criteria.unwrap_or(default.criteria),
             runs: entry.runs.unwrap_or(default.runs),
             first_seed: entry.first_seed.unwrap_or(default.first_seed),
-            time_limit_s: entry.time_limit_s.unwrap_or(default.time_limit_s),
+            time_limit_s: checked(entry.time_limit_s, default.time_limit_s, checked_time_limit)?,
             iteration_limit: entry.iteration_limit,
             memory_limit_bytes: entry
                 .memory_limit_mb
                 .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
-            carry: entry.carry,
+            demand: PathDemand { carry: entry.carry, margins },
             exceptions,
         })
     }
@@ -158,6 +174,9 @@ impl PlannerEntry {
             _ => return Err("give one of `planner`, `exec` and `released`".to_owned()),
         };
         let call = call.checked().map_err(|fault| fault.to_string())?;
+        if let Some(limit) = time_limit_s {
+            checked_time_limit(limit).map_err(|fault| fault.to_string())?;
+        }
         Ok(CampaignPlanner { name: name.unwrap_or_else(|| call.name()), call, each_goal, runs, time_limit_s })
     }
 }

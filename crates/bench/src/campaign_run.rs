@@ -5,10 +5,12 @@ use std::sync::mpsc;
 use std::thread;
 
 use crate::exports::Exports;
+use crate::sandbox::Walls;
 use crate::worker_message::{Request, TrialRun};
 use crate::worker_process::{Served, WorkerProcess};
 use crate::{
-    BenchError, Question, Results, RunInformation, Schedule, TrialOutcome, TrialRecord, WorkerProgram,
+    BenchError, PlannerCall, Question, Results, RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord,
+    WorkerProgram,
 };
 
 /// How a campaign is run.
@@ -22,6 +24,8 @@ pub struct CampaignSettings {
     pub memory_limit_bytes: u64,
     /// What is stored with the run.
     pub information: RunInformation,
+    /// Whether the programs of others run within walls. Default: within those that the machine has.
+    pub sandbox: Sandbox,
     /// Trials that ended so are run again, and take the place of those before. Default: none.
     pub again: Vec<TrialOutcome>,
 }
@@ -67,7 +71,7 @@ impl CampaignObserver for Unheard {}
 ///
 /// # Errors
 /// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be
-/// run at all, [`BenchError::NotRunnable`] where no worker starts, and what [`Results`] say; trials that are stored stay
+/// run at all, [`BenchError::NotRunnable`] where no worker starts, [`BenchError::NoSandbox`], and what [`Results`] say; trials that are stored stay
 /// so.
 pub fn run_campaign(
     schedule: &Schedule,
@@ -92,7 +96,13 @@ pub fn run_campaign(
     if open.is_empty() {
         return Ok(summary);
     }
-    let run = results.begin_run(&settings.information)?;
+    let walls = walls(open.iter().copied(), settings.sandbox)?;
+    let information = RunInformation {
+        memory_limit_bytes: Some(settings.memory_limit_bytes),
+        sandbox: walls.text(),
+        ..settings.information.clone()
+    };
+    let run = results.begin_run(&information)?;
     for source in &schedule.scenarios {
         results.note_scenario(source)?;
     }
@@ -117,7 +127,7 @@ pub fn run_campaign(
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(question) = open.get(index) else { return };
                     // 2.
-                    let asked = ask(&mut worker, question, settings, exports, stop);
+                    let asked = ask(&mut worker, question, settings, walls, exports, stop);
                     let is_end = !matches!(asked, Ok(Some(_)));
                     if sender.send(asked).is_err() || is_end {
                         return;
@@ -153,18 +163,20 @@ fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,
     settings: &CampaignSettings,
+    walls: Walls,
     exports: &Path,
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
     // One that ended between two trials takes none with it.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
-        *worker = Some(WorkerProcess::start(&settings.worker)?);
+        *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes)?);
     }
     let Some(serving) = worker else { return Ok(None) };
     let request = Request {
         question: question.clone(),
         exports: exports.to_owned(),
         memory_limit_bytes: settings.memory_limit_bytes,
+        walls,
     };
     match serving.serve(&request, stop) {
         Served::Answered(record, path) => Ok(Some((record, path))),
@@ -191,5 +203,15 @@ pub(crate) fn ask_once(
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
     let exports = Exports::new()?;
-    ask(&mut None, question, settings, exports.path(), stop)
+    let walls = walls(std::iter::once(question), settings.sandbox)?;
+    ask(&mut None, question, settings, walls, exports.path(), stop)
+}
+
+/// The walls around trials: there is nothing to wall in where all planners are Cranny's own.
+fn walls<'a>(
+    mut questions: impl Iterator<Item = &'a Question>,
+    sandbox: Sandbox,
+) -> Result<Walls, BenchError> {
+    let is_foreign = |question: &Question| !matches!(question.call, PlannerCall::BuiltIn { .. });
+    if questions.any(is_foreign) { Walls::of(sandbox) } else { Ok(Walls::default()) }
 }

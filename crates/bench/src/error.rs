@@ -108,6 +108,12 @@ pub enum BenchError {
         /// What the operating system says.
         reason: String,
     },
+    /// Walls around the programs of others are required, and this machine has not all of them.
+    #[error("this machine has no {missing}; --sandbox auto runs programs within the walls that there are")]
+    NoSandbox {
+        /// What is missing.
+        missing: &'static str,
+    },
     /// A scenario has fewer goal configurations than a trial aims at.
     #[error("scenario {scenario} has {known} goal configurations, so there is no goal {goal}")]
     Goal {

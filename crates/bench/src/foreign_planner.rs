@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use cranny_collision::Margins;
 use cranny_grasp::rows_of_pose;
 use cranny_plan::{CarryEnd, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
@@ -11,11 +12,11 @@ use tempfile::TempDir;
 
 use crate::file_stamp::FileStamp;
 use crate::foreign_answer::{self, ForeignAnswer};
-use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES};
+use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES, Ran};
 use crate::opened_scenario::OpenedScenario;
 use crate::process_group::{self, Leash};
 use crate::worker_message::Request;
-use crate::{BenchError, CarryTo, PlannerCall, TrialOutcome, TrialRecord};
+use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
 /// The program of others, with the files of one scenario.
 pub struct ForeignPlanner {
@@ -52,6 +53,9 @@ pub struct ForeignTask<'a> {
 /// to print.
 const GRACE: Duration = Duration::from_secs(1);
 
+/// What the system says to who writes where they may not.
+const DENIALS: [&str; 2] = ["ermission denied", "Errno 13"];
+
 /// The command line of the released program with its authors' settings, as its own scripts give them; `-max_iters`
 /// is beyond what a time limit of minutes allows.
 const RELEASED_COMMAND: &str = "test -grasp {grasps} -urdf {urdf} -obstacle {obstacles} -start_config {start} \
@@ -81,12 +85,16 @@ impl ForeignPlanner {
     pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
-        let limits =
-            Limits { time: time.saturating_add(GRACE), memory_bytes: task.request.memory_limit_bytes };
         // New for each trial: nothing that one leaves behind is there for the next.
         let scratch = TempDir::new_in(&self.files.scratch);
         let scratch = scratch
             .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let limits = Limits {
+            time: time.saturating_add(GRACE),
+            memory_bytes: task.request.memory_limit_bytes,
+            scratch: scratch.path(),
+            walls: task.request.walls,
+        };
         let (scratch, prefix) = (scratch.path(), scratch.path().join("trial"));
         let words = self.command.iter().map(|word| self.filled(word, task, scratch)).collect::<Vec<_>>();
         let missing = || BenchError::Program { program: String::new() };
@@ -94,7 +102,7 @@ impl ForeignPlanner {
         let mut command = Command::new(program);
         command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
         let input = self.problem(task, scratch).to_string() + "\n";
-        let (ending, elapsed_s) =
+        let Ran { ending, elapsed_s, memory_bytes } =
             foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
             })?;
@@ -115,6 +123,10 @@ impl ForeignPlanner {
                 if !complaint.is_empty() {
                     detail = format!("{detail}: {complaint}");
                 }
+                if limits.walls.landlock && DENIALS.iter().any(|denial| complaint.contains(denial)) {
+                    detail =
+                        format!("{detail} (it may write in its scratch folder alone; --sandbox off lets it)");
+                }
                 without(TrialOutcome::Crashed, Some(detail))
             }
             Ending::Exited { output, .. } => {
@@ -133,15 +145,16 @@ impl ForeignPlanner {
                 }
             }
         };
-        match self.files.first_changed() {
+        let (record, segments) = match self.files.first_changed() {
+            None => answer,
             Some(file) => {
                 let detail = format!("it changed a file that it was given: {}", file.display());
                 // The next trial gets them anew.
                 self.files.discard();
-                Ok(without(TrialOutcome::Garbled, Some(detail)))
+                without(TrialOutcome::Garbled, Some(detail))
             }
-            None => Ok(answer),
-        }
+        };
+        Ok((TrialRecord { memory_bytes, ..record }, segments))
     }
 
     /// A word of the command with its placeholders filled in.
@@ -181,6 +194,7 @@ impl ForeignPlanner {
             .collect();
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
         let export = self.files.released.join("export");
+        let Margins { margin_m, grasp_margin_m } = PathDemand::of_settings(&trial.settings).margins;
         json!({
             "protocol": 1,
             "protocols": [1, 2],
@@ -196,6 +210,8 @@ impl ForeignPlanner {
             "goal_configuration": task.goal,
             "target": problem.target().and_then(|target| Some(&problem.cell()?.world().bodies()[target].name)),
             "carry": task.carry.map(asked_to_carry),
+            "margin_m": margin_m,
+            "grasp_margin_m": grasp_margin_m,
             "files": {
                 "released": self.files.released,
                 "cranny": self.files.cranny,

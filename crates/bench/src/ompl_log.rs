@@ -41,6 +41,9 @@ const PROPERTIES: [&str; 14] = [
     "seed INTEGER",
 ];
 
+/// What OMPL calls MB.
+const MEBIBYTE: f64 = (1_u64 << 20) as f64;
+
 /// What an experiment is about: all trials, or those of one scenario under one criterion.
 struct Experiment<'a> {
     name: String,
@@ -148,6 +151,9 @@ fn log(experiment: &Experiment, source: &SummarySource) -> OmplLog {
     let seed = trials().map(|trial| trial.record.trial.seed).min().unwrap_or(0);
     let most = experiment.planners.iter().map(|(_, _, runs)| runs.len()).max().unwrap_or(0);
 
+    // 0 where it is not known.
+    let memory_bytes = information.and_then(|information| information.memory_limit_bytes).unwrap_or(0);
+    let memory_mb = memory_bytes as f64 / MEBIBYTE;
     let mut text = format!("Cranny version {}\n", env!("CARGO_PKG_VERSION"));
     let _ = writeln!(text, "Experiment {}", experiment.name);
     let _ = writeln!(text, "{} experiment properties", experiment.properties.len());
@@ -162,7 +168,7 @@ fn log(experiment: &Experiment, source: &SummarySource) -> OmplLog {
     for block in [format!("results {}\ncommand {}", line(source.results), line(command)), line(processor)] {
         let _ = writeln!(text, "<<<|\n{block}\n|>>>");
     }
-    let _ = writeln!(text, "{seed} is the random seed\n{limit_s} seconds per run\n0 MB per run");
+    let _ = writeln!(text, "{seed} is the random seed\n{limit_s} seconds per run\n{memory_mb} MB per run");
     let _ = writeln!(text, "{most} runs per planner\n{spent_s} seconds spent to collect the data");
     let _ = writeln!(text, "1 enum type\n{STATUS}\n{} planners", experiment.planners.len());
     for (name, configuration, runs) in &experiment.planners {
@@ -211,7 +217,7 @@ fn values(run: &StoredTrial) -> [String; 14] {
     };
     [
         statistics.planning_time_s.to_string(),
-        String::new(),
+        real(record.memory_bytes.map(|bytes| bytes as f64 / MEBIBYTE)),
         status(record.outcome).to_string(),
         flag(record.is_solved()),
         real(record.path_length),

@@ -8,7 +8,7 @@ use cranny_collision::Margins;
 use cranny_plan::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
 use cranny_scenario::{Identity, OpenOptions, Scenario, ScenarioError};
 
-use crate::{BenchError, Trial};
+use crate::{BenchError, PathDemand, Trial};
 
 /// A scenario, opened under a criterion, with its problem: what takes longer than many a trial.
 pub struct OpenedScenario {
@@ -19,10 +19,10 @@ pub struct OpenedScenario {
 }
 
 impl OpenedScenario {
-    pub fn open(source: &str, criterion: Criterion) -> Result<Self, ScenarioError> {
+    pub fn open(source: &str, criterion: Criterion, margins: Margins) -> Result<Self, ScenarioError> {
         let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(Margins::default())?;
+        let problem = scenario.problem(margins)?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
@@ -54,7 +54,7 @@ pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, Scen
 /// The scenarios that a worker has opened so far.
 #[derive(Default)]
 pub struct OpenedScenarios {
-    opened: HashMap<(String, &'static str), Rc<OpenedScenario>>,
+    opened: HashMap<(String, &'static str, String), Rc<OpenedScenario>>,
 }
 
 impl OpenedScenarios {
@@ -73,11 +73,12 @@ impl OpenedScenarios {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
-        let key = (source.to_owned(), criterion.name());
+        let margins = PathDemand::of_settings(&trial.settings).margins;
+        let key = (source.to_owned(), criterion.name(), format!("{margins:?}"));
         if let Some(opened) = self.opened.get(&key) {
             return Ok(opened.clone());
         }
-        let opened = Rc::new(OpenedScenario::open(source, criterion)?);
+        let opened = Rc::new(OpenedScenario::open(source, criterion, margins)?);
         self.opened.insert(key, opened.clone());
         Ok(opened)
     }

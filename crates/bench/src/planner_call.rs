@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
 use crate::file_stamp::FileStamp;
-use crate::{BenchError, CarryTo, Trial};
+use crate::{BenchError, PathDemand, Trial};
 
 /// How a planner is called.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,7 +126,7 @@ impl PlannerCall {
     /// # Errors
     /// [`BenchError::OtherProgram`].
     pub(crate) fn check_unchanged(&self, trial: &Trial) -> Result<(), BenchError> {
-        let settings = CarryTo::among(CarryTo::of_settings(&trial.settings), self.settings());
+        let settings = PathDemand::of_settings(&trial.settings).among(self.settings());
         if settings == trial.settings {
             return Ok(());
         }

@@ -8,6 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::sandbox::Walls;
+
 /// The program of others that is running just now, for whoever must end it.
 #[derive(Clone, Debug, Default)]
 pub struct Leash {
@@ -87,9 +89,10 @@ impl Family {
         Self::of(if IS_ADOPTING.load(Ordering::Relaxed) { std::process::id() } else { program })
     }
 
-    /// Looks who belongs to it now; the memory that they hold, in bytes.
-    pub fn look(&mut self) -> u64 {
-        let mut bytes = 0;
+    /// Looks who belongs to it now; the memory that they hold, in bytes, with shared memory that nobody of them has mapped
+    /// where that can be only theirs.
+    pub fn look(&mut self, walls: Walls) -> u64 {
+        let (mut bytes, mut shared_bytes) = (0, 0);
         self.seen.retain(|process, began| beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
         let mut counted = Vec::new();
@@ -101,15 +104,17 @@ impl Family {
             left.extend(children(process));
             if let Some(began) = beginning(process).filter(|_| process != self.root) {
                 self.seen.insert(process, began);
-                bytes += resident_bytes(process).unwrap_or(0);
+                let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+                bytes += bytes_in(&status, "VmRSS:").unwrap_or(0);
+                shared_bytes += bytes_in(&status, "RssShmem:").unwrap_or(0);
             }
         }
-        bytes
+        bytes + walls.shared_memory_bytes().saturating_sub(shared_bytes)
     }
 
     /// Ends all of them; whether anybody was there.
     pub fn end(&mut self) -> bool {
-        self.look();
+        self.look(Walls::default());
         for process in self.seen.keys() {
             signal_kill(*process);
         }
@@ -129,7 +134,7 @@ fn beginning(process: u32) -> Option<u64> {
 }
 
 /// The children of all threads of a process.
-fn children(process: u32) -> Vec<u32> {
+pub fn children(process: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return Vec::new() };
     let threads = threads.filter_map(|thread| Some(thread.ok()?.file_name()));
     let list = |thread: std::ffi::OsString| {
@@ -179,8 +184,12 @@ pub fn kill(leader: u32) {
 
 /// The memory that a process holds (its resident set), in bytes; `None` where nobody tells.
 pub fn resident_bytes(process: u32) -> Option<u64> {
-    let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    bytes_in(&fs::read_to_string(format!("/proc/{process}/status")).ok()?, "VmRSS:")
+}
+
+/// An amount of memory in the status of a process, in bytes.
+fn bytes_in(status: &str, name: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
     Some(kibibytes * 1024)
 }

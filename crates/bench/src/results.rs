@@ -5,7 +5,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 
 use tempfile::TempDir;
 
-use crate::results_row::{self, COLUMNS, Present};
+use crate::results_row::{self, Present};
 use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
@@ -76,7 +76,9 @@ impl Results {
     /// [`BenchError::Damaged`], [`BenchError::Database`]; what stood there before is untouched.
     pub fn create(path: &Path) -> Result<Self, BenchError> {
         results_file::begin(path)?;
-        Ok(Self::new(results_file::open(path)?, path))
+        let mut results = Self::new(results_file::open(path)?, path);
+        results_file::bring_up_to_date(path, &mut results.connection)?;
+        Ok(results)
     }
 
     fn new(connection: Connection, path: &Path) -> Self {
@@ -134,12 +136,16 @@ impl Results {
     /// # Errors
     /// [`BenchError::Database`].
     pub fn begin_run(&mut self, information: &RunInformation) -> Result<u64, BenchError> {
-        let RunInformation { machine, processor, cpu_features, cores, version, commit, command, workers } =
-            information;
+        let RunInformation {
+            machine, processor, cpu_features, cores, version, commit, command, workers, ..
+        } = information;
+        let (limit, sandbox) = (information.memory_limit_bytes, &information.sandbox);
+        let features = cpu_features.join(" ");
         self.done(self.connection.execute(
-            "INSERT INTO runs (machine, processor, cpu_features, cores, version, commit_hash, command, workers)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
-            params![machine, processor, cpu_features.join(" "), cores, version, commit, command, workers],
+            "INSERT INTO runs (machine, processor, cpu_features, cores, version, commit_hash, command, workers,
+                               memory_limit_bytes, sandbox)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
+            params![machine, processor, features, cores, version, commit, command, workers, limit, sandbox],
         ))?;
         Ok(self.connection.last_insert_rowid().cast_unsigned())
     }
@@ -203,7 +209,7 @@ impl Results {
     /// # Errors
     /// [`BenchError::Row`], [`BenchError::Database`].
     pub fn trials(&self) -> Result<Vec<StoredTrial>, BenchError> {
-        self.select(&format!("SELECT {COLUMNS} FROM trials ORDER BY id"), [])
+        self.select("ORDER BY id", [])
     }
 
     /// All records, in the order in which the trials ended.
@@ -227,7 +233,7 @@ impl Results {
     /// # Errors
     /// [`BenchError::NoTrial`], and as [`Self::trials`].
     pub fn trial(&self, id: u64) -> Result<StoredTrial, BenchError> {
-        let found = self.select(&format!("SELECT {COLUMNS} FROM trials WHERE id = ?1"), [id])?;
+        let found = self.select("WHERE id = ?1", [id])?;
         if let Some(trial) = found.into_iter().next() {
             return Ok(trial);
         }
@@ -254,10 +260,12 @@ impl Results {
     /// # Errors
     /// [`BenchError::Database`].
     pub fn runs(&self) -> Result<Vec<Run>, BenchError> {
-        let sql =
+        let added = added_to_runs(self.is_older()?);
+        let sql = format!(
             "SELECT id, machine, processor, cpu_features, cores, version, commit_hash, command, workers,
-                   began, ended FROM runs ORDER BY id";
-        let mut statement = self.done(self.connection.prepare(sql))?;
+                   began, ended, {added} FROM runs ORDER BY id"
+        );
+        let mut statement = self.done(self.connection.prepare(&sql))?;
         let rows = statement.query_map([], |row| {
             let features: String = row.get(3)?;
             let information = RunInformation {
@@ -269,6 +277,8 @@ impl Results {
                 commit: row.get(6)?,
                 command: row.get(7)?,
                 workers: row.get(8)?,
+                memory_limit_bytes: row.get(11)?,
+                sandbox: row.get(12)?,
             };
             Ok(Run { id: row.get(0)?, information, began: row.get(9)?, ended: row.get(10)? })
         });
@@ -315,7 +325,7 @@ impl Results {
         let others = copy.unwrap_or_else(|| others.to_owned());
         let others = others.to_string_lossy();
         self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
-        let merged = self.take_up_others();
+        let merged = self.take_up_others(opened.is_older()?);
         let detached = self.done(self.connection.execute_batch("DETACH DATABASE others"));
         let merged = merged?;
         detached.map(|()| merged)
@@ -346,12 +356,12 @@ impl Results {
         Ok((Self::create(into)?, merged))
     }
 
-    fn take_up_others(&mut self) -> Result<Merged, BenchError> {
+    fn take_up_others(&mut self, is_older: bool) -> Result<Merged, BenchError> {
         let path = self.path.clone();
         let take_up = |connection: &mut Connection| {
             let transaction = connection.transaction()?;
-            transaction.execute_batch(TAKE_UP_RUNS)?;
-            let added = transaction.execute(&results_row::take_up_trials(), [])?;
+            transaction.execute_batch(&take_up_runs(is_older))?;
+            let added = transaction.execute(&results_row::take_up_trials(is_older), [])?;
             let all: u64 =
                 transaction.query_row("SELECT count(*) FROM others.trials", [], |row| row.get(0))?;
             transaction.commit()?;
@@ -360,10 +370,16 @@ impl Results {
         take_up(&mut self.connection).map_err(|reason| BenchError::Database { path, reason })
     }
 
-    fn select(&self, sql: &str, parameters: impl rusqlite::Params) -> Result<Vec<StoredTrial>, BenchError> {
-        let mut statement = self.done(self.connection.prepare(sql))?;
+    /// Trials, `which` of them and in what order.
+    fn select(&self, which: &str, parameters: impl rusqlite::Params) -> Result<Vec<StoredTrial>, BenchError> {
+        let sql = format!("{} {which}", results_row::selection(self.is_older()?));
+        let mut statement = self.done(self.connection.prepare(&sql))?;
         let rows = self.done(statement.query(parameters))?;
         results_row::read(rows, &self.path)
+    }
+
+    fn is_older(&self) -> Result<bool, BenchError> {
+        self.done(results_file::is_older(&self.connection))
     }
 
     pub(crate) fn done<T>(&self, result: rusqlite::Result<T>) -> Result<T, BenchError> {
@@ -371,10 +387,20 @@ impl Results {
     }
 }
 
-const TAKE_UP_RUNS: &str = "
-INSERT OR IGNORE INTO runs (identity, machine, processor, cpu_features, cores, version, commit_hash, command,
-    workers, began, ended)
-SELECT identity, machine, processor, cpu_features, cores, version, commit_hash, command, workers, began, ended
-FROM others.runs ORDER BY id;
-INSERT OR IGNORE INTO scenarios SELECT * FROM others.scenarios;
-INSERT OR IGNORE INTO planners SELECT * FROM others.planners;";
+/// The columns of runs that older results lack.
+fn added_to_runs(is_older: bool) -> &'static str {
+    if is_older { "NULL, NULL" } else { "memory_limit_bytes, sandbox" }
+}
+
+fn take_up_runs(is_older: bool) -> String {
+    let added = added_to_runs(is_older);
+    format!(
+        "INSERT OR IGNORE INTO runs (identity, machine, processor, cpu_features, cores, version, commit_hash, command,
+             workers, began, ended, memory_limit_bytes, sandbox)
+         SELECT identity, machine, processor, cpu_features, cores, version, commit_hash, command, workers, began,
+             ended, {added}
+         FROM others.runs ORDER BY id;
+         INSERT OR IGNORE INTO scenarios SELECT * FROM others.scenarios;
+         INSERT OR IGNORE INTO planners SELECT * FROM others.planners;"
+    )
+}

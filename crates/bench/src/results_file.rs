@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
-use rusqlite::{Connection, ErrorCode, OpenFlags};
+use rusqlite::{Connection, ErrorCode, OpenFlags, TransactionBehavior};
 use tempfile::TempDir;
 
 use crate::BenchError;
@@ -16,9 +16,19 @@ use crate::BenchError;
 /// "CRNY": what tells the results from other databases.
 const APPLICATION: i64 = 0x4352_4e59;
 
-/// The version of the tables.
-const VERSION: i64 = 1;
+/// The version of the tables that campaigns write.
+const VERSION: i64 = 2;
 
+/// Older results, in which nobody noted what [`ADDITIONS`] adds; they are read as they are.
+const OLDER: i64 = 1;
+
+/// What version 2 has beyond [`TABLES`]: results of version 1 get it when a campaign goes on with them.
+const ADDITIONS: &str = "
+ALTER TABLE runs ADD COLUMN memory_limit_bytes INTEGER;
+ALTER TABLE runs ADD COLUMN sandbox TEXT;
+ALTER TABLE trials ADD COLUMN memory_bytes INTEGER;";
+
+/// The tables of version 1.
 const TABLES: &str = "
 CREATE TABLE runs (
     id INTEGER PRIMARY KEY,
@@ -142,14 +152,32 @@ pub fn open(path: &Path) -> Result<Connection, BenchError> {
         return Err(not_results());
     }
     let actual = number("user_version")?;
-    if actual != VERSION {
+    if ![OLDER, VERSION].contains(&actual) {
         return Err(BenchError::ResultsVersion { path: path.to_owned(), expected: VERSION, actual });
     }
-    check_tables(path, &connection)?;
+    check_tables(path, &connection, actual)?;
     // A commit survives the end of the program; only the end of the machine may take the last ones with it.
     connection.pragma_update(None, "journal_mode", "WAL").map_err(fault)?;
     connection.pragma_update(None, "synchronous", "NORMAL").map_err(fault)?;
     Ok(connection)
+}
+
+/// Gives older results what they lack, all of it or nothing.
+pub fn bring_up_to_date(path: &Path, connection: &mut Connection) -> Result<(), BenchError> {
+    let mut add = || -> rusqlite::Result<()> {
+        let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        if is_older(&transaction)? {
+            transaction.execute_batch(ADDITIONS)?;
+            transaction.pragma_update(None, "user_version", VERSION)?;
+        }
+        transaction.commit()
+    };
+    add().map_err(|reason| fault(path, reason))
+}
+
+/// Whether results lack what [`ADDITIONS`] adds.
+pub fn is_older(connection: &Connection) -> rusqlite::Result<bool> {
+    connection.pragma_query_value(None, "user_version", |row| Ok(row.get::<_, i64>(0)? == OLDER))
 }
 
 /// Whether results, and what `SQLite` lays beside them, can be written.
@@ -197,6 +225,7 @@ fn harden(connection: &Connection) -> rusqlite::Result<()> {
 fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
     let transaction = connection.transaction()?;
     transaction.execute_batch(TABLES)?;
+    transaction.execute_batch(ADDITIONS)?;
     transaction.pragma_update(None, "application_id", APPLICATION)?;
     transaction.pragma_update(None, "user_version", VERSION)?;
     transaction.commit()
@@ -204,10 +233,12 @@ fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
 
 /// Whether the tables and their index are ours, word for word, and their pages whole. What else the file holds is
 /// never asked for anything.
-fn check_tables(path: &Path, connection: &Connection) -> Result<(), BenchError> {
+fn check_tables(path: &Path, connection: &Connection, version: i64) -> Result<(), BenchError> {
     let fault = |reason| fault(path, reason);
     let found = definitions(connection).map_err(fault)?;
-    let own = Connection::open_in_memory().and_then(|own| own.execute_batch(TABLES).map(|()| own));
+    let additions = if version == OLDER { "" } else { ADDITIONS };
+    let tables = |own: Connection| own.execute_batch(&format!("{TABLES}{additions}")).map(|()| own);
+    let own = Connection::open_in_memory().and_then(tables);
     for (name, definition) in own.and_then(|own| definitions(&own)).map_err(fault)? {
         if found.get(&name) != Some(&definition) {
             return Err(BenchError::OtherTable { path: path.to_owned(), name });

@@ -7,17 +7,21 @@ use rusqlite::{Connection, Row, Rows, params};
 
 use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
 
-/// What [`read`] reads, in its order.
-pub const COLUMNS: &str = "id, run, scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
-    iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
-    planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
-    grasp_score, also_solved";
-
-/// What makes up a row but its number and its run.
+/// What makes up a row, but its number, its run and what older results lack.
 const CONTENT: &str = "scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
     iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
     planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
     grasp_score, also_solved, path";
+
+/// The query for rows as [`read`] reads them, before any `WHERE`.
+pub fn selection(is_older: bool) -> String {
+    format!("SELECT id, run, {CONTENT}, {} FROM trials", memory(is_older))
+}
+
+/// The column that older results lack.
+fn memory(is_older: bool) -> &'static str {
+    if is_older { "NULL AS memory_bytes" } else { "memory_bytes" }
+}
 
 /// What becomes of a row whose trial is there already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +43,8 @@ pub fn insert(
         Present::IsReplaced => "REPLACE",
     };
     let sql = format!(
-        "INSERT OR {otherwise} INTO trials (run, {CONTENT}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
-         ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28)"
+        "INSERT OR {otherwise} INTO trials (run, {CONTENT}, memory_bytes) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
+         ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29)"
     );
     let (trial, statistics) = (&record.trial, &record.statistics);
     connection.prepare_cached(&sql)?.execute(params![
@@ -72,19 +76,21 @@ pub fn insert(
         record.grasp_score,
         record.also_solved,
         (!path.is_empty()).then(|| bytes_of_path(path)),
+        record.memory_bytes,
     ])
 }
 
 /// Takes the trials of the attached database `others` up, with their runs, which are there already.
-pub fn take_up_trials() -> String {
+pub fn take_up_trials(is_older: bool) -> String {
+    let memory = memory(is_older);
     format!(
-        "INSERT OR IGNORE INTO trials (run, {CONTENT}) SELECT mine.id, {CONTENT} FROM others.trials AS trial \
-         JOIN others.runs AS theirs ON theirs.id = trial.run JOIN main.runs AS mine USING (identity) \
-         ORDER BY trial.id"
+        "INSERT OR IGNORE INTO trials (run, {CONTENT}, memory_bytes) SELECT mine.id, {CONTENT}, {memory} \
+         FROM others.trials AS trial JOIN others.runs AS theirs ON theirs.id = trial.run \
+         JOIN main.runs AS mine USING (identity) ORDER BY trial.id"
     )
 }
 
-/// All rows of a selection of [`COLUMNS`].
+/// All rows of a [`selection`].
 pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError> {
     let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
     let mut trials = Vec::new();
@@ -135,6 +141,7 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
         grasp: row.get(25)?,
         grasp_score: row.get(26)?,
         also_solved: row.get(27)?,
+        memory_bytes: row.get(29)?,
     };
     Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record })
 }

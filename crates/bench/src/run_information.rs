@@ -20,10 +20,14 @@ pub struct RunInformation {
     pub command: String,
     /// How many workers ran at once: with more than one, times are not those of a machine at rest.
     pub workers: usize,
+    /// What memory a search could take, in bytes; older results do not say.
+    pub memory_limit_bytes: Option<u64>,
+    /// In what the programs of others ran; nothing where there were none, or where they ran free.
+    pub sandbox: Option<String>,
 }
 
 impl RunInformation {
-    /// What is known of this machine and this program.
+    /// What is known of this machine and this program; the campaign adds what it gave its planners.
     pub fn here(commit: Option<&str>, command: &str, workers: usize) -> Self {
         Self {
             machine: machine(),
@@ -34,6 +38,8 @@ impl RunInformation {
             commit: commit.map(str::to_owned),
             command: command.to_owned(),
             workers,
+            memory_limit_bytes: None,
+            sandbox: None,
         }
     }
 }

@@ -108,6 +108,11 @@ pub struct TrialRecord {
     pub grasp_score: Option<f64>,
     /// Whether the path also meets the other of the two criteria, where that was asked.
     pub also_solved: Option<bool>,
+    /// Memory, in bytes: of a program of others with all that it started the most that it was seen to hold, looked at
+    /// every 20 ms; of a built-in planner what its process held at the end of the search, the scenario and what earlier
+    /// trials left allocated with it. `None` where nobody tells, and in older results.
+    #[serde(default)]
+    pub memory_bytes: Option<u64>,
 }
 
 impl TrialRecord {
@@ -128,6 +133,7 @@ impl TrialRecord {
             grasp: None,
             grasp_score: None,
             also_solved: None,
+            memory_bytes: None,
         }
     }
 

@@ -7,7 +7,7 @@ use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
 use crate::worker_message::{Message, Request, TrialRun};
-use crate::{BenchError, CarryTo, PlannerCall, TrialOutcome, TrialRecord, judge};
+use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord, judge, process_group};
 
 /// Runs one trial, and returns how it went and the planner's own path.
 ///
@@ -43,7 +43,7 @@ pub fn run(
     tell(&Message::Opened)?;
     // 2.
     let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
-    let carry = CarryTo::of_settings(&trial.settings);
+    let carry = PathDemand::of_settings(&trial.settings).carry;
     let (mut record, segments, audit) = match (&question.call, &foreign) {
         (_, Some(foreign)) => {
             let task = ForeignTask { request, opened: &opened, goal: goal.as_deref(), carry };
@@ -73,7 +73,10 @@ pub fn run(
             let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
-            let record = TrialRecord::without_path(trial, outcome, None, answer.statistics);
+            let record = TrialRecord {
+                memory_bytes: process_group::resident_bytes(std::process::id()),
+                ..TrialRecord::without_path(trial, outcome, None, answer.statistics)
+            };
             (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::sandbox::Walls;
 use crate::{Question, TrialRecord};
 
 /// What a worker is asked.
@@ -14,6 +15,8 @@ pub struct Request {
     pub exports: PathBuf,
     /// What the program of others may take, in bytes.
     pub memory_limit_bytes: u64,
+    /// What stands around the worker and around that program.
+    pub walls: Walls,
 }
 
 /// How a trial went, and the path that its planner gave.

@@ -1,6 +1,6 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,6 +11,7 @@ use cranny_plan::Statistics;
 
 use crate::foreign_process::LOOK_EVERY;
 use crate::process_group::{self, Family};
+use crate::sandbox::Walls;
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 
@@ -26,6 +27,7 @@ pub struct WorkerProgram {
 /// A process that serves trials one after the other, and may end at any of them.
 pub struct WorkerProcess {
     child: Child,
+    walls: Walls,
     /// What it started, as far as it was seen.
     family: Family,
     requests: Option<ChildStdin>,
@@ -63,13 +65,13 @@ const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
 
 impl WorkerProcess {
     /// Starts a worker.
-    pub fn start(worker: &WorkerProgram) -> Result<Self, BenchError> {
+    pub fn start(worker: &WorkerProgram, walls: Walls, memory_limit_bytes: u64) -> Result<Self, BenchError> {
         let fault = |reason: std::io::Error| BenchError::NotRunnable {
             program: worker.program.display().to_string(),
             reason: reason.to_string(),
         };
-        let mut command = Command::new(&worker.program);
-        command.args(&worker.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut command = walls.worker(worker, memory_limit_bytes);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = process_group::lead(&mut command).spawn().map_err(fault)?;
         let (sender, lines) = mpsc::channel();
         if let Some(stdout) = child.stdout.take() {
@@ -97,7 +99,7 @@ impl WorkerProcess {
         });
         let requests = child.stdin.take();
         let family = Family::of(child.id());
-        Ok(Self { child, family, requests, lines, complaint, listener })
+        Ok(Self { child, walls, family, requests, lines, complaint, listener })
     }
 
     /// Asks for a trial and waits for the answer, at most as long as the trial may take.
@@ -123,7 +125,7 @@ impl WorkerProcess {
                     Ok(Message::Opened) => {
                         begin = Instant::now();
                         deadline = begin.checked_add(limit.saturating_add(GRACE));
-                        let held = process_group::resident_bytes(self.child.id());
+                        let held = self.resident_bytes();
                         memory_bytes = held.map(|held| held + request.memory_limit_bytes);
                     }
                     Ok(Message::Planned) => deadline = Instant::now().checked_add(PATIENCE),
@@ -144,8 +146,8 @@ impl WorkerProcess {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
                         return self.ended(trial, TrialOutcome::Hung, detail, begin);
                     }
-                    self.family.look();
-                    let held = process_group::resident_bytes(self.child.id());
+                    self.family.look(Walls::default());
+                    let held = self.resident_bytes();
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
                     {
@@ -204,6 +206,17 @@ impl WorkerProcess {
         let _ = self.child.wait();
         self.family.end();
         None
+    }
+
+    /// The memory that it holds itself.
+    fn resident_bytes(&self) -> Option<u64> {
+        // What makes the namespaces waits outside of them.
+        let inner = if self.walls.namespaces {
+            process_group::children(self.child.id()).first().copied()
+        } else {
+            None
+        };
+        process_group::resident_bytes(inner.unwrap_or(self.child.id()))
     }
 
     /// Whether it can be asked.

@@ -155,7 +155,7 @@ fn mistakes_are_named_with_file_and_line() {
 fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let fault = |text: &str| {
-        read(folder.path(), text).expect("a campaign").schedule().expect_err("a fault").to_string()
+        read(folder.path(), text).and_then(|campaign| campaign.schedule()).expect_err("a fault").to_string()
     };
     let planners = "planners: [{planner: reach}]\n";
     assert!(fault("scenarios: ['021']\nplanners: []\n").contains("no planners"));
@@ -163,7 +163,10 @@ fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     assert!(fault(&format!("scenarios: ['05x']\n{planners}")).contains("'05x'"));
     assert!(fault(&format!("scenarios: ['021']\n{planners}runs: 0\n")).contains("number of runs"));
     assert!(fault(&format!("scenarios: ['021']\n{planners}time_limit_s: 0\n")).contains("time limit"));
-    assert!(fault(&format!("scenarios: ['021']\n{planners}time_limit_s: .nan\n")).contains("time limit"));
+    let message = fault(&format!("scenarios: ['021']\n{planners}time_limit_s: .nan\n"));
+    assert!(message.contains("campaign.yaml:3: a time limit is NaN"), "{message}");
+    let message = fault(&format!("scenarios: ['021']\n{planners}margin_m: -0.001\n"));
+    assert!(message.contains("campaign.yaml:3: a margin is -0.001"), "{message}");
     assert!(
         fault(&format!("scenarios: ['021']\n{planners}first_seed: 9223372036854775807\n")).contains("seed")
     );

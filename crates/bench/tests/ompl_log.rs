@@ -123,7 +123,7 @@ fn a_log_has_the_lines_that_the_parser_wants_in_their_order() {
         "|>>>",
         "0 is the random seed",
         "30 seconds per run",
-        "0 MB per run",
+        "4096 MB per run",
         "20 runs per planner",
         "1 enum type",
         "1 planners",

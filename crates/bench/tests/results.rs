@@ -32,6 +32,7 @@ fn a_trial_is_read_back_bit_by_bit() {
         outcome: TrialOutcome::Rejected,
         clearance_m: Some(5e-324),
         also_solved: Some(false),
+        memory_bytes: Some(123 << 20),
         ..record(Trial { criterion: Criterion::Paper, goal: Some(3), iteration_limit: Some(0), ..trial(5) })
     };
     let way = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-300]];
@@ -189,9 +190,9 @@ fn what_is_no_results_is_refused_and_left_as_it_is() {
     results(&later, "a", 0..1);
     rusqlite::Connection::open(&later)
         .expect("a database")
-        .pragma_update(None, "user_version", 2)
+        .pragma_update(None, "user_version", 3)
         .expect("set");
-    assert!(matches!(Results::open(&later), Err(BenchError::ResultsVersion { actual: 2, .. })));
+    assert!(matches!(Results::open(&later), Err(BenchError::ResultsVersion { actual: 3, .. })));
 }
 
 #[test]
@@ -204,4 +205,30 @@ fn a_row_that_says_what_it_cannot_is_an_error_that_names_it() {
     let message = results.records().expect_err("a fault").to_string();
     assert!(message.contains("trial 2: 'solvd' is no outcome"), "{message}");
     assert!(matches!(results.trial(9), Err(BenchError::NoTrial { last: 2, .. })));
+}
+
+#[test]
+fn older_results_are_read_as_they_are_merged_and_gone_on_with() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    drop(results(&path("older.db"), "a", 0..2));
+    // As a version wrote them that noted neither memory nor walls.
+    let older = rusqlite::Connection::open(path("older.db")).expect("opened");
+    let sql = "ALTER TABLE runs DROP COLUMN memory_limit_bytes; ALTER TABLE runs DROP COLUMN sandbox;
+               ALTER TABLE trials DROP COLUMN memory_bytes; PRAGMA user_version = 1";
+    older.execute_batch(sql).expect("older");
+    drop(older);
+    std::fs::copy(path("older.db"), path("copy.db")).expect("copied");
+
+    let read = Results::open(&path("older.db")).expect("results");
+    assert_eq!(read.records().expect("records"), [record(trial(0)), record(trial(1))]);
+    assert_eq!(read.runs().expect("runs")[0].information.memory_limit_bytes, None);
+    drop(read);
+    let mut results = Results::create(&path("older.db")).expect("results");
+    let run = results.begin_run(&information("b")).expect("a run");
+    let with_memory = TrialRecord { memory_bytes: Some(7), ..record(trial(2)) };
+    assert!(results.append(run, &with_memory, &[]).expect("appended"));
+    let merged = results.merge(&path("copy.db")).expect("merged");
+    assert_eq!(merged, Merged { added: 0, known: 2 });
+    assert_eq!(results.records().expect("records"), [record(trial(0)), record(trial(1)), with_memory]);
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_bench::{
     BenchError, Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results,
-    RunInformation, Schedule, TrialOutcome, TrialRecord, Unheard, WorkerProgram, run_campaign,
+    RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord, Unheard, WorkerProgram, run_campaign,
 };
 
 /// A campaign of so many short trials.
@@ -27,6 +27,8 @@ fn settings(script: &str) -> CampaignSettings {
         workers: 1,
         memory_limit_bytes: 100 << 20,
         information: RunInformation::here(None, "cranny bench run", 1),
+        // The workers of these tests are shells.
+        sandbox: Sandbox::Off,
         again: Vec::new(),
     }
 }

@@ -3,13 +3,14 @@ use std::time::Duration;
 
 use clap::builder::ArgPredicate;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::Geometry;
 
 use crate::bench::BenchArguments;
 use crate::grasps::GraspsArguments;
-use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
+use crate::number_argument::{MOST_ITERATIONS, millimetres, seconds, whole};
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
 use crate::robot::RobotArguments;
@@ -94,6 +95,27 @@ pub enum Command {
     View(ViewArguments),
 }
 
+/// How much clearance is demanded.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct MarginArguments {
+    /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    margin: Option<f64>,
+    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    grasp_margin: Option<f64>,
+}
+
+impl MarginArguments {
+    /// The margins, where nothing is given those of `otherwise`.
+    pub fn or(self, otherwise: Margins) -> Margins {
+        Margins {
+            margin_m: self.margin.unwrap_or(otherwise.margin_m),
+            grasp_margin_m: self.grasp_margin.unwrap_or(otherwise.grasp_margin_m),
+        }
+    }
+}
+
 /// Which task, under which criterion.
 #[derive(Clone, Debug, Args)]
 pub struct TaskArguments {
@@ -103,12 +125,8 @@ pub struct TaskArguments {
     /// What counts as solved and as free [default: the scenario's own, exact unless it says otherwise]
     #[arg(long, value_enum)]
     pub criterion: Option<CriterionArgument>,
-    /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
-    #[arg(long, value_name = "MM")]
-    pub margin: Option<f64>,
-    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
-    #[arg(long, value_name = "MM")]
-    pub grasp_margin: Option<f64>,
+    #[command(flatten)]
+    pub margins: MarginArguments,
     /// Check pairs of links that touch in every sample too, which are left out otherwise and named
     #[arg(long)]
     pub strict_pairs: bool,

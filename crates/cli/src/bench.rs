@@ -4,7 +4,8 @@ use std::io::{BufReader, stdin, stdout};
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use cranny_bench::WorkerProgram;
+use cranny_bench::{Sandbox, WorkerProgram};
+use strum::VariantArray as _;
 
 use crate::Answer;
 use crate::arguments::Output;
@@ -54,6 +55,12 @@ pub fn run(arguments: &BenchArguments, output: Output) -> Result<Answer, Failure
 
 /// The commit that this program was built from.
 pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
+
+/// Parses which walls the programs of others run within.
+pub fn sandbox(text: &str) -> Result<Sandbox, String> {
+    let known = || Sandbox::VARIANTS.iter().map(|sandbox| sandbox.name()).collect::<Vec<_>>().join(", ");
+    text.parse().map_err(|_| format!("give one of {}", known()))
+}
 
 /// This program, as a worker.
 pub fn worker() -> Result<WorkerProgram, Failure> {

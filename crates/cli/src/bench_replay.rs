@@ -3,7 +3,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_bench::{CampaignSettings, Replay, Results, RunInformation, replay};
+use cranny_bench::{CampaignSettings, Replay, Results, RunInformation, Sandbox, replay};
 use cranny_scenario::write_waypoints_csv;
 use serde::Serialize;
 
@@ -38,6 +38,9 @@ pub struct ReplayArguments {
     /// Run the program that the results name, if the trial was one of somebody's program: only for results you trust
     #[arg(long)]
     allow_exec: bool,
+    /// Walls around that program, as in `bench run`
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench::sandbox)]
+    sandbox: Sandbox,
     /// Write the way points here (.csv)
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -77,6 +80,7 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
         workers: 1,
         memory_limit_bytes: MEMORY_LIMIT_BYTES,
         information: RunInformation::here(bench::COMMIT, "", 1),
+        sandbox: arguments.sandbox,
         again: Vec::new(),
     };
     let stop = stop_on_interrupt()?;

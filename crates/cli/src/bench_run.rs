@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    PlannerCall, Results, RunInformation, RunSummary, TrialOutcome, TrialRecord, close_to_others,
+    PlannerCall, Results, RunInformation, RunSummary, Sandbox, TrialOutcome, TrialRecord, close_to_others,
     run_campaign,
 };
 use cranny_plan::Criterion;
@@ -15,7 +15,7 @@ use serde::Serialize;
 use strum::VariantArray as _;
 
 use crate::Answer;
-use crate::arguments::{CriterionArgument, Output};
+use crate::arguments::{CriterionArgument, MarginArguments, Output};
 use crate::bench;
 use crate::failure::Failure;
 use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
@@ -85,6 +85,12 @@ pub struct RunArguments {
     /// everything but the floor
     #[arg(long, value_name = "home|out", value_parser = carry_to)]
     carry: Option<CarryTo>,
+    #[command(flatten)]
+    margins: MarginArguments,
+    /// Walls around the programs of others: those that this machine has (auto), none (off), or all of them or nothing is
+    /// run (require)
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench::sandbox)]
+    sandbox: Sandbox,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
     workers: usize,
@@ -160,6 +166,7 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
         information: RunInformation::here(bench::COMMIT, &command, workers),
+        sandbox: arguments.sandbox,
         again: arguments.again.clone(),
     };
     let mut progress = CampaignProgress::new(output.quiet);
@@ -222,7 +229,8 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
         campaign.memory_limit_bytes = limit << 20;
     }
     campaign.judge_both |= arguments.judge_both;
-    campaign.carry = arguments.carry.or(campaign.carry);
+    campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
+    campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
     campaign.measure_clearance |= arguments.clearance;
     if campaign.scenarios.is_empty() {
         let problem =

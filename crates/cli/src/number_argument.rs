@@ -35,6 +35,12 @@ pub fn share(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "give a number greater than 0, at most 1".to_owned())
 }
 
+/// A length of at least 0 in millimetres, in metres.
+pub fn millimetres(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.map(|number| number / 1000.0).ok_or_else(|| "give millimetres, at least 0".to_owned())
+}
+
 /// A time limit.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=MOST_SECONDS).contains(seconds));

@@ -8,7 +8,7 @@ use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenar
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
-use crate::task::{Task, metres, note_all};
+use crate::task::{Task, note_all};
 use crate::text;
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
@@ -59,8 +59,7 @@ impl PlanTask {
         let opened = MoveItProblem::open(scene, request, &options)?;
         note_all(&opened.deviations, output)?;
         note_all(&mesh_repairs(&opened.robot, &opened.world), output)?;
-        let margin_m = metres("margin", arguments.margin)?.unwrap_or(margins.margin_m);
-        let margins = Margins { margin_m, ..Margins::default() };
+        let margins = Margins { grasp_margin_m: 0.0, ..arguments.margins.or(margins) };
         let mut problem = opened.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();

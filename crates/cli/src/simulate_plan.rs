@@ -14,9 +14,9 @@ use crate::failure::Failure;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
 use crate::simulate::InsteadArguments;
-use crate::task::{metres, open_scenario};
+use crate::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
-use crate::{output_file, recording};
+use crate::{number_argument, output_file, recording};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -36,7 +36,7 @@ pub struct SimulatePlanArguments {
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
     /// How far up the object is lifted, in millimetres, where the plan ends at the grasp
-    #[arg(long, value_name = "MM", default_value = "30")]
+    #[arg(long, value_name = "MM", default_value = "30", value_parser = number_argument::millimetres)]
     pub lift: f64,
     #[command(flatten)]
     pub instead: InsteadArguments,
@@ -63,7 +63,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let lift_m = metres("lift", Some(arguments.lift))?.unwrap_or_default();
+    let lift_m = arguments.lift;
     let file = &arguments.plan;
     let plan = read_plan(file)?;
     let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);

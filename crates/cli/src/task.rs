@@ -30,10 +30,7 @@ impl Task {
             grasps: arguments.grasps.clone(),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        let margins = Margins {
-            margin_m: metres("margin", arguments.margin)?.unwrap_or(margins.margin_m),
-            grasp_margin_m: metres("grasp-margin", arguments.grasp_margin)?.unwrap_or(margins.grasp_margin_m),
-        };
+        let margins = arguments.margins.or(margins);
         let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
@@ -55,15 +52,4 @@ pub fn note_all(notes: &[impl Display], output: Output) -> Result<(), Failure> {
         text::note(&note.to_string())?;
     }
     Ok(())
-}
-
-/// The length that a flag gives in millimetres, if it is given.
-pub fn metres(flag: &'static str, millimetres: Option<f64>) -> Result<Option<f64>, Failure> {
-    match millimetres {
-        Some(value) if !(value.is_finite() && value >= 0.0) => {
-            let problem = format!("'{value}' is no such length; give millimetres, at least 0");
-            Err(Failure::Flag { flag, problem })
-        }
-        other => Ok(other.map(|value| value / 1000.0)),
-    }
 }

@@ -55,6 +55,7 @@ fn results(folder: &Path) {
                     grasp: None,
                     grasp_score: None,
                     also_solved: None,
+                    memory_bytes: None,
                 };
                 results.append(run, &record, &[]).expect("a trial");
             }

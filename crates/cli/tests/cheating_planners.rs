@@ -1,5 +1,6 @@
 //! Planners that cheat, by accident or not: what is recorded of each, and that nobody else is touched by it.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Child, Command as Process, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -16,9 +17,9 @@ fn script(folder: &Path, name: &str, text: &str) -> String {
     format!("{}=exec:sh {name}", name.trim_end_matches(".sh"))
 }
 
-/// `bench run` of one planner in 031, two seeds; more words overrule.
+/// `bench run` of one planner in 031, two seeds, without walls; more words overrule.
 fn words<'a>(planner: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    let usual = [["-o", "results.db"], ["--scenarios", "031"], ["--runs", "2"]];
+    let usual = [["-o", "results.db"], ["--scenarios", "031"], ["--runs", "2"], ["--sandbox", "off"]];
     let usual = usual.iter().filter(|[flag, _]| !more.contains(flag)).flatten();
     ["bench", "run", "--planner", planner].iter().chain(usual).chain(more).copied().collect()
 }
@@ -121,7 +122,7 @@ fn results_of_somebody_else_run_no_command_unasked() {
         error(&output)
     );
     assert!(!path.join("touched").exists());
-    let again = ["bench", "replay", "results.db", "1", "--allow-exec"];
+    let again = ["bench", "replay", "results.db", "1", "--allow-exec", "--sandbox", "off"];
     assert_eq!(run(path, &again).status.code(), Some(0));
     assert!(path.join("touched").exists());
     script(path, "touch.sh", "exit 0\n");
@@ -244,4 +245,55 @@ fn paths_that_are_the_same_under_other_seeds_are_said() {
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
     let report = std::fs::read_to_string(path.join("report.json")).expect("a report");
     assert!(report.contains("4 of 4 paths of memory in 031 are the same as under another seed"), "{report}");
+}
+
+/// The trials of one script within all walls; nothing, said aloud, where the kernel has not all of them.
+fn trials_within_walls(text: &str, more: &[&str]) -> Option<Vec<StoredTrial>> {
+    let folder = folder();
+    let planner = script(folder.path(), "cheat.sh", text);
+    let output = run(folder.path(), &words(&planner, &[&["--sandbox", "require"], more].concat()));
+    if error(&output).contains("this machine has no") {
+        writeln!(std::io::stderr(), "SKIPPED, walls around planners: {}", error(&output)).expect("said");
+        return None;
+    }
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    Some(stored(folder.path()))
+}
+
+#[test]
+fn within_walls_a_planner_writes_in_its_own_folder_alone() {
+    let elsewhere = folder();
+    let place = elsewhere.path().join("memo");
+    let text =
+        format!("touch scratch \"$TMPDIR/too\" || echo no scratch\ntouch {}\nexit 3\n", place.display());
+    for trial in trials_within_walls(&text, &[]).unwrap_or_default() {
+        assert_eq!(trial.record.outcome, TrialOutcome::Crashed, "{}", said(&trial));
+        assert!(
+            said(&trial).contains("ermission denied") && said(&trial).contains("--sandbox off"),
+            "{}",
+            said(&trial)
+        );
+    }
+    assert!(!place.exists());
+}
+
+#[test]
+fn within_walls_a_planner_sees_no_process_but_its_own_and_ends_none() {
+    let text = "test \"$(ls -d /proc/[0-9]* | wc -l)\" -lt 6 || echo sees others\nkill -9 $PPID 1\nexit 0\n";
+    for trial in trials_within_walls(text, &[]).unwrap_or_default() {
+        assert_eq!(trial.record.outcome, TrialOutcome::GaveUp, "{}", said(&trial));
+    }
+}
+
+#[test]
+fn within_walls_shared_memory_is_counted_and_gone_after_the_trial() {
+    let text = "test -e /dev/shm/memo && echo found\ntouch /dev/shm/memo || echo no shared memory\nexit 0\n";
+    for trial in trials_within_walls(text, &[]).unwrap_or_default() {
+        assert_eq!(trial.record.outcome, TrialOutcome::GaveUp, "{}", said(&trial));
+    }
+    let text = "head -c 150M /dev/zero > /dev/shm/one\nhead -c 40M /dev/zero > /dev/shm/two\nsleep 30\n";
+    for trial in trials_within_walls(text, &["--memory-limit", "180"]).unwrap_or_default() {
+        assert_eq!(trial.record.outcome, TrialOutcome::OutOfMemory, "{}", said(&trial));
+        assert!(trial.record.memory_bytes.is_some_and(|bytes| bytes > 180 << 20));
+    }
 }

@@ -21,6 +21,12 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     };
     warnings.extend(pooled(groups, &runs, "versions of Cranny", built));
     warnings.extend(pooled(groups, &runs, "numbers of workers", |run| run.workers.to_string()));
+    let limit = |run: &RunInformation| {
+        run.memory_limit_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MB", bytes >> 20))
+    };
+    warnings.extend(pooled(groups, &runs, "memory limits", limit));
+    let walls = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
+    warnings.extend(pooled(groups, &runs, "walls around planners", walls));
     warnings.extend(groups.iter().filter_map(same_paths));
     warnings
 }

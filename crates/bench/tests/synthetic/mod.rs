@@ -84,6 +84,7 @@ pub fn add(campaign: &mut Campaign, draw: &mut Draw, scenario: &str, manner: &Ma
             grasp: None,
             grasp_score: when_solved(score),
             also_solved: None,
+            memory_bytes: None,
         };
         let id = campaign.trials.len() as u64 + 1;
         campaign.trials.push(StoredTrial { id, run: 1, record });
@@ -103,6 +104,8 @@ pub fn empty() -> (Campaign, Draw) {
             commit: Some("0123456789abcdef".to_owned()),
             command: "cranny bench run --preset paper -o results.db".to_owned(),
             workers: 1,
+            memory_limit_bytes: Some(4 << 30),
+            sandbox: None,
         },
         began: "2026-11-21T18:00:00Z".to_owned(),
         ended: None,

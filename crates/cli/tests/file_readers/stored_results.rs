@@ -54,6 +54,7 @@ fn write(path: &Path) {
             grasp: Some(17),
             grasp_score: Some(0.9),
             also_solved: Some(true),
+            memory_bytes: Some(1 << 30),
         };
         assert!(results.append(run, &record, &[vec![0.0, 1.0], vec![0.5, 0.25]]).expect("appended"));
     }

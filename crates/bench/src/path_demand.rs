@@ -1,0 +1,75 @@
+use std::collections::BTreeMap;
+
+use cranny_collision::Margins;
+use serde_json::Value;
+
+use crate::CarryTo;
+
+/// What the trials of a campaign ask of a path beyond its criterion.
+///
+/// It stands among the settings of a trial, as far as it is not the usual: trials that ask for more are others, and those
+/// that do not are the same as before there was more to ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathDemand {
+    /// Where the target is carried to, once it is grasped. Default: the path ends at the grasp.
+    pub carry: Option<CarryTo>,
+    /// How much clearance it keeps. Default: contact alone counts.
+    pub margins: Margins,
+}
+
+/// What it is called among settings.
+const CARRY: &str = "carry";
+const MARGIN: &str = "margin_m";
+const GRASP_MARGIN: &str = "grasp_margin_m";
+
+impl PathDemand {
+    /// The settings of a planner, as canonical JSON, with what the trial asks of it.
+    pub(crate) fn among(self, settings: String) -> String {
+        if self == Self::default() {
+            return settings;
+        }
+        let parsed = serde_json::from_str(&settings);
+        // Sorted by their keys, as they were.
+        let mut all: BTreeMap<&str, Value> = parsed.unwrap_or_default();
+        if let Some(carry) = self.carry {
+            all.insert(CARRY, carry.name().into());
+        }
+        let Margins { margin_m, grasp_margin_m } = self.margins;
+        for (key, value) in [(MARGIN, margin_m), (GRASP_MARGIN, grasp_margin_m)] {
+            if value != 0.0 {
+                all.insert(key, value.into());
+            }
+        }
+        serde_json::json!(all).to_string()
+    }
+
+    /// What the settings of a trial ask.
+    pub(crate) fn of_settings(settings: &str) -> Self {
+        let all: BTreeMap<String, Value> = serde_json::from_str(settings).unwrap_or_default();
+        let metres = |key| all.get(key).and_then(Value::as_f64).unwrap_or_default();
+        Self {
+            carry: all.get(CARRY).and_then(Value::as_str).and_then(|name| name.parse().ok()),
+            margins: Margins { margin_m: metres(MARGIN), grasp_margin_m: metres(GRASP_MARGIN) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_is_read_back_from_settings_and_the_usual_leaves_them_as_they_are() {
+        let settings = r#"{"planner":"reach","step":0.25}"#.to_owned();
+        assert_eq!(PathDemand::default().among(settings.clone()), settings);
+        assert_eq!(PathDemand::of_settings(&settings), PathDemand::default());
+        let margins = Margins { margin_m: 0.005, grasp_margin_m: 0.001 };
+        for demand in [
+            PathDemand { carry: Some(CarryTo::Home), ..PathDemand::default() },
+            PathDemand { margins, ..PathDemand::default() },
+            PathDemand { carry: Some(CarryTo::Out), margins },
+        ] {
+            assert_eq!(PathDemand::of_settings(&demand.among(settings.clone())), demand);
+        }
+    }
+}
