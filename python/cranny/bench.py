@@ -130,7 +130,7 @@ def run(
     memory_limit_mb: int = 4096,
     workers: int = 1,
     judge_both: bool = False,
-    measure_clearance: bool = False,
+    measure_clearance: bool = True,
     carry: str | None = None,
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,

@@ -39,8 +39,8 @@ pub struct Campaign {
     pub memory_limit_bytes: u64,
     /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
     pub judge_both: bool,
-    /// Whether the least clearance along each path is measured. Default: no; it takes some milliseconds for every
-    /// edge of a path.
+    /// Whether the least clearance along each path is measured, at most 5 % too low: some milliseconds beside the trial's own
+    /// time. Default: yes.
     pub measure_clearance: bool,
     /// What is asked of each path beyond its criterion. Default: nothing.
     pub demand: PathDemand,
@@ -87,7 +87,7 @@ impl Default for Campaign {
             iteration_limit: None,
             memory_limit_bytes: 4 << 30,
             judge_both: false,
-            measure_clearance: false,
+            measure_clearance: true,
             demand: PathDemand::default(),
             exceptions: Vec::new(),
         }

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{Audit, AuditSettings, PlanError, Problem, Violation, audit_with, path_length};
+use cranny_plan::{Audit, AuditSettings, Clearances, PlanError, Problem, Violation, audit_with, path_length};
 
 use crate::{TrialOutcome, TrialRecord};
 
@@ -46,8 +46,11 @@ pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanErro
     /// Steps of ten metres become steps of a centimetre.
     const MOST_HALVINGS: usize = 10;
     for _ in 0..MOST_HALVINGS {
-        let verification =
-            audit_with(problem, &path, AuditSettings { clearances: false, ..AuditSettings::default() })?;
+        let verification = audit_with(
+            problem,
+            &path,
+            AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
+        )?;
         let step = |violation: &Violation| match violation {
             Violation::Step { edge, .. } => Some(*edge),
             _ => None,

@@ -13,6 +13,6 @@ pub struct Question {
     pub call: PlannerCall,
     /// Whether the path is judged under the other criterion too.
     pub judge_both: bool,
-    /// Whether the least clearance along the path is measured: longer than many a search takes.
+    /// Whether the least clearance along the path is measured.
     pub measure_clearance: bool,
 }

@@ -1,6 +1,8 @@
 use std::time::Duration;
 
-use cranny_plan::{Audit, AuditSettings, Budget, Carrier, Criterion, Goal, Observer, PlanError, Problem};
+use cranny_plan::{
+    Audit, AuditSettings, Budget, Carrier, Clearances, Criterion, Goal, Observer, PlanError, Problem,
+};
 use cranny_solve::{Segment, audit_segments, joined, solve};
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
@@ -42,7 +44,8 @@ pub fn run(
     };
     tell(&Message::Opened)?;
     // 2.
-    let settings = AuditSettings { clearances: question.measure_clearance, ..AuditSettings::default() };
+    let clearances = if question.measure_clearance { Clearances::OfPath } else { Clearances::None };
+    let settings = AuditSettings { clearances, ..AuditSettings::default() };
     let carry = PathDemand::of_settings(&trial.settings).carry;
     let (mut record, segments, audit) = match (&question.call, &foreign) {
         (_, Some(foreign)) => {
@@ -66,7 +69,12 @@ pub fn run(
                 seed: trial.seed,
                 keep_path: true,
                 carry: carry.map(CarryTo::carry),
-                audit: AuditSettings { clearances: settings.clearances && aimed.is_none(), ..settings },
+                // A path to one goal is judged below.
+                audit: if aimed.is_some() {
+                    AuditSettings { clearances: Clearances::None, ..settings }
+                } else {
+                    settings
+                },
                 ..cranny_solve::Request::default()
             };
             let mut end = EndOfSearch { tell, told: Ok(()) };

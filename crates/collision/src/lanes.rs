@@ -390,6 +390,10 @@ fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, lane
         i32x16::truncate_from(cell.floor()).store_slice(high);
     }
     let first_doubt = scratch.doubts.len();
+    if table.joints.iter().any(|joint| scratch.travel.joints[*joint].is_infinite()) {
+        scratch.doubts.extend(table.asked_pairs().map(|(_, pair)| (pair, *open & lanes)));
+        return;
+    }
     for lane in lanes_of(*open & lanes) {
         match table.look_up([low[0][lane], low[1][lane]], [high[0][lane], high[1][lane]]) {
             0 => {}

@@ -40,6 +40,7 @@ mod margins;
 mod motion;
 mod pairs;
 mod part_tree;
+mod path_clearance;
 mod released;
 mod resting;
 mod robot_body;

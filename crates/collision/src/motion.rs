@@ -52,6 +52,21 @@ pub struct MeasuredMotion {
     pub contradiction: Option<(f64, Contact)>,
 }
 
+/// What a proof is asked for besides what the pairs demand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Demand {
+    /// By what every bound on motion is multiplied: less than 1 makes a wrong proof, for tests of the proof.
+    pub factor: f64,
+    /// How much farther than they must be all pairs are to keep apart, in metres.
+    pub beyond_m: f64,
+}
+
+impl Default for Demand {
+    fn default() -> Self {
+        Self { factor: 1.0, beyond_m: 0.0 }
+    }
+}
+
 /// Bisection ends where no link can move farther than this within an interval, in metres: a tenth of what
 /// counts as contact.
 const RESOLUTION_M: f64 = 1e-6;
@@ -135,16 +150,16 @@ impl Cell {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.prove(a, b, scratch, 1.0)
+        self.prove(a, b, scratch, Demand::default())
     }
 
-    /// [`Self::motion_is_free`] without joint limits, and with every bound on motion multiplied by `factor`.
-    pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, factor: f64) -> Motion {
+    /// [`Self::motion_is_free`] without joint limits.
+    pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        if let Some(at) = self.certify_in_lanes(simd_level(), a, b, scratch, factor) {
-            self.look_at(a, b, at, 0.0, scratch, factor);
+        if let Some(at) = self.certify_in_lanes(simd_level(), a, b, scratch, demand) {
+            self.look_at(a, b, at, 0.0, scratch, demand.factor);
             let frames = &scratch.frames;
             if let Some(pair) = self.first_close_pair(frames) {
                 return Motion::Contact { at, contact: self.describe(&self.pairs.get(pair), frames) };
@@ -156,7 +171,7 @@ impl Cell {
             let pairs = (0, self.pairs.len());
             scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
         }
-        self.certify_exactly(a, b, scratch, factor)
+        self.certify_exactly(a, b, scratch, demand)
     }
 
     /// Step 2 in lanes. What is left is in `scratch.work`; a place where something is in contact is returned.
@@ -166,10 +181,10 @@ impl Cell {
         a: &[f64],
         b: &[f64],
         scratch: &mut Scratch,
-        factor: f64,
+        demand: Demand,
     ) -> Option<f64> {
         // How far everything can move along the whole edge bounds how far it can move in each part of it.
-        self.look_at(a, b, 0.5, 0.5, scratch, factor);
+        self.look_at(a, b, 0.5, 0.5, scratch, demand.factor);
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut rest = std::mem::take(&mut scratch.rest);
@@ -187,7 +202,7 @@ impl Cell {
         while !work.intervals.is_empty() && contact_at.is_none() {
             next.clear();
             let share = 2.0 * half_width;
-            self.set_travel(a, b, share, scratch);
+            self.set_travel(a, b, share, demand.beyond_m, scratch);
             for intervals in work.intervals.chunks(LANES) {
                 scratch.lanes.wanted.clear();
                 scratch.lanes.set_lanes_along(a, b, intervals.iter().map(|interval| interval.middle));
@@ -246,11 +261,11 @@ impl Cell {
     }
 
     /// Tells the lanes how far everything can move within an interval that has this share of the edge whose
-    /// travel `scratch` holds.
+    /// travel `scratch` holds; what must be kept beyond what is demanded is as if it moved so much farther.
     // Lanes are `f32` by design; what is rounded away is added.
     #[allow(clippy::cast_possible_truncation)]
-    fn set_travel(&self, a: &[f64], b: &[f64], share: f64, scratch: &mut Scratch) {
-        let lane = |travel: f64| ((travel * share + ROUNDING_M) * (1.0 + 1e-6)) as f32;
+    fn set_travel(&self, a: &[f64], b: &[f64], share: f64, beyond_m: f64, scratch: &mut Scratch) {
+        let lane = |travel: f64| ((travel * share + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
         for body in 0..self.bodies.len() {
             scratch.lanes.travel.bodies[body] = lane(scratch.travel.of(body));
         }
@@ -258,25 +273,28 @@ impl Cell {
             scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch));
         }
         for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
-            *travel = lane(0.5 * (b[joint] - a[joint]).abs());
+            let turn = (0.5 * (b[joint] - a[joint]).abs() * share + ROUNDING_M) * (1.0 + 1e-6);
+            // Tables know of nothing beyond what is demanded.
+            *travel = if beyond_m > 0.0 { f32::INFINITY } else { turn as f32 };
         }
     }
 
     /// Steps 2 to 4 for what is in `scratch.work`, with exact distances.
-    fn certify_exactly(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, factor: f64) -> Motion {
+    fn certify_exactly(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut motion = Motion::Proven;
         'levels: while !work.intervals.is_empty() {
             next.clear();
             for interval in &work.intervals {
-                self.look_at(a, b, interval.middle, interval.half_width, scratch, factor);
+                self.look_at(a, b, interval.middle, interval.half_width, scratch, demand.factor);
                 let begin = next.pairs.len();
                 for &index in &work.pairs[interval.pairs.0..interval.pairs.1] {
                     let pair = &self.pairs.get(index);
                     // 2.
                     let travel = travel_of(pair, scratch) + ROUNDING_M;
-                    let needed = pair.required_m + travel;
+                    let required_m = pair.required_m + demand.beyond_m;
+                    let needed = required_m + travel;
                     if self.quick_bound(pair, &scratch.frames, needed) > needed {
                         continue;
                     }
@@ -285,7 +303,7 @@ impl Cell {
                         continue;
                     }
                     // 3.
-                    let is_contact = gap.upper_m <= pair.required_m;
+                    let is_contact = gap.upper_m <= required_m;
                     if is_contact || travel < RESOLUTION_M {
                         let (at, contact) = (interval.middle, self.describe(pair, &scratch.frames));
                         motion = if is_contact {

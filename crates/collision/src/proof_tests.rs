@@ -8,6 +8,7 @@ use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 use proptest::prelude::*;
 
+use crate::motion::Demand;
 use crate::travel::Travel;
 use crate::{Body, Cell, Margins, Motion, World};
 
@@ -152,7 +153,7 @@ fn half_of_the_bound_lets_thin_plates_through() {
         let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
         let cell = cell(&robot, vec![plate], 0.0);
         assert!(!cell.motion_is_free(&a, &b, &mut cell.scratch()).is_proven());
-        cell.prove(&a, &b, &mut cell.scratch(), 0.5).is_proven()
+        cell.prove(&a, &b, &mut cell.scratch(), Demand { factor: 0.5, ..Demand::default() }).is_proven()
     });
     assert!(missed.count() > 0);
 }

@@ -39,6 +39,23 @@ proptest! {
         prop_assert!((least - least_back).abs() <= TOLERANCE_M, "{} {}", least, least_back);
     }
 
+    /// Of what is not proven the least clearance is found, too, so that every draw counts.
+    #[test]
+    fn the_clearance_of_a_path_is_the_least_of_its_edges(
+        seed in any::<u64>(), margin_m in 0.0..0.03, share in 0.0..0.5,
+    ) {
+        let (robot, mut random) = (arm(), Stream::new(seed, 2));
+        let blocks = random_blocks(2, &mut random);
+        let cell = cell(&robot, blocks.clone(), if seed % 2 == 0 { 0.0 } else { margin_m });
+        let mut scratch = cell.scratch();
+        let path: Vec<Vec<f64>> = (0..4).map(|_| robot.random_configuration(&mut random)).collect();
+        let edges = path.windows(2).map(|edge| cell.least_clearance(&edge[0], &edge[1], &mut scratch));
+        let least_m = edges.fold(f64::INFINITY, f64::min);
+        let found_m = cell.path_clearance(&path, share, &mut scratch);
+        prop_assert!(found_m <= least_m + TOLERANCE_M + 1e-9, "{found_m} {least_m}");
+        prop_assert!(found_m >= least_m * (1.0 - share) - 2.0 * TOLERANCE_M - 1e-9, "{found_m} {least_m}");
+    }
+
     #[test]
     fn the_least_clearance_is_that_of_dense_samples(seed in any::<u64>()) {
         const SAMPLES: u32 = 1000;

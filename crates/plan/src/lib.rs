@@ -48,7 +48,7 @@ mod time_optimal_tests;
 mod trajectory;
 mod violation;
 
-pub use audit::{Audit, AuditSettings, GoalError, audit, audit_with, path_length};
+pub use audit::{Audit, AuditSettings, Clearances, GoalError, audit, audit_with, path_length};
 pub use carry::{Carrier, CarryEnd, Grip, LiftOffSettings};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};

@@ -55,7 +55,6 @@ pub fn audit_task(
     lift_off(&mut audit, carrier, &grip, path, settings)?;
     carry(&mut audit, carrier, &grip, path, settings)?;
     audit.valid = audit.violations.is_empty();
-    audit.clearance_m = audit.clearances_per_edge_m.iter().copied().flatten().reduce(f64::min);
     Ok(audit)
 }
 
@@ -121,6 +120,7 @@ fn carry(
 fn append(audit: &mut Audit, piece: Audit, before: usize) {
     audit.violations.extend(piece.violations.into_iter().map(|violation| violation.counted_from(before)));
     audit.clearances_per_edge_m.extend(piece.clearances_per_edge_m);
+    audit.clearance_m = audit.clearance_m.into_iter().chain(piece.clearance_m).reduce(f64::min);
     let new = piece.not_checked.into_iter().filter(|pair| !audit.not_checked.contains(pair));
     let new: Vec<_> = new.collect();
     audit.not_checked.extend(new);

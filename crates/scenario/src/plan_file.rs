@@ -4,7 +4,8 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Criterion, GraspFailure, NotChecked, Outcome, Statistics, path_length,
+    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, Statistics,
+    path_length,
 };
 use cranny_solve::{Answer, Carry, Request};
 use serde::{Deserialize, Serialize};
@@ -207,7 +208,7 @@ impl PlanFile {
             keep_path: self.shortening.is_none(),
             carry: self.carry_end().map(|end| Carry { end, ..Carry::default() }),
             // How far the same path is from everything stands in the plan.
-            audit: AuditSettings { clearances: false, ..AuditSettings::default() },
+            audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
         }
     }

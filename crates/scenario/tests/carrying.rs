@@ -2,7 +2,8 @@
 
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, CarryEnd, FailureReason, LiftOffSettings, Outcome, Problem, Unobserved, Violation,
+    Audit, AuditSettings, CarryEnd, Clearances, FailureReason, LiftOffSettings, Outcome, Problem, Unobserved,
+    Violation,
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
 use cranny_solve::{Answer, Carry, Mode, Request, Timing, solve};
@@ -18,7 +19,9 @@ fn carried(problem: &Problem, carry: Carry) -> Answer {
 }
 
 fn audit_of(plan: &PlanFile, problem: &Problem) -> Audit {
-    plan.audit(problem, AuditSettings { clearances: false, ..AuditSettings::default() }).unwrap().unwrap()
+    plan.audit(problem, AuditSettings { clearances: Clearances::None, ..AuditSettings::default() })
+        .unwrap()
+        .unwrap()
 }
 
 #[test]

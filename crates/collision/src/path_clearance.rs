@@ -1,0 +1,59 @@
+use crate::Motion;
+use crate::cell::{Cell, Scratch};
+use crate::motion::Demand;
+
+/// What is measured lies so much lower than the truth, in metres, where its share is less.
+const TOLERANCE_M: f64 = 1e-5;
+
+impl Cell {
+    /// The least distance over all pairs along a path whose edges are proven, in metres: a proven lower bound, at most
+    /// `share` of the truth, from 0 to below 1, and 10 µm too low; infinite if there is nothing to touch, 0 if an edge
+    /// cannot be proven after all. Many times faster than [`Self::least_clearance`] of every edge.
+    ///
+    /// 1. The least distance at the way points bounds it from above.
+    /// 2. Each edge is proven to keep a little less, from the last, where the hand is at its target, to the first.
+    /// 3. Where it does not, what is seen there is the new bound.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn path_clearance(&self, path: &[Vec<f64>], share: f64, scratch: &mut Scratch) -> f64 {
+        // 1.
+        let mut least_m = path.iter().map(|q| self.clearance(q, scratch)).fold(f64::INFINITY, f64::min);
+        if least_m.is_infinite() {
+            return least_m;
+        }
+        let kept_m = |least_m: f64| least_m * (1.0 - share) - TOLERANCE_M;
+        let margins = self.margins();
+        let required_m = margins.required_m(false).min(margins.required_m(true));
+        for edge in path.windows(2).rev() {
+            loop {
+                let beyond_m = kept_m(least_m) - required_m;
+                if beyond_m <= 0.0 {
+                    // The proof of the path says all but this much.
+                    return self.least_clearance_of(path, scratch);
+                }
+                // 2.
+                let demand = Demand { beyond_m, ..Demand::default() };
+                match self.prove(&edge[0], &edge[1], scratch, demand) {
+                    Motion::Proven => break,
+                    Motion::OutOfLimits { .. } => return 0.0,
+                    // 3.
+                    Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
+                        if contact.clearance_m >= least_m {
+                            // A pair that must keep farther apart than others.
+                            return self.least_clearance_of(path, scratch);
+                        }
+                        least_m = contact.clearance_m;
+                    }
+                }
+            }
+        }
+        kept_m(least_m)
+    }
+
+    /// Edge by edge.
+    fn least_clearance_of(&self, path: &[Vec<f64>], scratch: &mut Scratch) -> f64 {
+        let edges = path.windows(2).map(|edge| self.least_clearance(&edge[0], &edge[1], scratch));
+        edges.fold(f64::INFINITY, f64::min)
+    }
+}
