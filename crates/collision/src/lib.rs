@@ -61,7 +61,7 @@ pub use closing::Closing;
 pub use contact::{Collider, Contact};
 pub use error::CollisionError;
 pub use margins::Margins;
-pub use motion::{MeasuredMotion, Motion};
+pub use motion::{MeasuredMotion, Measuring, Motion};
 pub use released::{ReleasedCheck, ReleasedScratch};
 pub use resting::Resting;
 pub use unchecked::{Unchecked, UncheckedReason};

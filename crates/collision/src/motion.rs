@@ -43,11 +43,28 @@ impl Motion {
     }
 }
 
+/// How exactly [`Cell::measure_motion`] measures.
+#[derive(Clone, Copy, Debug)]
+pub struct Measuring {
+    /// What is farther apart, in metres, is not asked after. Default: infinite.
+    pub below_m: f64,
+    /// How far what is found may lie below the truth, as a share of it, from 0 to below 1; at least 10 µm. Default: 0.
+    pub share: f64,
+}
+
+impl Default for Measuring {
+    fn default() -> Self {
+        Self { below_m: f64::INFINITY, share: 0.0 }
+    }
+}
+
 /// What [`Cell::measure_motion`] found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredMotion {
     /// See [`Cell::least_clearance`].
     pub least_m: f64,
+    /// The least distance that was seen, or beyond which nothing was asked after, in metres.
+    pub seen_m: f64,
     /// Where on the motion, in [0, 1], a pair was seen closer than it may be.
     pub contradiction: Option<(f64, Contact)>,
 }
@@ -332,23 +349,32 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn least_clearance(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
-        self.measure_motion(a, b, scratch).least_m
+        self.measure_motion([a, b], Measuring::default(), scratch).least_m
     }
 
     /// [`Self::least_clearance`], and whether any pair was seen closer than it may be: all in `f64`, without what a
     /// proof relies on besides, so that a proof that it contradicts is none.
     ///
     /// # Panics
-    /// If `a` or `b` has not one value per joint.
-    pub fn measure_motion(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> MeasuredMotion {
+    /// If an end has not one value per joint.
+    pub fn measure_motion(
+        &self,
+        [a, b]: [&[f64]; 2],
+        measuring: Measuring,
+        scratch: &mut Scratch,
+    ) -> MeasuredMotion {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch));
+        let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch)).min(measuring.below_m);
         let mut contradiction = None;
         let all: Vec<u32> = self.all_pairs().filter(|pair| !self.pairs.get(*pair).is_exempt()).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
-        let tolerance_m = |least: f64| if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
+        let tolerance_m = |least: f64| {
+            let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
+            // Of what is infinitely far nothing is a share.
+            finest.max(if least.is_finite() { measuring.share * least } else { 0.0 })
+        };
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
@@ -372,7 +398,7 @@ impl Cell {
                     contradiction = Some((middle, self.describe(pair, &scratch.frames)));
                 }
                 if least <= 0.0 {
-                    return MeasuredMotion { least_m: 0.0, contradiction };
+                    return MeasuredMotion { least_m: 0.0, seen_m: least, contradiction };
                 }
                 if gap.lower_m < bar(least) {
                     doubtful.push(index);
@@ -384,7 +410,7 @@ impl Cell {
                 open.push_back((middle + quarter, quarter, doubtful));
             }
         }
-        MeasuredMotion { least_m: (least - tolerance_m(least)).max(0.0), contradiction }
+        MeasuredMotion { least_m: (least - tolerance_m(least)).max(0.0), seen_m: least, contradiction }
     }
 
     /// Frames at `middle`, and how far everything can move within `half_width` of it.

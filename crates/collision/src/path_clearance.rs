@@ -1,6 +1,6 @@
-use crate::Motion;
 use crate::cell::{Cell, Scratch};
 use crate::motion::Demand;
+use crate::{Measuring, Motion};
 
 /// What is measured lies so much lower than the truth, in metres, where its share is less.
 const TOLERANCE_M: f64 = 1e-5;
@@ -26,34 +26,15 @@ impl Cell {
         let margins = self.margins();
         let required_m = margins.required_m(false).min(margins.required_m(true));
         for edge in path.windows(2).rev() {
-            loop {
-                let beyond_m = kept_m(least_m) - required_m;
-                if beyond_m <= 0.0 {
-                    // The proof of the path says all but this much.
-                    return self.least_clearance_of(path, scratch);
-                }
-                // 2.
-                let demand = Demand { beyond_m, ..Demand::default() };
-                match self.prove(&edge[0], &edge[1], scratch, demand) {
-                    Motion::Proven => break,
-                    Motion::OutOfLimits { .. } => return 0.0,
-                    // 3.
-                    Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
-                        if contact.clearance_m >= least_m {
-                            // A pair that must keep farther apart than others.
-                            return self.least_clearance_of(path, scratch);
-                        }
-                        least_m = contact.clearance_m;
-                    }
-                }
+            let beyond_m = kept_m(least_m) - required_m;
+            let demand = Demand { beyond_m, ..Demand::default() };
+            // 2.
+            if beyond_m <= 0.0 || self.prove(&edge[0], &edge[1], scratch, demand) != Motion::Proven {
+                // 3.
+                let ends = [&edge[0][..], &edge[1]];
+                least_m = self.measure_motion(ends, Measuring { below_m: least_m, share }, scratch).seen_m;
             }
         }
-        kept_m(least_m)
-    }
-
-    /// Edge by edge.
-    fn least_clearance_of(&self, path: &[Vec<f64>], scratch: &mut Scratch) -> f64 {
-        let edges = path.windows(2).map(|edge| self.least_clearance(&edge[0], &edge[1], scratch));
-        edges.fold(f64::INFINITY, f64::min)
+        kept_m(least_m).max(0.0)
     }
 }

@@ -8,6 +8,7 @@ use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 use proptest::prelude::*;
 
+use crate::Measuring;
 use crate::motion::Demand;
 use crate::travel::Travel;
 use crate::{Body, Cell, Margins, Motion, World};
@@ -201,8 +202,10 @@ fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
         }
         wrong.lanes = sound.lanes;
         if wrong.motion_is_free(&a, &b, &mut scratch) == Motion::Proven {
-            let (place, contact) =
-                wrong.measure_motion(&a, &b, &mut scratch).contradiction.expect("the plate");
+            let (place, contact) = wrong
+                .measure_motion([&a, &b], Measuring::default(), &mut scratch)
+                .contradiction
+                .expect("the plate");
             assert!(wrong.contacts(&between(&a, &b, place), &mut scratch).contains(&contact));
             assert!(contact.clearance_m < cranny_spatial::CONTACT_M);
             contradicted += 1;

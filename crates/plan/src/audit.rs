@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use cranny_collision::{Cell, Collider, Contact, Motion, Scratch};
+use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
 use cranny_spatial::{CONTACT_M, PoseDifference};
@@ -249,6 +249,9 @@ enum Detail {
     FirstPair,
 }
 
+/// Whether an edge is proven, else what is wrong with it; and its least clearance (m) where that is measured.
+type JudgedEdge = (Result<(), Vec<Violation>>, Option<f64>);
+
 /// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if that is measured.
 fn judge_edges(
     cell: &Cell,
@@ -256,7 +259,7 @@ fn judge_edges(
     edges: Range<usize>,
     clearances: Clearances,
     detail: Detail,
-) -> Vec<(Result<(), Vec<Violation>>, Option<f64>)> {
+) -> Vec<JudgedEdge> {
     let judge = |scratch: &mut Scratch, edge: usize| {
         let (a, b) = (&path[edge], &path[edge + 1]);
         let found = judge_edge(cell, edge, [a, b], detail, scratch);
@@ -266,7 +269,7 @@ fn judge_edges(
         if found.is_err() {
             return (found, Some(0.0));
         }
-        let measured = cell.measure_motion(a, b, scratch);
+        let measured = cell.measure_motion([a, b], Measuring::default(), scratch);
         match measured.contradiction {
             Some((at, contact)) => (Err(vec![unresolved(cell, edge, at, &contact)]), Some(0.0)),
             None => (found, Some(measured.least_m)),
