@@ -478,6 +478,7 @@ def run_campaign(
     grasp_margin_m: float,
     sandbox: str,
     again: list[str],
+    shard: tuple[int, int] | None,
     command: str,
     heard: Callable[[int, int, int], None] | None = None,
 ) -> None: ...

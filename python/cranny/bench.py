@@ -136,6 +136,7 @@ def run(
     grasp_margin_m: float = 0.0,
     sandbox: str = "auto",
     again: Sequence[str] = (),
+    shard: tuple[int, int] | None = None,
     heard: Heard | None = None,
 ) -> Results:
     """Runs a campaign: `scenarios` (ids, `01x`, `all`, folders, archives) by `planners` by `criteria` by `runs` seeds
@@ -147,6 +148,7 @@ def run(
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
     `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
     all of them or not at all. Trials that ended in one of the outcomes `again` ("crashed", "killed", …) are run again.
+    With `shard`, (3, 8), only the third of eight parts is run, which `cranny bench merge` joins.
     A mapping of `planners` gives them
     names. `heard` is called whenever trials have ended, with the numbers of those that ended, that are to be run, and
     that were solved.
@@ -178,6 +180,7 @@ def run(
         grasp_margin_m=grasp_margin_m,
         sandbox=sandbox,
         again=list(again),
+        shard=shard,
         command=" ".join(sys.argv) or "python",
         heard=heard,
     )

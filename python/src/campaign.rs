@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PathDemand, PlannerCall, Results,
-    RunInformation, TrialRecord, WorkerProgram,
+    RunInformation, Shard, TrialRecord, WorkerProgram,
 };
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
@@ -43,7 +43,7 @@ where
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, margin_m, grasp_margin_m, sandbox, again, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, margin_m, grasp_margin_m, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments)] // What a campaign is.
 pub fn run_campaign(
@@ -66,6 +66,7 @@ pub fn run_campaign(
     grasp_margin_m: f64,
     sandbox: &str,
     again: Vec<String>,
+    shard: Option<(u64, u64)>,
     command: &str,
     heard: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
@@ -87,7 +88,12 @@ pub fn run_campaign(
         },
         exceptions: Vec::new(),
     };
-    let schedule = py.detach(|| campaign.schedule()).map_err(fault)?;
+    let mut schedule = py.detach(|| campaign.schedule()).map_err(fault)?;
+    if let Some((index, count)) = shard {
+        let wrong =
+            || bad_value(format!("shard is ({index}, {count}), but the first must be from 1 to the second"));
+        schedule = Shard::new(index, count).ok_or_else(wrong)?.of(schedule);
+    }
     let settings = CampaignSettings {
         worker: WorkerProgram { program: program.into(), arguments: arguments.to_vec() },
         workers,
@@ -180,7 +186,7 @@ impl Progress {
 }
 
 impl CampaignObserver for &Progress {
-    fn begins(&mut self, to_run: usize, _known: usize) {
+    fn begins(&mut self, to_run: usize, _known: &[TrialRecord]) {
         self.to_run.store(to_run, Ordering::Relaxed);
     }
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# A Slurm of one node, this machine, without systemd: one_node.sh start|restart|stop FOLDER. Needs root, munge and slurm-wlm.
+# A Slurm of one node, this machine, without systemd: one_node.sh start|restart|stop FOLDER. Needs root;
+# installs Debian's munge and slurm-wlm where they are missing.
 # Afterwards SLURM_CONF=FOLDER/slurm.conf is what sbatch, squeue and scancel need.
 set -eu
 action=$1
@@ -19,6 +20,14 @@ end() {
     kill -9 "$process"
 }
 
+# What is missing, where that is allowed.
+install() {
+    if ! apt-get install --yes --no-install-recommends slurm-wlm munge > "$folder/install.log" 2>&1; then
+        echo "$program is missing, and apt-get install slurm-wlm munge fails: $(tail -1 "$folder/install.log")" >&2
+        exit 1
+    fi
+}
+
 controller() {
     SLURM_CONF=$conf slurmctld
     for _ in $(seq 100); do
@@ -30,6 +39,9 @@ controller() {
 }
 
 start() {
+    for program in munged slurmctld slurmd; do
+        command -v $program > /dev/null || install
+    done
     cores=$(nproc)
     memory_mb=$(($(awk '/MemTotal/ {print $2}' /proc/meminfo) / 1024 * 9 / 10))
     mkdir -p "$folder/state" "$folder/spool" "$folder/munge"

@@ -1,4 +1,4 @@
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -47,8 +47,8 @@ pub struct RunSummary {
 
 /// Hears how a campaign goes.
 pub trait CampaignObserver {
-    /// So many trials are to be run, and so many are there already.
-    fn begins(&mut self, _to_run: usize, _known: usize) {}
+    /// So many trials are to be run, and these are there already.
+    fn begins(&mut self, _to_run: usize, _known: &[TrialRecord]) {}
 
     /// A trial ended, and is stored.
     fn trial_ended(&mut self, _record: &TrialRecord) {}
@@ -84,15 +84,20 @@ pub fn run_campaign(
     results.claim()?;
     let stays = |record: &TrialRecord| !settings.again.contains(&record.outcome);
     let stored = results.records()?.into_iter().filter(stays);
-    let known: HashSet<String> = stored.map(|record| record.trial.key()).collect();
-    let is_open = |question: &&Question| !known.contains(&question.trial.key());
-    let open: Vec<&Question> = schedule.questions.iter().filter(is_open).collect();
-    let mut summary = RunSummary {
-        trials: schedule.questions.len(),
-        known: schedule.questions.len() - open.len(),
-        ..RunSummary::default()
-    };
-    observer.begins(open.len(), summary.known);
+    let mut stored: HashMap<String, TrialRecord> =
+        stored.map(|record| (record.trial.key(), record)).collect();
+    let (mut known, mut open) = (Vec::new(), Vec::new());
+    for question in &schedule.questions {
+        match stored.remove(&question.trial.key()) {
+            Some(record) => known.push(record),
+            None => open.push(question),
+        }
+    }
+    drop(stored);
+    let mut summary =
+        RunSummary { trials: schedule.questions.len(), known: known.len(), ..RunSummary::default() };
+    observer.begins(open.len(), &known);
+    drop(known);
     if open.is_empty() {
         return Ok(summary);
     }

@@ -114,6 +114,26 @@ pub enum BenchError {
         /// What is missing.
         missing: &'static str,
     },
+    /// A part of a campaign finds another campaign than the one that was handed out.
+    #[error("this is not the campaign that was handed out: {what} is another")]
+    OtherCampaign {
+        /// What is another.
+        what: String,
+    },
+    /// Two files of results have the same trial, and it went differently.
+    #[error(
+        "{path}: {count} trials that are in {into} too went differently there, the first of them {first}; --keep-first takes those of the file that comes first"
+    )]
+    Overlap {
+        /// The file that was to be taken up.
+        path: PathBuf,
+        /// The file that takes up.
+        into: PathBuf,
+        /// How many trials.
+        count: u64,
+        /// Scenario, planner and seed of one.
+        first: String,
+    },
     /// A scenario has fewer goal configurations than a trial aims at.
     #[error("scenario {scenario} has {known} goal configurations, so there is no goal {goal}")]
     Goal {

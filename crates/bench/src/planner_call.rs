@@ -212,20 +212,24 @@ fn checksum(word: &str) -> String {
         (Some((before, sum)), Some(now)) if before == now => return sum.clone(),
         _ => {}
     }
-    let sum = computed_checksum(word);
+    let sum = computed_checksum(Path::new(word));
     if let Some(stamp) = stamp {
         known.insert(word.to_owned(), (stamp, sum.clone()));
     }
     sum
 }
 
-fn computed_checksum(word: &str) -> String {
-    let content = cranny_file::PROGRAM.bytes(Path::new(word)).unwrap_or_default();
-    let mut text = String::new();
-    for byte in Sha256::digest(content) {
+/// The SHA-256 of a program.
+pub fn computed_checksum(program: &Path) -> String {
+    hexadecimal(&Sha256::digest(cranny_file::PROGRAM.bytes(program).unwrap_or_default()))
+}
+
+/// Bytes as text.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
-    }
-    text
+        text
+    })
 }
 
 #[cfg(test)]

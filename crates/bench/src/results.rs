@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
@@ -6,7 +7,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 use tempfile::TempDir;
 
 use crate::results_row::{self, Present};
-use crate::{BenchError, RunInformation, Trial, TrialRecord, results_file};
+use crate::{BenchError, RunInformation, Tally, Trial, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
 ///
@@ -124,6 +125,32 @@ impl Results {
         path.clone_into(&mut results.path);
         results.done(results.connection.pragma_update(None, "query_only", true))?;
         Ok(results)
+    }
+
+    /// How many trials of each planner ended in the results at `path`, and how many were solved: a glance that takes no
+    /// time, and does not look whether the file is whole.
+    ///
+    /// # Errors
+    /// As [`Self::open`], but [`BenchError::Damaged`].
+    pub fn glance(path: &Path) -> Result<BTreeMap<String, Tally>, BenchError> {
+        if !path.exists() {
+            return Err(BenchError::NoResults { path: path.to_owned() });
+        }
+        let results = Self::new(results_file::open_unseen(path)?, path);
+        let sql = "SELECT planner, count(*), sum(outcome = 'solved') FROM trials GROUP BY planner";
+        let mut statement = results.done(results.connection.prepare(sql))?;
+        let tallies = statement
+            .query_map([], |row| Ok((row.get(0)?, Tally { ended: row.get(1)?, solved: row.get(2)? })))
+            .and_then(Iterator::collect);
+        results.done(tallies)
+    }
+
+    /// How many trials there are.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn count(&self) -> Result<usize, BenchError> {
+        self.done(self.connection.query_row("SELECT count(*) FROM trials", [], |row| row.get(0)))
     }
 
     /// The file.
@@ -317,15 +344,25 @@ impl Results {
     /// nothing.
     ///
     /// # Errors
-    /// As [`Self::open`] of the others, [`BenchError::Database`].
-    pub fn merge(&mut self, others: &Path) -> Result<Merged, BenchError> {
+    /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] where a trial that is there
+    /// already went differently in the others, as everything does that runs again, unless `keep_first`.
+    pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
         // Opened by itself first, for its log and its faults; a copy of it is there as long as this.
         let opened = Self::open(others)?;
         let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
         let others = copy.unwrap_or_else(|| others.to_owned());
         let others = others.to_string_lossy();
         self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
-        let merged = self.take_up_others(opened.is_older()?);
+        let is_older = opened.is_older()?;
+        let overlap = if keep_first { Ok(None) } else { self.overlap_with_others() };
+        let merged = match overlap {
+            Ok(None) => self.take_up_others(is_older),
+            Ok(Some((count, first))) => {
+                let (path, into) = (opened.path.clone(), self.path.clone());
+                Err(BenchError::Overlap { path, into, count, first })
+            }
+            Err(fault) => Err(fault),
+        };
         let detached = self.done(self.connection.execute_batch("DETACH DATABASE others"));
         let merged = merged?;
         detached.map(|()| merged)
@@ -336,9 +373,13 @@ impl Results {
     ///
     /// # Errors
     /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].
-    pub fn merged(into: &Path, others: &[PathBuf]) -> Result<(Self, Vec<Merged>), BenchError> {
+    pub fn merged(
+        into: &Path,
+        others: &[PathBuf],
+        keep_first: bool,
+    ) -> Result<(Self, Vec<Merged>), BenchError> {
         let take_up = |results: &mut Self| -> Result<Vec<Merged>, BenchError> {
-            others.iter().map(|other| results.merge(other)).collect()
+            others.iter().map(|other| results.merge(other, keep_first)).collect()
         };
         if into.exists() {
             let mut results = Self::create(into)?;
@@ -354,6 +395,13 @@ impl Results {
         drop(results);
         results_file::settle(&partial, into)?;
         Ok((Self::create(into)?, merged))
+    }
+
+    /// How many trials are here and in the attached others, and went differently; and one of them.
+    fn overlap_with_others(&self) -> Result<Option<(u64, String)>, BenchError> {
+        let row = |row: &rusqlite::Row| Ok((row.get(0)?, row.get::<_, Option<String>>(1)?));
+        let (count, first) = self.done(self.connection.query_row(&results_row::overlap(), [], row))?;
+        Ok(first.map(|first| (count, first)))
     }
 
     fn take_up_others(&mut self, is_older: bool) -> Result<Merged, BenchError> {

@@ -90,6 +90,23 @@ pub fn take_up_trials(is_older: bool) -> String {
     )
 }
 
+/// Counts the trials that are here and in the attached database `others`, and went differently; and names one. The first
+/// three lines are those of the index, so that it is used.
+pub fn overlap() -> String {
+    let differs = CONTENT.split(", ").map(|column| format!("mine.{column} IS NOT theirs.{column}"));
+    let differs = differs.collect::<Vec<_>>().join(" OR ");
+    format!(
+        "SELECT count(*), min(theirs.scenario || ', ' || theirs.planner || ', seed ' || theirs.seed)
+         FROM others.trials AS theirs JOIN main.trials AS mine ON mine.scenario = theirs.scenario
+             AND mine.scenario_hash = theirs.scenario_hash AND mine.planner = theirs.planner
+             AND mine.settings = theirs.settings AND mine.criterion = theirs.criterion AND mine.seed = theirs.seed
+             AND mine.time_limit_s = theirs.time_limit_s
+             AND COALESCE(mine.iteration_limit, -1) = COALESCE(theirs.iteration_limit, -1)
+             AND COALESCE(mine.goal, -1) = COALESCE(theirs.goal, -1)
+         WHERE {differs}"
+    )
+}
+
 /// All rows of a [`selection`].
 pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError> {
     let fault = |reason| BenchError::Database { path: path.to_owned(), reason };

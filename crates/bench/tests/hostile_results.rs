@@ -41,7 +41,7 @@ fn a_view_in_the_place_of_a_table_is_refused_before_anything_is_asked_of_it() {
             assert!(message.contains("is not as Cranny makes it"), "{name}: {message}");
         }
         let into = folder.path().join("into.db");
-        let merged = Results::merged(&into, std::slice::from_ref(&path));
+        let merged = Results::merged(&into, std::slice::from_ref(&path), false);
         assert!(matches!(merged, Err(BenchError::OtherTable { .. })) && !into.exists());
         assert!(std::fs::read(&path).expect("the file") == before, "it was changed");
         std::fs::remove_file(&path).expect("removed");

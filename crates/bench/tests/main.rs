@@ -8,6 +8,7 @@ mod hostile_results;
 mod ompl_log;
 mod report;
 mod results;
+mod shards;
 mod statistics;
 #[cfg(unix)]
 mod workers;

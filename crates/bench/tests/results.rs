@@ -147,8 +147,8 @@ fn merging_takes_up_what_is_new_with_its_run_and_does_nothing_the_second_time() 
     second.note_scenario(&place).expect("noted");
     second.note_planner("reach", "{}", "[]").expect("noted");
     drop(second);
-    assert_eq!(first.merge(&b).expect("merged"), Merged { added: 4, known: 2 });
-    assert_eq!(first.merge(&b).expect("merged"), Merged { added: 0, known: 6 });
+    assert_eq!(first.merge(&b, false).expect("merged"), Merged { added: 4, known: 2 });
+    assert_eq!(first.merge(&b, false).expect("merged"), Merged { added: 0, known: 6 });
     let trials = first.trials().expect("trials");
     let runs = first.runs().expect("runs");
     let machine = |id: u64| runs.iter().find(|run| run.id == id).map(|run| run.information.machine.as_str());
@@ -228,7 +228,32 @@ fn older_results_are_read_as_they_are_merged_and_gone_on_with() {
     let run = results.begin_run(&information("b")).expect("a run");
     let with_memory = TrialRecord { memory_bytes: Some(7), ..record(trial(2)) };
     assert!(results.append(run, &with_memory, &[]).expect("appended"));
-    let merged = results.merge(&path("copy.db")).expect("merged");
+    let merged = results.merge(&path("copy.db"), false).expect("merged");
     assert_eq!(merged, Merged { added: 0, known: 2 });
     assert_eq!(results.records().expect("records"), [record(trial(0)), record(trial(1)), with_memory]);
+}
+
+#[test]
+fn a_trial_that_went_differently_in_two_files_is_refused_unless_the_first_is_to_stay() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    drop(results(&path("a.db"), "a", 0..3));
+    let mut other = results(&path("b.db"), "b", 0..1);
+    let slower = cranny_plan::Statistics { planning_time_s: 9.5, ..record(trial(2)).statistics };
+    let again = TrialRecord { statistics: slower, ..record(trial(2)) };
+    assert!(other.append(1, &again, &[]).expect("appended"));
+    drop(other);
+    let (into, files) = (path("all.db"), [path("a.db"), path("b.db")]);
+    match Results::merged(&into, &files, false) {
+        Err(BenchError::Overlap { path: of, count: 1, first, .. }) => {
+            assert!(of == path("b.db") && first.ends_with("seed 2"), "{first}");
+        }
+        merged => panic!("{merged:?}"),
+    }
+    assert!(!into.exists());
+    let (merged, taken) = Results::merged(&into, &files, true).expect("merged");
+    assert_eq!(taken[1], Merged { added: 0, known: 2 });
+    assert_eq!(merged.records().expect("records")[2], record(trial(2)));
+    assert_eq!(Results::glance(&into).expect("tallies").values().map(|tally| tally.ended).sum::<usize>(), 3);
+    assert_eq!(merged.count().expect("a count"), 3);
 }

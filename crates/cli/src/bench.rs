@@ -14,6 +14,8 @@ use crate::bench_merge::{self, MergeArguments};
 use crate::bench_replay::{self, ReplayArguments};
 use crate::bench_report::{self, ReportArguments};
 use crate::bench_run::{self, RunArguments};
+use crate::bench_slurm::{self, SlurmArguments};
+use crate::bench_status::{self, StatusArguments};
 use crate::failure::Failure;
 
 #[derive(Clone, Debug, Args)]
@@ -26,6 +28,10 @@ pub struct BenchArguments {
 enum BenchCommand {
     /// Run a campaign: scenarios by planners by seeds, or go on with one
     Run(Box<RunArguments>),
+    /// Hand a campaign to Slurm as an array of tasks, or those of its tasks again that were lost
+    Slurm(SlurmArguments),
+    /// How far the tasks of a campaign are
+    Status(StatusArguments),
     /// Join the results of several machines in one file
     Merge(MergeArguments),
     /// Tables, curves and comparisons of results, as a page, JSON, LaTeX, Markdown or CSV
@@ -42,6 +48,8 @@ enum BenchCommand {
 pub fn run(arguments: &BenchArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         BenchCommand::Run(arguments) => bench_run::run(arguments, output),
+        BenchCommand::Slurm(arguments) => bench_slurm::run(arguments, output),
+        BenchCommand::Status(arguments) => bench_status::run(arguments, output),
         BenchCommand::Merge(arguments) => bench_merge::run(arguments, output),
         BenchCommand::Report(arguments) => bench_report::run(arguments, output),
         BenchCommand::Export(arguments) => bench_export::run(arguments, output),

@@ -16,11 +16,17 @@ use crate::text;
   cranny bench merge A.db B.db               A.db takes up what B.db has and A.db has not
   cranny bench merge A.db B.db -o all.db     A.db stays as it is
 
-A trial is never there twice: of one that is in several files the first stays.")]
+  cranny bench merge part-*.db -o all.db     the parts of a campaign
+
+A trial is never there twice. One that is in several files, and went differently there, was run twice: then nothing is
+joined, unless you say that the first is to stay (--keep-first).")]
 pub struct MergeArguments {
     /// Results, the first of which takes up the others
-    #[arg(value_name = "RESULTS", required = true, num_args = 2..)]
+    #[arg(value_name = "RESULTS", required = true, num_args = 1..)]
     results: Vec<PathBuf>,
+    /// Of a trial that was run more than once take the one of the file that comes first
+    #[arg(long)]
+    keep_first: bool,
     /// Join them in another file, which may be there already, and leave all of them as they are
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -42,10 +48,12 @@ struct Taken {
 }
 
 pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure> {
-    let (first, rest) = arguments.results.split_first().ok_or_else(|| Failure::Flag {
-        flag: "output",
-        problem: "give at least two files of results".to_owned(),
-    })?;
+    let too_few =
+        || Failure::Flag { flag: "output", problem: "give it, or at least two files of results".to_owned() };
+    let (first, rest) = arguments.results.split_first().ok_or_else(too_few)?;
+    if rest.is_empty() && arguments.output.is_none() {
+        return Err(too_few());
+    }
     // All of them are looked at before any is changed.
     for file in &arguments.results {
         Results::open(file)?;
@@ -55,11 +63,11 @@ pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure
         None => (first, rest),
     };
     output_file::check_folder(into)?;
-    let (into, taken) = Results::merged(into, others)?;
+    let (into, taken) = Results::merged(into, others, arguments.keep_first)?;
     let taken = others.iter().zip(taken);
     let merged =
         taken.map(|(file, Merged { added, known })| Taken { file: file.clone(), added, known }).collect();
-    let answered = Answered { file: into.path().to_owned(), trials: into.trials()?.len(), merged };
+    let answered = Answered { file: into.path().to_owned(), trials: into.count()?, merged };
     text::answer(&answered, || answered.page(), output)?;
     Ok(Answer::Done)
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    PlannerCall, Results, RunInformation, RunSummary, Sandbox, TrialOutcome, TrialRecord, close_to_others,
-    run_campaign,
+    Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
+    TrialRecord, close_to_others, run_campaign,
 };
 use cranny_plan::Criterion;
 use indicatif::ProgressBar;
@@ -17,6 +17,7 @@ use strum::VariantArray as _;
 use crate::Answer;
 use crate::arguments::{CriterionArgument, MarginArguments, Output};
 use crate::bench;
+use crate::cluster_folder::ClusterCampaign;
 use crate::failure::Failure;
 use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
 use crate::output_file;
@@ -97,6 +98,15 @@ pub struct RunArguments {
     /// Run trials again that ended so, and put them in the place of those before: killed, crashed, hung, …; comma-separated
     #[arg(long, value_name = "OUTCOMES", value_delimiter = ',', value_parser = outcome)]
     again: Vec<TrialOutcome>,
+    /// Only the trials of one of several parts: 3/8 is the third of eight; all parts together are the whole
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Refuse to run unless program, scenarios, planners and trials are those of this file, which `bench slurm` wrote
+    #[arg(long, value_name = "FILE")]
+    manifest: Option<PathBuf>,
+    /// Keep a file here that says how far the campaign is, for `bench status` [default with --shard: the results with .json]
+    #[arg(long, value_name = "FILE")]
+    standing: Option<PathBuf>,
     /// Where the results are, or shall be
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]
     output: PathBuf,
@@ -152,7 +162,14 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
     let spinner = spinner("opening the scenarios", output.quiet);
     let schedule = campaign.schedule();
     spinner.finish_and_clear();
-    let schedule = schedule?;
+    let mut schedule = schedule?;
+    if let Some(file) = &arguments.manifest {
+        let here = Manifest::of(&schedule, &std::env::current_exe()?);
+        here.check(&ClusterCampaign::read(file)?.manifest)?;
+    }
+    if let Some(shard) = arguments.shard {
+        schedule = shard.of(schedule);
+    }
     if !output.quiet {
         for note in &schedule.notes {
             writeln!(std::io::stderr(), "note: {note}")?;
@@ -170,7 +187,17 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
         again: arguments.again.clone(),
     };
     let mut progress = CampaignProgress::new(output.quiet);
-    let ended = run_campaign(&schedule, &settings, &mut results, &mut progress, &stop);
+    let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
+    let ended = match arguments.standing.clone().or(beside) {
+        None => run_campaign(&schedule, &settings, &mut results, &mut progress, &stop),
+        Some(file) => {
+            let machine = settings.information.machine.clone();
+            let mut standing = StandingFile::new(&file, workers, &machine, &mut progress);
+            let ended = run_campaign(&schedule, &settings, &mut results, &mut standing, &stop);
+            standing.write();
+            ended
+        }
+    };
     progress.finish();
     let RunSummary { trials, known, run, solved, is_stopped: stopped } = ended?;
     let (file, lost) = (&arguments.output, progress.lost);
@@ -308,7 +335,7 @@ impl CampaignProgress {
 }
 
 impl CampaignObserver for CampaignProgress {
-    fn begins(&mut self, to_run: usize, _known: usize) {
+    fn begins(&mut self, to_run: usize, _known: &[TrialRecord]) {
         self.bar = bar(to_run as u64, self.quiet);
     }
 

@@ -39,6 +39,14 @@ pub enum Failure {
         /// What is wrong with it, and what would fit.
         problem: String,
     },
+    /// A command of Slurm does not do what it is asked.
+    #[error("{command}: {reason}; without Slurm: bench slurm --write-only, or bench run --shard")]
+    Slurm {
+        /// The command.
+        command: String,
+        /// What it says.
+        reason: String,
+    },
     /// A file that a command cannot work with.
     #[error("{}: {problem}", path.display())]
     File {

@@ -13,6 +13,8 @@ mod bench_report;
 mod campaigns;
 #[cfg(target_os = "linux")]
 mod cheating_planners;
+#[cfg(target_os = "linux")]
+mod cluster;
 mod commands;
 mod false_proofs;
 #[cfg(unix)]

@@ -1,0 +1,103 @@
+//! The folder of a campaign on a cluster: what was handed out, the scripts, and what each task has.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_bench::{Manifest, Standing};
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// What stands in `campaign.json` of the folder.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ClusterCampaign {
+    /// `cranny-cluster/1`.
+    format: String,
+    /// The campaign file.
+    pub campaign: PathBuf,
+    /// How many tasks.
+    pub tasks: u64,
+    /// What every node must have.
+    pub manifest: Manifest,
+    /// Options of sbatch.
+    pub sbatch: Vec<String>,
+    /// Jobs that were handed over, the arrays alone.
+    pub jobs: Vec<String>,
+}
+
+const FORMAT: &str = "cranny-cluster/1";
+
+/// A folder that all nodes see.
+#[derive(Clone, Debug)]
+pub struct ClusterFolder {
+    pub path: PathBuf,
+}
+
+/// How a task of a campaign stands, by its number from 1.
+#[derive(Clone, Debug)]
+pub struct Task {
+    pub number: u64,
+    pub standing: Standing,
+}
+
+impl ClusterCampaign {
+    pub fn new(campaign: PathBuf, tasks: u64, manifest: Manifest, sbatch: Vec<String>) -> Self {
+        Self { format: FORMAT.to_owned(), campaign, tasks, manifest, sbatch, jobs: Vec::new() }
+    }
+
+    pub fn read(file: &Path) -> Result<Self, Failure> {
+        let fault = |problem: String| Failure::File { path: file.to_owned(), problem };
+        let text = cranny_file::TEXT.text(file).map_err(|reason| fault(reason.to_string()))?;
+        let campaign: Self = serde_json::from_str(&text).map_err(|reason| fault(reason.to_string()))?;
+        if campaign.format == FORMAT {
+            return Ok(campaign);
+        }
+        Err(fault(format!("its format is '{}', but '{FORMAT}' is expected", campaign.format)))
+    }
+}
+
+impl ClusterFolder {
+    pub fn campaign_file(&self) -> PathBuf {
+        self.path.join("campaign.json")
+    }
+
+    pub fn task_script(&self) -> PathBuf {
+        self.path.join("task.sh")
+    }
+
+    pub fn last_script(&self) -> PathBuf {
+        self.path.join("report.sh")
+    }
+
+    /// The results of one task; in scripts `number` is a variable.
+    pub fn results(&self, number: &str) -> PathBuf {
+        self.path.join(format!("task-{number}.db"))
+    }
+
+    pub fn standing(&self, number: &str) -> PathBuf {
+        self.path.join(format!("task-{number}.json"))
+    }
+
+    pub fn campaign(&self) -> Result<ClusterCampaign, Failure> {
+        ClusterCampaign::read(&self.campaign_file())
+    }
+
+    pub fn write_campaign(&self, campaign: &ClusterCampaign) -> Result<(), Failure> {
+        let text = serde_json::to_string_pretty(campaign).map_err(std::io::Error::from)? + "\n";
+        // As a whole or not at all: it knows which jobs were handed over.
+        let partial = self.path.join("campaign.json.partial");
+        fs::write(&partial, text)?;
+        Ok(fs::rename(partial, self.campaign_file())?)
+    }
+
+    /// How each task stands, as far as they have written it; of one that has written nothing, nothing has ended.
+    pub fn tasks(&self, campaign: &ClusterCampaign) -> Vec<Task> {
+        let task = |number: u64| {
+            let name = number.to_string();
+            let standing = Standing::read(&self.standing(&name));
+            let standing = standing.or_else(|| Standing::of_results(&self.results(&name)).ok());
+            Task { number, standing: standing.unwrap_or_default() }
+        };
+        (1..=campaign.tasks).map(task).collect()
+    }
+}

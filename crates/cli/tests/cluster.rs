@@ -1,0 +1,208 @@
+//! Campaigns in parts: by hand, and as tasks of a real Slurm of one node in the long run.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Output};
+use std::time::{Duration, Instant};
+
+use assert_cmd::Command;
+use cranny_bench::Results;
+
+const CAMPAIGN: &str = "scenarios: ['011', '041']\nplanners:\n  - planner: reach\nruns: 4\ntime_limit_s: 10\n\
+                        memory_limit_mb: 512\n";
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("campaign.yaml"), CAMPAIGN).expect("written");
+    folder
+}
+
+/// What a command says; its exit code is that which is wanted.
+fn said(folder: &Path, words: &[&str], code: i32) -> String {
+    let output = with(folder, words, &[]);
+    assert_eq!(output.status.code(), Some(code), "{words:?}: {}", text(&output.stderr));
+    text(&output.stdout) + &text(&output.stderr)
+}
+
+fn with(folder: &Path, words: &[&str], environment: &[(&str, PathBuf)]) -> Output {
+    let mut command = Command::cargo_bin("cranny").expect("the program");
+    command.current_dir(folder).args(words).envs(environment.iter().cloned()).output().expect("it runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// What does not depend on the machine: trial, outcome, path.
+fn trials(file: &Path) -> Vec<(String, Vec<Vec<f64>>)> {
+    let results = Results::open(file).expect("results");
+    let of_trial = |trial: cranny_bench::StoredTrial| {
+        let path = results.path_of(trial.id).expect("a path");
+        (format!("{} {}", trial.record.trial.key(), trial.record.outcome.name()), path)
+    };
+    let mut trials: Vec<_> = results.trials().expect("trials").into_iter().map(of_trial).collect();
+    trials.sort_by(|a, b| a.0.cmp(&b.0));
+    trials
+}
+
+#[test]
+fn parts_that_are_run_one_by_one_give_the_same_whole() {
+    let folder = folder();
+    let path = folder.path();
+    for part in 1..=3 {
+        let (shard, output) = (format!("{part}/3"), format!("part-{part}.db"));
+        said(path, &["bench", "run", "campaign.yaml", "--shard", &shard, "-o", &output], 0);
+        let status = said(path, &["bench", "status", "part-1.db", &output], 0);
+        assert!(status.contains("100.0 %"), "{status}");
+    }
+    let files = ["part-1.db", "part-2.db", "part-3.db"];
+    said(path, &[&["bench", "merge"][..], &files, &["-o", "all.db"]].concat(), 0);
+    said(path, &["bench", "run", "campaign.yaml", "-o", "one.db"], 0);
+    assert_eq!(trials(&path.join("all.db")), trials(&path.join("one.db")));
+    // The same trials, run twice: no two clocks agree.
+    let refused = said(path, &["bench", "merge", "one.db", "all.db"], 2);
+    assert!(refused.contains("8 trials") && refused.contains("--keep-first"), "{refused}");
+    said(path, &["bench", "merge", "one.db", "all.db", "--keep-first"], 0);
+    // A part that is not done says so.
+    std::fs::remove_file(path.join("part-2.json")).expect("removed");
+    let status = said(path, &["bench", "status", "part-1.db", "part-2.db"], 1);
+    assert!(status.contains("not done   1 of 2 tasks: part-2.db"), "{status}");
+}
+
+#[test]
+fn scripts_are_written_checked_and_never_written_over() {
+    let folder = folder();
+    let path = folder.path();
+    let words = ["bench", "slurm", "campaign.yaml", "--array", "3", "--write-only", "-o", "it's here"];
+    let page = said(path, &[&words[..], &["--", "--partition=short"]].concat(), 0);
+    assert!(page.contains("--array=1-3 --partition=short") && page.contains("afterany:JOB"), "{page}");
+    let place = path.join("it's here");
+    for script in ["task.sh", "report.sh"] {
+        assert!(Process::new("sh").arg("-n").arg(place.join(script)).status().expect("sh").success());
+    }
+    // What a task does, with what Slurm would set.
+    let task = |number: &str| {
+        let mut task = Process::new("sh");
+        task.arg(place.join("task.sh")).env("SLURM_ARRAY_TASK_ID", number).output().expect("it runs")
+    };
+    for number in ["1", "2", "3"] {
+        let output = task(number);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    assert!(Process::new("sh").arg(place.join("report.sh")).status().expect("sh").success());
+    assert_eq!(Results::open(&place.join("results.db")).expect("results").count().expect("a count"), 8);
+    assert!(place.join("report.html").exists());
+    assert!(said(path, &words, 2).contains("has a campaign already"));
+    // Another campaign than was handed out is refused on the node.
+    std::fs::write(path.join("campaign.yaml"), CAMPAIGN.replace("runs: 4", "runs: 5")).expect("written");
+    let output = task("1");
+    let refused = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && refused.contains("the list of trials"), "{refused}");
+    assert!(said(path, &["bench", "slurm", "campaign.yaml", "--array", "99"], 2).contains("no more tasks"));
+    assert!(said(path, &["bench", "status", "."], 2).contains("campaign.json"));
+}
+
+#[test]
+fn without_slurm_it_is_said_what_to_do() {
+    let folder = folder();
+    let words = ["bench", "slurm", "campaign.yaml", "--array", "2"];
+    let output = with(folder.path(), &words, &[("PATH", folder.path().to_owned())]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("sbatch") && said.contains("--write-only"), "{said}");
+}
+
+/// A Slurm of one node, ended with the test.
+struct Slurm {
+    folder: tempfile::TempDir,
+}
+
+impl Slurm {
+    const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../xtask/slurm/one_node.sh");
+
+    /// Nothing, said aloud, where it cannot be had.
+    fn start() -> Option<Self> {
+        let slurm = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let output = slurm.act("start");
+        if output.status.success() {
+            return Some(slurm);
+        }
+        let reason = text(&output.stderr);
+        assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "no Slurm: {reason}");
+        use std::io::Write as _;
+        writeln!(std::io::stderr(), "SKIPPED, campaigns on a real Slurm: {reason}").expect("said");
+        None
+    }
+
+    fn act(&self, action: &str) -> Output {
+        let mut script = Process::new("sh");
+        script.args([Self::SCRIPT, action]).arg(self.folder.path()).output().expect("sh")
+    }
+
+    fn environment(&self) -> [(&'static str, PathBuf); 1] {
+        [("SLURM_CONF", self.folder.path().join("slurm.conf"))]
+    }
+
+    fn said(&self, folder: &Path, words: &[&str]) -> String {
+        let output = with(folder, words, &self.environment());
+        text(&output.stdout) + &text(&output.stderr)
+    }
+
+    fn cancel(&self, task: &str) {
+        let mut scancel = Process::new("scancel");
+        let status = scancel.arg(task).envs(self.environment()).status().expect("scancel");
+        assert!(status.success());
+    }
+}
+
+impl Drop for Slurm {
+    fn drop(&mut self) {
+        self.act("stop");
+    }
+}
+
+/// Asks for the status until it says what is wanted.
+fn wait_for(slurm: &Slurm, folder: &Path, wanted: impl Fn(&str) -> bool) -> String {
+    let begin = Instant::now();
+    loop {
+        let status = slurm.said(folder, &["bench", "status", "grid"]);
+        if wanted(&status) {
+            return status;
+        }
+        assert!(begin.elapsed() < Duration::from_mins(5), "{status}");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+}
+
+#[test]
+fn an_array_with_killed_tasks_and_a_restarted_controller_is_made_whole() {
+    if std::env::var_os("CRANNY_LONG").is_none() {
+        return;
+    }
+    let Some(slurm) = Slurm::start() else { return };
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("campaign.yaml"), CAMPAIGN.replace("runs: 4", "runs: 200")).expect("written");
+    let page = slurm.said(path, &["bench", "slurm", "campaign.yaml", "--array", "8", "-o", "grid"]);
+    let job = page.split("job ").nth(1).and_then(|rest| rest.split(' ').next()).expect(&page).to_owned();
+    wait_for(&slurm, path, |status| status.contains("done"));
+    for task in [6, 7, 8] {
+        slurm.cancel(&format!("{job}_{task}"));
+    }
+    assert!(slurm.act("restart").status.success());
+    let is_over = |status: &str| !status.contains("running") && !status.contains("waiting");
+    let status = wait_for(&slurm, path, is_over);
+    assert!(status.contains("--resume"), "{status}");
+    slurm.said(path, &["bench", "slurm", "--resume", "grid"]);
+    wait_for(&slurm, path, |status| status.contains("8 of 8 tasks"));
+    let begin = Instant::now();
+    let results = path.join("grid/results.db");
+    let is_whole = || {
+        Results::glance(&results).is_ok_and(|all| all.values().map(|tally| tally.ended).sum::<usize>() == 400)
+    };
+    while !(is_whole() && path.join("grid/report.html").exists()) {
+        assert!(begin.elapsed() < Duration::from_mins(2), "no report of all tasks");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    said(path, &["bench", "run", "campaign.yaml", "-o", "one.db"], 0);
+    assert_eq!(trials(&results), trials(&path.join("one.db")));
+}
