@@ -1,5 +1,6 @@
 use std::fs::{self, File};
 use std::path::Path;
+use std::time::Duration;
 
 use tempfile::TempDir;
 
@@ -42,14 +43,24 @@ impl Exports {
 fn sweep(temporary: &Path) {
     let Ok(entries) = fs::read_dir(temporary) else { return };
     for entry in entries.filter_map(Result::ok) {
-        let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
-        // One without a lock is being made, or somebody else's.
-        let lock = File::options().read(true).open(entry.path().join(LOCK)).ok().filter(|_| is_ours);
-        if lock.is_some_and(|lock| lock.try_lock().is_ok()) {
-            // What cannot be removed is another user's.
-            let _ = fs::remove_dir_all(entry.path());
+        if !entry.file_name().to_string_lossy().starts_with(PREFIX) {
+            continue;
         }
+        // What cannot be removed is another user's.
+        let _ = match File::options().read(true).open(entry.path().join(LOCK)) {
+            Ok(lock) if lock.try_lock().is_ok() => fs::remove_dir_all(entry.path()),
+            // Whoever made it was killed before the lock, or after it while removing all; unless it is being made.
+            Err(_) if is_old(&entry) => fs::remove_dir(entry.path()),
+            _ => Ok(()),
+        };
     }
+}
+
+/// Whether a folder was last changed longer ago than making one takes.
+fn is_old(folder: &fs::DirEntry) -> bool {
+    const MAKING: Duration = Duration::from_mins(1);
+    let changed = folder.metadata().and_then(|facts| facts.modified()).ok();
+    changed.and_then(|changed| changed.elapsed().ok()).is_some_and(|since| since > MAKING)
 }
 
 #[cfg(test)]
@@ -68,11 +79,19 @@ mod tests {
         running.as_ref().unwrap().lock().unwrap();
         drop(folder("cranny-bench-b", true));
         folder("cranny-bench-c", false);
+        let empty = |name: &str, age_s: u64| {
+            let folder = temporary.path().join(name);
+            fs::create_dir(&folder).unwrap();
+            let made = std::time::SystemTime::now() - Duration::from_secs(age_s);
+            File::open(folder).unwrap().set_modified(made).unwrap();
+        };
+        empty("cranny-bench-d", 0);
+        empty("cranny-bench-e", 3600);
         drop(folder("other", true));
         sweep(temporary.path());
         let mut left: Vec<_> =
             fs::read_dir(temporary.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
-        assert_eq!(left, ["cranny-bench-a", "cranny-bench-c", "other"]);
+        assert_eq!(left, ["cranny-bench-a", "cranny-bench-c", "cranny-bench-d", "other"]);
     }
 }
