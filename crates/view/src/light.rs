@@ -2,7 +2,7 @@ use cranny_spatial::sin_cos;
 
 use crate::Material;
 use crate::draw_list::{DrawList, DrawPoint, DrawVector};
-use crate::scan::{SampleGrid, spans};
+use crate::scan::{SampleGrid, ceiling, spans};
 
 /// The light of a scene: a sun that throws shadows, and a sky whose light comes from all sides as far as things
 /// leave it way. Both are seen from where they shine, as maps of depth.
@@ -235,7 +235,15 @@ impl DepthMap {
     fn draw(&mut self, casters: &DrawList) {
         let texels: Vec<[f32; 3]> = casters.positions.iter().map(|place| self.texel(place)).collect();
         let grid = SampleGrid { width: self.side, rows: self.side, offsets: &[0.5] };
+        // The first sample right of and below each corner. A triangle whose corners all lie between the same rows of samples,
+        // or the same columns, covers none: for the sky, seen from all around, those are most.
+        let below = |[x, y, _]: &[f32; 3]| [ceiling(x - 0.5, self.side), ceiling(y - 0.5, self.side)];
+        let samples: Vec<[usize; 2]> = texels.iter().map(below).collect();
         for triangle in casters.casters() {
+            let [a, b, c] = triangle.corners.map(|corner| samples[corner as usize]);
+            if (a[0] == b[0] && b[0] == c[0]) || (a[1] == b[1] && b[1] == c[1]) {
+                continue;
+            }
             let corners = triangle.corners.map(|corner| texels[corner as usize]);
             spans(&corners, &grid, |span| {
                 let begin = span.row * self.side;

@@ -6,6 +6,8 @@
 //! 3. The vertices are moved onto the surface along its gradient, which is also their normal, so that a coarse
 //!    grid looks smooth.
 
+use std::sync::{Mutex, PoisonError};
+
 use cranny_robot::{LinkForm, LinkVisual};
 use cranny_shape::Aabb;
 use cranny_spatial::{Point, Pose, Vector};
@@ -13,6 +15,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::MeshPiece;
 
 /// A primitive of a body.
+#[derive(Clone, PartialEq)]
 pub(crate) struct Primitive {
     body_from_here: Pose,
     here_from_body: Pose,
@@ -21,6 +24,7 @@ pub(crate) struct Primitive {
 }
 
 /// Sizes in metres; `rounding_m` is how far edges are rounded inwards.
+#[derive(Clone, PartialEq)]
 enum Form {
     Cuboid { half_extents: Vector, rounding_m: f64 },
     Capsule { half_length_m: f64, radius_m: f64 },
@@ -125,11 +129,34 @@ const MOST_CELLS: f64 = 3200.0;
 /// Cells across a fillet, as far as the bounds above allow.
 const CELLS_ACROSS: f64 = 2.0;
 
+/// Bodies that were melted in this process, with their primitives: the same robot stands in many scenes, and to melt it
+/// takes longer than to draw it.
+static KNOWN: Mutex<Vec<(Vec<Primitive>, MeshPiece)>> = Mutex::new(Vec::new());
+
+/// So many are kept: the links of a few robots.
+const MOST_KNOWN: usize = 128;
+
 /// The melted body of some primitives; nothing for none.
 pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     if primitives.is_empty() {
         return MeshPiece::default();
     }
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = known().iter().find(|(own, _)| own == primitives).map(|(_, piece)| piece.clone());
+    let piece = found.unwrap_or_else(|| {
+        let piece = melt(primitives);
+        let mut known = known();
+        if known.len() >= MOST_KNOWN {
+            known.clear();
+        }
+        known.push((primitives.to_vec(), piece.clone()));
+        piece
+    });
+    MeshPiece { material, ..piece }
+}
+
+/// `primitives` is not empty; the material is the first.
+fn melt(primitives: &[Primitive]) -> MeshPiece {
     let corners: Vec<Point> =
         primitives.iter().map(Primitive::bounds).flat_map(|bounds| [bounds.low(), bounds.high()]).collect();
     let whole = Aabb::around(&corners, 0.0);
@@ -137,7 +164,7 @@ pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     let cell_of = |count: f64| (2.0 * (x * y + y * z + z * x) / count).sqrt();
     let finest_blend_m = primitives.iter().map(|primitive| primitive.blend_m).fold(f64::INFINITY, f64::min);
     let cell_m = (finest_blend_m / CELLS_ACROSS).clamp(cell_of(MOST_CELLS), cell_of(FEWEST_CELLS));
-    Net::over(primitives, &whole, cell_m).mesh(primitives, material)
+    Net::over(primitives, &whole, cell_m).mesh(primitives, 0)
 }
 
 /// A grid of samples of the distance.

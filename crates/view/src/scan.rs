@@ -25,39 +25,66 @@ pub(crate) struct Span {
 
 /// Calls `visit` with each span of a triangle. A sample on an edge between two triangles belongs to exactly one.
 pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visit: impl FnMut(Span)) {
+    let per_point = grid.offsets.len() as f32;
+    let row_below = |y: f32| ceiling(y * per_point - 0.5, grid.rows);
+    let [a, b, c] = corners.map(|corner| corner[1]);
+    let (first, beyond) = (row_below(a.min(b).min(c)), row_below(a.max(b).max(c)));
+    // Of many small triangles most lie between two rows: they are done with here.
+    if first >= beyond {
+        return;
+    }
     let mut sorted = *corners;
     sorted.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let [top, middle, bottom] = sorted;
-    let per_point = grid.offsets.len() as f32;
-    let first = (top[1] * per_point - 0.5).ceil().max(0.0);
-    let beyond = (bottom[1] * per_point - 0.5).ceil().min(grid.rows as f32);
     let (e1, e2) = (difference(&middle, &top), difference(&bottom, &top));
     let area = e1[0] * e2[1] - e1[1] * e2[0];
-    if first >= beyond || area == 0.0 {
+    if area == 0.0 {
         return;
     }
     let step = (e1[2] * e2[1] - e2[2] * e1[1]) / area;
     let slope = (e2[2] * e1[0] - e1[2] * e2[0]) / area;
-    // Between 0 and the number of rows, and of columns.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    for row in first as usize..beyond as usize {
+    let (long, above, below) = (Edge::of(&top, &bottom), Edge::of(&top, &middle), Edge::of(&middle, &bottom));
+    for row in first..beyond {
         let y = (row as f32 + 0.5) / per_point;
-        let long = crossing(&top, &bottom, y);
-        let short = if y < middle[1] { crossing(&top, &middle, y) } else { crossing(&middle, &bottom, y) };
+        let long = long.at(y);
+        let short = if y < middle[1] { above.at(y) } else { below.at(y) };
         let offset = grid.offsets[row % grid.offsets.len()];
-        let left = (long.min(short) - offset).ceil().max(0.0);
-        let right = (long.max(short) - offset).ceil().min(grid.width as f32);
+        let left = ceiling(long.min(short) - offset, grid.width);
+        let right = ceiling(long.max(short) - offset, grid.width);
         if left < right {
-            let depth = top[2] + (left + offset - top[0]) * step + (y - top[1]) * slope;
-            visit(Span { row, columns: left as usize..right as usize, depth, step });
+            let depth = top[2] + (left as f32 + offset - top[0]) * step + (y - top[1]) * slope;
+            visit(Span { row, columns: left..right, depth, step });
         }
     }
 }
 
-/// Where the edge is at height `y`. Computed from the upper end to the lower, so that both triangles at an edge
-/// get the same bits.
-fn crossing(upper: &ScreenCorner, lower: &ScreenCorner, y: f32) -> f32 {
-    upper[0] + (y - upper[1]) * ((lower[0] - upper[0]) / (lower[1] - upper[1]))
+/// The least whole number not below `value`, between 0 and `most`. By conversion: without instructions for it that not
+/// every machine has, rounding is a call for each row of each triangle.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn ceiling(value: f32, most: usize) -> usize {
+    let inside = value.clamp(0.0, most as f32);
+    let below = inside as usize;
+    below + usize::from((below as f32) < inside)
+}
+
+/// An edge of a triangle, from its upper end to the lower, so that both triangles at it get the same bits.
+struct Edge {
+    x: f32,
+    y: f32,
+    /// To the right, by one down.
+    slope: f32,
+}
+
+impl Edge {
+    fn of(upper: &ScreenCorner, lower: &ScreenCorner) -> Self {
+        let slope = (lower[0] - upper[0]) / (lower[1] - upper[1]);
+        Self { x: upper[0], y: upper[1], slope }
+    }
+
+    /// Where it is at height `y`.
+    fn at(&self, y: f32) -> f32 {
+        self.x + (y - self.y) * self.slope
+    }
 }
 
 fn difference(a: &ScreenCorner, b: &ScreenCorner) -> [f32; 3] {
@@ -91,6 +118,15 @@ mod tests {
             .sum();
         let covered = hits.iter().sum::<i32>() as f32 / 4.0;
         assert!((covered / area - 1.0).abs() < 0.01, "{covered} of {area}");
+    }
+
+    #[test]
+    fn the_ceiling_is_that_of_the_library() {
+        for value in [-1e9, -0.5, -0.0, 0.0, 1e-30, 0.5, 1.0, 1.5, 6.999_999_5, 7.0, 7.5, 1e9] {
+            let expected = f32::ceil(value).clamp(0.0, 7.0);
+            assert!((ceiling(value, 7) as f32 - expected).abs() < f32::EPSILON, "{value}");
+        }
+        assert_eq!(ceiling(f32::NAN, 7), 0);
     }
 
     #[test]
