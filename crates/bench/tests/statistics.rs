@@ -4,7 +4,7 @@
 #![allow(clippy::float_cmp)]
 
 use cranny_bench::statistics::{
-    Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, two_sided_p, wilson,
+    Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, performance_profiles, two_sided_p, wilson,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -157,16 +157,47 @@ fn tails_of_the_normal_distribution_are_scipys() {
 
 #[test]
 fn moments_and_quartiles_of_a_known_sample() {
-    // NumPy: std(ddof=1) and quantile of [2, 4, 4, 4, 5, 5, 7, 9].
+    // NumPy: std(ddof=1) and quantile(method="inverted_cdf") of [2, 4, 4, 4, 5, 5, 7, 9].
     let sample = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
     let moments = SampleMoments::of(&sample).unwrap();
     assert_near(moments.mean, 5.0, 0.0);
     assert_near(moments.standard_deviation.unwrap(), 2.138089935299395, 1e-12);
     let spread = Spread::of(sample).unwrap();
-    assert_eq!((spread.lower_quartile, spread.median, spread.upper_quartile), (4.0, 4.5, 5.5));
+    assert_eq!((spread.lower_quartile, spread.median, spread.upper_quartile), (4.0, 4.0, 5.0));
     assert_eq!(SampleMoments::of(&[3.0]).unwrap().standard_deviation, None);
     assert_eq!(SampleMoments::of(&[]), None);
     assert_eq!(Spread::of([]), None);
+}
+
+#[test]
+fn equal_values_have_no_deviation() {
+    // The mean of fifty times 0.2, summed up, is not 0.2.
+    let moments = SampleMoments::of(&[0.2; 50]).unwrap();
+    assert_eq!((moments.mean, moments.standard_deviation), (0.2, Some(0.0)));
+}
+
+#[test]
+fn a_performance_profile_worked_out_by_hand() {
+    // Three solvers on four problems; the last problem is solved by none, the third by two.
+    let costs = [
+        vec![Some(1.0), Some(4.0), Some(3.0), None],
+        vec![Some(2.0), Some(2.0), None, None],
+        vec![Some(10.0), Some(2.0), Some(6.0), None],
+    ];
+    let profiles = performance_profiles(&costs, 1e-6);
+    assert_eq!(profiles[0].ratios, [Some(1.0), Some(2.0), Some(1.0), None]);
+    assert_eq!((&profiles[0].at[..], &profiles[0].share[..]), (&[1.0, 2.0][..], &[0.5, 0.75][..]));
+    assert_eq!((&profiles[1].at[..], &profiles[1].share[..]), (&[1.0, 2.0][..], &[0.25, 0.5][..]));
+    assert_eq!(
+        (&profiles[2].at[..], &profiles[2].share[..]),
+        (&[1.0, 2.0, 10.0][..], &[0.25, 0.5, 0.75][..])
+    );
+    assert_eq!([0.9, 1.0, 9.9, 1e9].map(|bound| profiles[2].share_within(bound)), [0.0, 0.25, 0.5, 0.75]);
+    // What no clock tells apart is equally good.
+    let tied = performance_profiles(&[vec![Some(0.0)], vec![Some(1e-9)]], 1e-6);
+    assert_eq!((tied[0].ratios[0], tied[1].ratios[0]), (Some(1.0), Some(1.0)));
+    assert!(performance_profiles(&[], 1.0).is_empty());
+    assert_eq!(performance_profiles(&[vec![]], 1.0)[0].share_within(2.0), 0.0);
 }
 
 #[test]
@@ -213,6 +244,34 @@ proptest! {
         let curve = KaplanMeier::of(&times.iter().map(solved).collect::<Vec<_>>());
         let later = times.iter().filter(|&&time| time > at).count() as f64 / times.len() as f64;
         prop_assert!((curve.survival_at(f64::from(at)) - later).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_censoring_quantiles_are_those_of_the_sample(times in prop::collection::vec(0_u32..30, 1..40)) {
+        let solved = |&time: &u32| Followed { until: f64::from(time), solved: true };
+        let curve = KaplanMeier::of(&times.iter().map(solved).collect::<Vec<_>>());
+        let spread = Spread::of(times.iter().map(|&time| f64::from(time))).unwrap();
+        let quartiles = [spread.lower_quartile, spread.median, spread.upper_quartile];
+        prop_assert_eq!([0.25, 0.5, 0.75].map(|share| curve.quantile(share)), quartiles.map(Some));
+    }
+
+    #[test]
+    fn the_best_solver_of_a_problem_has_ratio_one_and_profiles_rise(
+        costs in (1_usize..5, 1_usize..10).prop_flat_map(|(solvers, problems)| {
+            let cost = prop::option::weighted(0.8, 0.001..100.0_f64);
+            prop::collection::vec(prop::collection::vec(cost, problems), solvers)
+        }),
+    ) {
+        let profiles = performance_profiles(&costs, 1e-6);
+        for problem in 0..costs[0].len() {
+            let best = profiles.iter().filter_map(|profile| profile.ratios[problem]).fold(f64::INFINITY, f64::min);
+            prop_assert!(best == 1.0 || best.is_infinite());
+        }
+        for (profile, row) in profiles.iter().zip(&costs) {
+            prop_assert!(profile.at.is_sorted() && profile.share.is_sorted() && profile.at.iter().all(|&at| at >= 1.0));
+            let solved = row.iter().flatten().count() as f64 / row.len() as f64;
+            prop_assert!((profile.share.last().copied().unwrap_or(0.0) - solved).abs() < 1e-12);
+        }
     }
 
     #[test]

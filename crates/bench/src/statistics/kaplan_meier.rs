@@ -9,6 +9,14 @@ pub struct Followed {
     pub solved: bool,
 }
 
+impl Followed {
+    /// The same trial, followed no further than `limit`.
+    #[must_use]
+    pub fn up_to(self, limit: f64) -> Self {
+        Self { until: self.until.min(limit), solved: self.solved && self.until <= limit }
+    }
+}
+
 /// What changes at a time at which trials were solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalStep {
@@ -43,7 +51,7 @@ pub struct KaplanMeier {
 }
 
 /// Products of exact fractions miss a half by a few units in the last place.
-const HALF: f64 = 0.5 + 1e-12;
+const ROUNDED: f64 = 1e-12;
 
 impl KaplanMeier {
     /// The estimate from `trials`.
@@ -98,7 +106,13 @@ impl KaplanMeier {
 
     /// When half of the trials are solved: the least `t` with `S(t) ≤ ½`; `None` if that was never seen.
     pub fn median(&self) -> Option<f64> {
-        self.first_below(|step| step.survival)
+        self.quantile(0.5)
+    }
+
+    /// When a `share` of the trials are solved: the least `t` with `1 − S(t) ≥ share`; `None` if that was never seen.
+    /// Without censoring it is the least time that this share of the times do not exceed.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        self.first_at_most(1.0 - share, |step| step.survival)
     }
 
     /// From when to when the median lies: the times at which a test at level 5 % would not reject `S = ½`,
@@ -107,11 +121,11 @@ impl KaplanMeier {
     /// Source: Brookmeyer & Crowley 1982, "A confidence interval for the median survival time", with the band
     /// of this estimate.
     pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {
-        (self.first_below(|step| step.band.low), self.first_below(|step| step.band.high))
+        (self.first_at_most(0.5, |step| step.band.low), self.first_at_most(0.5, |step| step.band.high))
     }
 
-    fn first_below(&self, share: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
-        self.steps.iter().find(|step| share(step) <= HALF).map(|step| step.at)
+    fn first_at_most(&self, level: f64, share: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
+        self.steps.iter().find(|step| share(step) <= level + ROUNDED).map(|step| step.at)
     }
 }
 

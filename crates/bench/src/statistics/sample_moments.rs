@@ -14,7 +14,9 @@ impl SampleMoments {
         if values.is_empty() {
             return None;
         }
-        let mean = values.iter().sum::<f64>() / n;
+        // Taken about one of the values, so that equal values have a deviation of zero, not one of rounding.
+        let about = values[0];
+        let mean = about + values.iter().map(|value| value - about).sum::<f64>() / n;
         let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
         let standard_deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
         Some(Self { mean, standard_deviation })

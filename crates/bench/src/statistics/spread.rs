@@ -7,19 +7,20 @@ pub struct Spread {
     pub count: usize,
     /// The least.
     pub least: f64,
-    /// A quarter of the values lie below.
+    /// The least value that a quarter of the values do not exceed.
     pub lower_quartile: f64,
-    /// Half of the values lie below.
+    /// The least value that half of the values do not exceed.
     pub median: f64,
-    /// Three quarters of the values lie below.
+    /// The least value that three quarters of the values do not exceed.
     pub upper_quartile: f64,
     /// The greatest.
     pub greatest: f64,
 }
 
 impl Spread {
-    /// That of `values`; `None` if there are none. Between two values it interpolates linearly: definition 7
-    /// of Hyndman & Fan 1996, "Sample quantiles in statistical packages", which `NumPy` uses too.
+    /// That of `values`; `None` if there are none. Each number is one of the values, as that of a Kaplan–Meier estimate is
+    /// ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): definition 1 of Hyndman & Fan 1996, "Sample
+    /// quantiles in statistical packages", `inverted_cdf` in `NumPy`.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -35,11 +36,10 @@ impl Spread {
     }
 }
 
-/// `share` is in [0, 1], `sorted` is not empty.
+/// The least value that a `share` of all do not exceed; `share` is in ]0, 1], `sorted` is not empty.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * (sorted.len() - 1) as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - place.floor()) * (sorted[above] - sorted[below])
+    // Quarters of counts below 2^52 are exact.
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted[rank.clamp(1, sorted.len()) - 1]
 }
