@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use cranny_bench::report::Summary;
+use cranny_bench::report::{Enclosure, Summary};
 use cranny_bench::{BenchError, Results, StoredTrial};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -101,7 +101,7 @@ impl PyResultsFile {
     /// The report as one page that opens without a network.
     fn html(&self, py: Python<'_>) -> PyResult<String> {
         let summary = self.ask(py, Summary::of_results)?;
-        Ok(py.detach(|| summary.html()))
+        Ok(py.detach(|| summary.html(&Enclosure::default())))
     }
 }
 

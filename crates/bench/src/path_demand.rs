@@ -44,7 +44,7 @@ impl PathDemand {
     }
 
     /// What the settings of a trial ask.
-    pub(crate) fn of_settings(settings: &str) -> Self {
+    pub fn of_settings(settings: &str) -> Self {
         let all: BTreeMap<String, Value> = serde_json::from_str(settings).unwrap_or_default();
         let metres = |key| all.get(key).and_then(Value::as_f64).unwrap_or_default();
         Self {

@@ -50,7 +50,7 @@ pub fn replay(
     let stored = results.trial(id)?;
     let stored_path = results.path_of(id)?;
     let trial = &stored.record.trial;
-    let source = source_of(results, trial, source)?;
+    let source = source_of(results, &trial.scenario, &trial.scenario_hash, source)?;
     let unknown = || BenchError::UnknownCall { planner: trial.planner.clone() };
     let call = results.planner_source(&trial.planner, &trial.settings)?.ok_or_else(unknown)?;
     let call: PlannerCall = serde_json::from_str(&call).map_err(|_| unknown())?;
@@ -83,22 +83,26 @@ fn is_lost(stored: &StoredTrial) -> bool {
     matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed)
 }
 
-/// What the scenario of a trial is opened by, its content checked: `given`, else where the results say that it was,
-/// else its id.
+/// What a scenario of the results, told by its id and its hash, is opened by, its content checked: `given`, else where the
+/// results say that it was, else its id.
 ///
 /// # Errors
 /// [`BenchError::OtherScenario`] where the scenario is not what it was; [`BenchError::Database`].
-pub fn source_of(results: &Results, trial: &Trial, given: Option<&str>) -> Result<String, BenchError> {
-    let is_it =
-        |source: &str| Identity::of(source).is_ok_and(|identity| identity.sha256 == trial.scenario_hash);
+pub fn source_of(
+    results: &Results,
+    scenario: &str,
+    scenario_hash: &str,
+    given: Option<&str>,
+) -> Result<String, BenchError> {
+    let is_it = |source: &str| Identity::of(source).is_ok_and(|identity| identity.sha256 == scenario_hash);
     let noted = results
         .scenarios()?
         .into_iter()
-        .find(|known| known.scenario == trial.scenario && known.scenario_hash == trial.scenario_hash);
+        .find(|known| known.scenario == scenario && known.scenario_hash == scenario_hash);
     let source = given.map(str::to_owned).or(noted.map(|known| known.source));
-    let source = source.unwrap_or_else(|| trial.scenario.clone());
+    let source = source.unwrap_or_else(|| scenario.to_owned());
     if is_it(&source) {
         return Ok(source);
     }
-    Err(BenchError::OtherScenario { scenario: trial.scenario.clone(), source_name: source })
+    Err(BenchError::OtherScenario { scenario: scenario.to_owned(), source_name: source })
 }

@@ -7,6 +7,7 @@ mod campaign_file;
 mod hostile_results;
 mod ompl_log;
 mod report;
+mod report_page;
 mod results;
 mod shards;
 mod statistics;

@@ -1,14 +1,13 @@
-//! Reports: what a summary says of trials whose figures can be worked out by hand, and that pages, tables and
-//! plots say the same.
+//! Reports: what a summary says of trials whose figures can be worked out by hand, and that tables and plots say
+//! the same.
 
 // Figures that are copied must be the same to the last bit.
 #![allow(clippy::float_cmp)]
 
-use cranny_bench::report::{Measure, Place, Summary, plots};
-use cranny_bench::{BenchError, StoredTrial, TrialOutcome};
+use cranny_bench::report::{Measure, Overall, Place, SuccessCurve, Summary, plots};
+use cranny_bench::{BenchError, Run, StoredTrial, TrialOutcome};
 use cranny_plan::Criterion;
 use proptest::prelude::*;
-use serde_json::Value;
 use strum::VariantArray as _;
 
 use crate::synthetic::{Campaign, Manner, add, campaign, empty};
@@ -33,10 +32,6 @@ fn end(trial: &mut StoredTrial, outcome: TrialOutcome, time_s: f64) {
     trial.record.statistics.planning_time_s = time_s;
 }
 
-fn summary(campaign: &Campaign) -> Summary {
-    Summary::of(&campaign.source()).expect("sound trials")
-}
-
 #[track_caller]
 fn assert_near(actual: f64, expected: f64) {
     assert!((actual - expected).abs() < 1e-9, "{actual} is not {expected}");
@@ -50,7 +45,7 @@ fn a_failure_counts_as_the_limit_in_the_papers_convention() {
         end(trial, TrialOutcome::Solved, time_s);
     }
     end(&mut campaign.trials[3], TrialOutcome::NoReachableGrasp, 0.1);
-    let row = &summary(&campaign).rows[0];
+    let row = &campaign.summary().rows[0];
     assert_eq!((row.runs, row.solved), (4, 3));
     assert_near(row.success_rate, 0.75);
     assert_near(row.mean_s, 4.0);
@@ -72,7 +67,7 @@ fn a_planner_gains_nothing_by_giving_up_early() {
         let outcome = if index < 10 { TrialOutcome::Solved } else { TrialOutcome::Crashed };
         end(trial, outcome, if index < 10 { 5.0 } else { 0.5 });
     }
-    let (slow, quitter) = (summary(&slow), summary(&quitter));
+    let (slow, quitter) = (slow.summary(), quitter.summary());
     assert_eq!(slow.curves[0].success, quitter.curves[0].success);
     assert_eq!(slow.rows[0].restricted_mean_s, quitter.rows[0].restricted_mean_s);
     assert_eq!(slow.rows[0].mean_s, quitter.rows[0].mean_s);
@@ -88,7 +83,7 @@ fn a_search_that_iterations_cut_short_is_censored_where_it_stopped() {
         trial.record.trial.iteration_limit = Some(100);
         trial.record.statistics.iterations = if solved { 40 } else { 100 };
     }
-    let row = &summary(&campaign).rows[0];
+    let row = &campaign.summary().rows[0];
     // Of the two still searching at 3 s both were solved then.
     assert_eq!(row.median_s, Some(3.0));
     assert_near(row.success_rate, 0.5);
@@ -99,7 +94,7 @@ fn a_search_that_iterations_cut_short_is_censored_where_it_stopped() {
 fn a_planner_that_counts_no_iterations_has_no_curve_over_them() {
     let mut campaign = plain();
     campaign.trials.iter_mut().for_each(|trial| trial.record.statistics.iterations = 0);
-    let summary = summary(&campaign);
+    let summary = campaign.summary();
     assert_eq!(summary.rows[0].median_iterations, None);
     assert!(summary.curves.iter().all(|curve| curve.over == Measure::Time));
     assert!(summary.rows[0].iterations.is_none());
@@ -107,7 +102,7 @@ fn a_planner_that_counts_no_iterations_has_no_curve_over_them() {
 
 #[test]
 fn the_best_goal_stands_in_the_row_and_all_goals_below() {
-    let summary = summary(&campaign());
+    let summary = campaign().summary();
     let row = summary.rows.iter().find(|row| row.planner == "ik-rrt" && row.scenario == "023").unwrap();
     assert_eq!((row.goals, row.goal, row.runs), (Some(3), Some(0), 5));
     let goals: Vec<_> = summary.goals.iter().filter(|goal| goal.scenario_name == "023").collect();
@@ -121,7 +116,7 @@ fn the_best_goal_stands_in_the_row_and_all_goals_below() {
 
 #[test]
 fn the_papers_table_has_the_papers_layout() {
-    let summary = summary(&campaign());
+    let summary = campaign().summary();
     let markdown = summary.markdown();
     let paper = markdown.split("\n\n").find(|table| table.contains("| goals |")).expect("a table with goals");
     let lines: Vec<&str> = paper.lines().collect();
@@ -153,7 +148,7 @@ fn the_papers_table_has_the_papers_layout() {
 
 #[test]
 fn comparisons_are_adjusted_over_the_scenarios_of_a_pair() {
-    let summary = summary(&campaign());
+    let summary = campaign().summary();
     let family: Vec<_> = summary
         .comparisons
         .iter()
@@ -175,9 +170,12 @@ fn comparisons_are_adjusted_over_the_scenarios_of_a_pair() {
 
 #[test]
 fn what_should_never_happen_stands_first_with_its_replay() {
-    let summary = summary(&campaign());
+    let summary = campaign().summary();
     let outcomes: Vec<&str> = summary.worst.iter().map(|trial| trial.outcome).collect();
     assert_eq!(outcomes[..2], ["crashed", "hung"]);
+    // Of the solved trials, whose paths can be looked at, the slowest, at most one of a planner on a scenario.
+    let solved: Vec<_> = summary.worst.iter().filter(|trial| trial.outcome == "solved").collect();
+    assert!(solved.len() == 20 && solved.is_sorted_by(|a, b| a.planning_time_s >= b.planning_time_s));
     for trial in &summary.worst {
         assert_eq!(trial.replay, format!("cranny bench replay results.db {}", trial.trial));
     }
@@ -185,17 +183,139 @@ fn what_should_never_happen_stands_first_with_its_replay() {
 
 #[test]
 fn a_large_set_is_one_curve_a_planner_and_a_small_one_a_curve_a_scenario() {
-    let summary = summary(&campaign());
+    let summary = campaign().summary();
+    let environment = Place::of("gap-0.3").environment;
     let sweep: Vec<_> =
-        summary.curves.iter().filter(|curve| curve.environment == Place::of("gap-0.3").environment).collect();
+        summary.curves.iter().filter(|curve| curve.environment.as_ref() == Some(&environment)).collect();
     assert_eq!(sweep.len(), 4, "two planners, over time and over iterations");
     assert!(sweep.iter().all(|curve| curve.scenario_name.is_none() && curve.runs == 240));
     assert!(summary.curves.iter().any(|curve| curve.scenario_name.as_deref() == Some("021")));
 }
 
+/// Two planners on four scenarios, a third on three of them; times by hand.
 #[test]
-fn plots_have_names_of_their_own_and_both_formats() {
-    let plots = plots(&summary(&campaign()));
+fn all_scenarios_together_are_those_that_the_planners_share() {
+    let (mut campaign, mut draw) = empty();
+    type Times = &'static [(&'static str, [f64; 3])];
+    let times: [(&str, Times); 3] = [
+        (
+            "fast",
+            &[
+                ("021", [1.0, 1.0, 2.0]),
+                ("022", [2.0, 4.0, 9.0]),
+                ("023", [3.0, 3.0, 3.0]),
+                ("024", [1.0; 3]),
+            ],
+        ),
+        (
+            "slow",
+            &[
+                ("021", [2.0, 3.0, 4.0]),
+                ("022", [2.0, 2.0, 2.0]),
+                ("023", [11.0, 11.0, 5.0]),
+                ("024", [1.0; 3]),
+            ],
+        ),
+        ("third", &[("021", [8.0, 10.0, 10.0]), ("022", [2.0, 2.0, 2.0]), ("023", [11.0; 3])]),
+    ];
+    for (planner, times_s) in times {
+        for (scenario, times_s) in times_s {
+            let manner = Manner {
+                planner,
+                criterion: Criterion::Exact,
+                mean_s: 1.0,
+                limit_s: 10.0,
+                runs: 3,
+                goal: None,
+            };
+            add(&mut campaign, &mut draw, scenario, &manner);
+            let first = campaign.trials.len() - 3;
+            for (trial, &time_s) in campaign.trials[first..].iter_mut().zip(times_s) {
+                let solved = time_s <= 10.0;
+                end(
+                    trial,
+                    if solved { TrialOutcome::Solved } else { TrialOutcome::BudgetExhausted },
+                    time_s.min(10.0),
+                );
+                trial.record.path_length = solved.then_some(1.0 + time_s);
+            }
+        }
+    }
+    let summary = campaign.summary();
+    let [fast, slow, third] = &summary.overall[..] else { panic!("{:?}", summary.overall) };
+    assert_eq!((fast.scenarios, fast.scenarios_in_all, fast.runs, fast.solved), (3, 4, 9, 9));
+    assert_eq!((slow.solved, third.solved), (7, 6));
+    // Medians: fast 1, 4, 3; slow 3, 2, none; third 10, 2, none.
+    let ratios = |overall: &Overall| overall.ratios.values().copied().collect::<Vec<_>>();
+    assert_eq!(ratios(fast), [Some(1.0), Some(2.0), Some(1.0)]);
+    assert_eq!(ratios(slow), [Some(3.0), Some(1.0), None]);
+    assert_eq!(ratios(third), [Some(10.0), Some(1.0), None]);
+    assert_near(fast.best, 2.0 / 3.0);
+    assert_near(slow.best, 1.0 / 3.0);
+    assert_near(fast.within_2, 1.0);
+    assert_near(third.within_2, 1.0 / 3.0);
+    assert_near(third.within_10, 2.0 / 3.0);
+    // The pooled times of `fast`, sorted: 1 1 2 2 3 3 3 4 9.
+    assert_eq!((fast.median_s, fast.followed_to_s), (Some(3.0), 10.0));
+    let pooled = |planner: &str| {
+        let of = |curve: &&SuccessCurve| curve.environment.is_none() && curve.planner_name == planner;
+        summary.curves.iter().find(of).expect("a pooled curve")
+    };
+    assert_eq!(pooled("fast").at, [1.0, 2.0, 3.0, 4.0, 9.0]);
+    assert_near(pooled("slow").success.last().copied().unwrap(), 7.0 / 9.0);
+}
+
+#[test]
+fn the_median_is_one_figure_in_tables_boxes_and_curves() {
+    let summary = campaign().summary();
+    for row in &summary.rows {
+        let quartiles = [row.least_s, row.lower_quartile_s, row.median_s, row.upper_quartile_s];
+        let seen: Vec<f64> = quartiles.into_iter().flatten().collect();
+        assert!(seen.is_sorted(), "{seen:?}");
+        let curve = summary.curves.iter().find(|curve| {
+            (curve.over, &curve.criterion, &curve.planner_name)
+                == (Measure::Time, &row.criterion, &row.planner_name)
+                && curve.scenario_name.as_ref() == Some(&row.scenario_name)
+        });
+        if let Some(curve) = curve {
+            let half = curve.success.iter().position(|&share| share >= 0.5 - 1e-12);
+            assert_eq!(
+                row.median_s,
+                half.map(|step| curve.at[step]),
+                "{} {}",
+                row.scenario_name,
+                row.planner_name
+            );
+        }
+    }
+}
+
+#[test]
+fn runs_that_only_their_times_tell_apart_are_one_machine() {
+    let mut campaign = plain();
+    let first = campaign.runs[0].clone();
+    let mut second = Run { id: 2, began: "2026-11-20T08:00:00Z".to_owned(), ..first.clone() };
+    second.information.command = "cranny bench run --runs 40 -o results.db".to_owned();
+    let mut third = Run { id: 3, ..first.clone() };
+    third.information.workers = 2;
+    let idle = Run { id: 4, ..first };
+    campaign.runs.extend([second, third, idle]);
+    for (index, trial) in campaign.trials.iter_mut().enumerate() {
+        trial.run = [1, 2, 2, 3][index % 4];
+    }
+    let machines = campaign.summary().machines;
+    let counts: Vec<_> =
+        machines.iter().map(|own| (own.workers, own.runs, own.trials, own.commands.len())).collect();
+    assert_eq!(counts, [(1, 2, 15, 2), (2, 1, 5, 1)]);
+    assert_eq!(
+        (&*machines[0].first_began, &*machines[0].last_began),
+        ("2026-11-20T08:00:00Z", "2026-11-21T18:00:00Z")
+    );
+}
+
+#[test]
+fn plots_have_names_of_their_own_and_all_formats() {
+    let plots = plots(&campaign().summary());
     let mut names: Vec<&str> = plots.iter().map(|plot| plot.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -205,83 +325,24 @@ fn plots_have_names_of_their_own_and_both_formats() {
             .iter()
             .all(|name| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'))
     );
-    for wanted in ["02x-ball-under-a-table-j-plus-rrt-iterations-paper", "gap-sweep-difficulty-success-exact"]
-    {
+    for wanted in [
+        "02x-ball-under-a-table-j-plus-rrt-iterations-paper",
+        "gap-sweep-difficulty-success-exact",
+        "02x-ball-under-a-table-memory-exact",
+        "all-scenarios-together-time-exact",
+        "all-scenarios-profile-exact",
+    ] {
         assert!(names.contains(&wanted), "{wanted} is not among {names:?}");
     }
     let plot = &plots[0];
     assert!(plot.svg().starts_with("<svg xmlns") && plot.svg().ends_with("</svg>"));
     assert!(plot.png().expect("it can be drawn").starts_with(b"\x89PNG"));
-}
-
-/// The figures of a page: path in the document, exact value, what a person reads, and its scale.
-fn figures(page: &str) -> Vec<(String, f64, String, f64)> {
-    let attribute = |tag: &str, name: &str| {
-        let start = tag.find(&format!("{name}=\""))? + name.len() + 2;
-        Some(tag[start..start + tag[start..].find('"')?].to_owned())
-    };
-    let figure = |part: &str| {
-        let (tag, rest) = part.split_once('>').expect("a tag ends");
-        let text = rest.split("</data>").next().expect("an element ends").to_owned();
-        let scale = attribute(tag, "data-scale").map_or(1.0, |scale| scale.parse().expect("a scale"));
-        let value = attribute(tag, "value").expect("a value").parse().expect("a number");
-        (attribute(tag, "data-path").expect("a path"), value, text, scale)
-    };
-    page.split("<data ").skip(1).map(figure).collect()
-}
-
-/// The JSON document within a page.
-fn document(page: &str) -> Value {
-    let start = page.find("id=\"summary\">").expect("the page holds the document") + "id=\"summary\">".len();
-    serde_json::from_str(&page[start..start + page[start..].find("</script>").unwrap()]).expect("JSON")
-}
-
-#[test]
-fn the_pages_figures_are_those_of_the_json() {
-    let summary = summary(&campaign());
-    let page = summary.html();
-    let json = serde_json::to_value(&summary).expect("a summary is JSON");
-    assert_eq!(document(&page), json);
-    let figures = figures(&page);
-    for (path, value, text, scale) in &figures {
-        let pointer = format!("/{}", path.replace('.', "/"));
-        let expected = json.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
-        assert_eq!(*value, expected, "{path}");
-        if text == "&lt; 0.001" {
-            assert!(expected < 1e-3, "{path}: {expected}");
-            continue;
-        }
-        let shown: f64 = text.parse().unwrap_or_else(|_| panic!("{path} shows '{text}'"));
-        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        let half = 0.5 * 10.0_f64.powi(-i32::try_from(decimals).unwrap()) * (1.0 + 1e-9);
-        assert!((shown - expected * scale).abs() <= half, "{path} shows '{text}' for {expected}");
-    }
-    // Every row shows every figure that the format promises.
-    for index in 0..summary.rows.len() {
-        for key in
-            ["runs", "solved", "success_rate", "success_low", "success_high", "median_s", "median_iterations"]
-        {
-            let path = format!("rows.{index}.{key}");
-            let shown = figures.iter().any(|figure| figure.0 == path);
-            assert_eq!(shown, !json.pointer(&format!("/rows/{index}/{key}")).unwrap().is_null(), "{path}");
-        }
-    }
-}
-
-#[test]
-fn the_page_needs_nothing_from_elsewhere_and_escapes_what_it_is_told() {
-    let page = summary(&campaign()).html();
-    for foreign in ["http://", "https://", "src=", "@import", "<link", "url("] {
-        assert!(!page.contains(foreign), "the page holds '{foreign}'");
-    }
-    assert!(page.contains("what a &lt;judge&gt; &amp; &quot;others&quot; say of crashed"));
-    assert!(!page.contains("<judge>"));
-    assert!(page.contains("prefers-color-scheme: dark") && page.contains("@media print"));
+    assert!(plot.pdf().expect("it can be drawn").starts_with(b"%PDF-"));
 }
 
 #[test]
 fn rows_have_the_promised_keys() {
-    let json = serde_json::to_value(summary(&plain())).expect("JSON");
+    let json = serde_json::to_value(plain().summary()).expect("JSON");
     for key in [
         "scenario",
         "planner",
@@ -319,7 +380,7 @@ fn settings_and_limits_are_never_mixed() {
     campaign.trials[4].record.trial.time_limit_s = 20.0;
     campaign.trials[5].record.trial.scenario_hash = "f".repeat(64);
     campaign.trials[6].record.trial.criterion = Criterion::Paper;
-    let summary = summary(&campaign);
+    let summary = campaign.summary();
     assert_eq!(summary.rows.len(), 5);
     assert_eq!(summary.rows.iter().map(|row| row.runs).sum::<usize>(), 20);
     let mut names: Vec<_> =
@@ -336,10 +397,10 @@ proptest! {
     fn the_order_of_the_trials_changes_nothing(order in Just((0..40_usize).collect::<Vec<_>>()).prop_shuffle()) {
         let mut campaign = campaign();
         campaign.trials.truncate(40);
-        let ordered = summary(&campaign);
+        let ordered = campaign.summary();
         let shuffled = order.into_iter().map(|index| campaign.trials[index].clone()).collect();
         campaign.trials = shuffled;
-        prop_assert_eq!(summary(&campaign), ordered);
+        prop_assert_eq!(campaign.summary(), ordered);
     }
 
     #[test]
@@ -353,7 +414,7 @@ proptest! {
             let is_cut_short = matches!(outcome, TrialOutcome::Cancelled | TrialOutcome::Killed);
             end(trial, if is_cut_short { TrialOutcome::GaveUp } else { outcome }, time_s);
         }
-        let summary = summary(&campaign);
+        let summary = campaign.summary();
         let curve = summary.curves.iter().find(|curve| curve.over == Measure::Time).expect("a curve over time");
         let end = curve.success.last().copied().unwrap_or(0.0);
         prop_assert!((end - summary.rows[0].success_rate).abs() < 1e-9);

@@ -1,20 +1,22 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_bench::Results;
-use cranny_bench::report::{Summary, plots};
+use cranny_bench::report::{Enclosure, Plot, Summary, plots};
+use cranny_bench::{BenchError, Results};
+use rayon::prelude::*;
 
 use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
-use crate::{progress, text};
+use crate::{progress, report_paths, report_pictures, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny bench report results.db                          a page: results.html
   cranny bench report results.db -o page.html --plots plots
+  cranny bench report results.db --paths                  and the worst trials' paths, a click away
   cranny bench report results.db --format json            every figure, on standard output
   cranny bench report results.db --format latex -o table.tex
   cranny bench report results.db --format markdown
@@ -22,7 +24,7 @@ use crate::{progress, text};
 
 The page holds everything and needs no network. latex (with the package booktabs), markdown and csv are the paper's
 Table I: goals, success, mean and standard deviation of the time, a failure counted as the limit. Plots are written as
-SVG and PNG, named by environment, planner and criterion.")]
+SVG, PDF and PNG, named by environment, planner and criterion; PDF is for LaTeX.")]
 pub struct ReportArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]
@@ -34,9 +36,13 @@ pub struct ReportArguments {
     /// What to write [default: by the ending of FILE, html if it has none]
     #[arg(long, value_enum)]
     format: Option<ReportFormat>,
-    /// Write each plot to this folder, as SVG and as PNG
+    /// Write each plot to this folder, as SVG, PDF and PNG
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
+    /// Write what `cranny view` shows of each worst trial with a path, one file each of 2 MB or so, to a folder beside the
+    /// page (`results-paths`), and lead to it from there
+    #[arg(long)]
+    paths: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -78,41 +84,65 @@ impl ReportFormat {
 }
 
 pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failure> {
-    let summary = Summary::of_results(&Results::open(&arguments.results)?)?;
+    let named = arguments.output.as_deref().and_then(ReportFormat::of_file);
+    let format = arguments.format.or(named).unwrap_or(ReportFormat::Html);
+    let file = match &arguments.output {
+        Some(file) => Some(file.clone()),
+        // One document on standard output is what was asked for; a file only if it was named.
+        None if format == ReportFormat::Html && !output.json => Some(default_page(&arguments.results)),
+        None => None,
+    };
+    let page = file.as_deref().filter(|_| format == ReportFormat::Html);
+    if arguments.paths && page.is_none() {
+        let problem = "only a page leads to paths: name one with -o, or leave the format out".to_owned();
+        return Err(Failure::Flag { flag: "paths", problem });
+    }
+    let results = Results::open(&arguments.results)?;
+    let summary = Summary::of_results(&results)?;
+    // Before pictures and paths are made for it.
+    if let Some(file) = &file {
+        output_file::check(file, format.kind(), output)?;
+    }
     if let Some(folder) = &arguments.plots {
         let count = write_plots(&summary, folder, output)?;
         if !output.quiet && !output.json {
-            eprintln!("{count} plots in {}, each as SVG and PNG", folder.display());
+            eprintln!("{count} plots in {}, each as SVG, PDF and PNG", folder.display());
         }
     }
     if output.json {
         text::print_json(&summary)?;
     }
-    let named = arguments.output.as_deref().and_then(ReportFormat::of_file);
-    let format = arguments.format.or(named).unwrap_or(ReportFormat::Html);
-    let file = match &arguments.output {
-        Some(file) => Some(file.clone()),
-        None if format == ReportFormat::Html => Some(default_page(&arguments.results)),
-        None => None,
-    };
+    let mut enclosure = Enclosure::default();
+    if let Some(page) = page {
+        enclosure.pictures = report_pictures::pictures(&summary, &results);
+        if arguments.paths {
+            enclosure.paths = report_paths::write(&summary, &results, page, output)?;
+        }
+    }
     match file {
-        // One document on standard output is what was asked for; a file only if it was named.
-        _ if output.json && arguments.output.is_none() => {}
-        None => text::print(&content(&summary, format)?)?,
+        None if output.json => {}
+        None => text::print(&content(&summary, format, &enclosure)?)?,
         Some(file) => {
-            output_file::write(&file, format.kind(), content(&summary, format)?.as_bytes(), output)?;
+            let content = content(&summary, format, &enclosure)?;
+            output_file::write(&file, format.kind(), content.as_bytes(), output)?;
             if !output.quiet && !output.json {
-                let (trials, rows) = (summary.trials, summary.rows.len());
-                text::print(&format!("{}: {trials} trials in {rows} rows\n", file.display()))?;
+                let (trials, rows, paths) = (summary.trials, summary.rows.len(), enclosure.paths.len());
+                let folder = report_paths::folder_of(&file);
+                let beside = if arguments.paths {
+                    format!(", {paths} paths in {}", folder.display())
+                } else {
+                    String::new()
+                };
+                text::print(&format!("{}: {trials} trials in {rows} rows{beside}\n", file.display()))?;
             }
         }
     }
     Ok(Answer::Done)
 }
 
-fn content(summary: &Summary, format: ReportFormat) -> Result<String, Failure> {
+fn content(summary: &Summary, format: ReportFormat, enclosure: &Enclosure) -> Result<String, Failure> {
     Ok(match format {
-        ReportFormat::Html => summary.html(),
+        ReportFormat::Html => summary.html(enclosure),
         ReportFormat::Json => text::json(summary)?,
         ReportFormat::Latex => summary.latex(),
         ReportFormat::Markdown => summary.markdown(),
@@ -130,15 +160,18 @@ fn default_page(results: &Path) -> PathBuf {
 fn write_plots(summary: &Summary, folder: &Path, output: Output) -> Result<usize, Failure> {
     let plots = plots(summary);
     let bar = progress::bar(plots.len() as u64, output.quiet);
-    let mut files = Vec::new();
-    for plot in &plots {
-        let mut add = |ending: &str, kind, content| {
-            files.push(NamedFile { name: format!("{}.{ending}", plot.name), kind, content });
-        };
-        add("svg", FileKind::Svg, plot.svg().into_bytes());
-        add("png", FileKind::Png, plot.png()?);
+    let draw = |plot: &Plot| -> Result<[NamedFile; 3], BenchError> {
         bar.inc(1);
-    }
+        let file =
+            |ending, kind, content| NamedFile { name: format!("{}.{ending}", plot.name), kind, content };
+        Ok([
+            file("svg", FileKind::Svg, plot.svg().into_bytes()),
+            file("pdf", FileKind::Pdf, plot.pdf()?),
+            file("png", FileKind::Png, plot.png()?),
+        ])
+    };
+    let files =
+        plots.par_iter().map(draw).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect::<Vec<_>>();
     output_file::write_all(folder, &files, output)?;
     bar.finish_and_clear();
     Ok(plots.len())

@@ -17,6 +17,8 @@ pub enum FileKind {
     Gif,
     /// A drawing.
     Svg,
+    /// A drawing for print.
+    Pdf,
     /// Binary glTF.
     Glb,
     /// The page of `cranny view` in one file.
@@ -57,6 +59,7 @@ impl FileKind {
             Self::Png => "PNG picture",
             Self::Gif => "GIF picture",
             Self::Svg => "SVG drawing",
+            Self::Pdf => "PDF drawing",
             Self::Glb => "binary glTF",
             Self::ViewerPage => "page of Cranny's viewer",
             Self::ReportPage => "page of a benchmark report",
@@ -72,7 +75,7 @@ impl FileKind {
         }
     }
 
-    /// Whether a file that begins like this is one. Of formats that many programs write (PNG, GIF, SVG, glTF) any
+    /// Whether a file that begins like this is one. Of formats that many programs write (PNG, GIF, SVG, PDF, glTF) any
     /// file is; of the others only what Cranny writes.
     pub fn is_that_of(self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
@@ -92,10 +95,11 @@ impl FileKind {
             Self::Png => head.starts_with(b"\x89PNG\r\n\x1a\n"),
             Self::Gif => head.starts_with(b"GIF8"),
             Self::Svg => (text.starts_with("<svg") || text.starts_with("<?xml")) && text.contains("<svg"),
+            Self::Pdf => head.starts_with(b"%PDF-"),
             Self::Glb => head.starts_with(b"glTF"),
             Self::ViewerPage => is_page_with("<title>Cranny</title>"),
             Self::ReportPage => is_page_with("<title>Benchmark report: "),
-            Self::ReportJson => is_object_with(&["results", "version", "trials", "runs"]),
+            Self::ReportJson => is_object_with(&["results", "version", "trials", "warnings"]),
             Self::LatexTable => text.starts_with('%') && text.contains("\\begin{tabular}"),
             Self::MarkdownTable => text.starts_with("| scenario |"),
             Self::CsvTable => text.starts_with("criterion,scenario,goals,"),

@@ -30,6 +30,8 @@ mod progress;
 mod recording;
 mod render;
 mod render_format;
+mod report_paths;
+mod report_pictures;
 mod robot;
 mod robot_picture;
 mod scenario;

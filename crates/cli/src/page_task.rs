@@ -21,6 +21,8 @@ pub struct PageRequest<'a> {
     pub plans: &'a [PathBuf],
     pub robot: Option<&'a Path>,
     pub geometry: Option<GeometryArgument>,
+    /// What bare way points are judged by, if not by the scenario's own criterion.
+    pub criterion: Option<Criterion>,
     /// Whether the searches are run again, and their trees shown.
     pub search_trees: bool,
 }
@@ -50,7 +52,7 @@ impl PageTask {
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
         let grasps_of = |plan: &PlanFile| plan.grasps.clone().map(PathBuf::from);
         let options = OpenOptions {
-            criterion: None,
+            criterion: request.criterion,
             robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
             grasps: files.iter().flatten().find_map(grasps_of),

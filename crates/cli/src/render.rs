@@ -222,6 +222,7 @@ fn page(id: &str, arguments: &RenderArguments, output: Output) -> Result<Rendere
         plans: &arguments.plans,
         robot: arguments.robot.as_deref(),
         geometry: arguments.geometry,
+        criterion: None,
         search_trees: arguments.search_tree,
     };
     PageTask::open(&request, output)?.page.write_html(&arguments.output)?;

@@ -80,7 +80,8 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
     // All of them are opened before the first is simulated: what is wrong is said at once.
     let mut tests = Vec::new();
     for (key, (trial, chosen)) in wanted {
-        let source = source_of(&results, &trial.record.trial, None).map_err(|fault| match fault {
+        let own = &trial.record.trial;
+        let source = source_of(&results, &own.scenario, &own.scenario_hash, None).map_err(|fault| match fault {
             BenchError::OtherScenario { scenario, source_name } => {
                 let problem = format!(
                     "scenario {scenario} is not the one of its trials: its content has changed, or it is not where it \

@@ -65,6 +65,7 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
         plans: &arguments.plans,
         robot: arguments.robot.as_deref(),
         geometry: arguments.geometry,
+        criterion: None,
         search_trees: arguments.search_tree,
     };
     let PageTask { page, cells } = PageTask::open(&request, output)?;

@@ -7,6 +7,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use cranny_bench::{Results, RunInformation, Trial, TrialOutcome, TrialRecord};
 use cranny_plan::{Criterion, Statistics};
+use cranny_scenario::Identity;
 use serde_json::Value;
 
 fn cranny(folder: &Path, arguments: &[&str]) -> Output {
@@ -119,7 +120,7 @@ fn the_papers_table_comes_in_three_formats() {
 }
 
 #[test]
-fn plots_are_written_as_svg_and_png() {
+fn plots_are_written_as_svg_pdf_and_png() {
     let folder = folder();
     let made = cranny(folder.path(), &["bench", "report", "results.db", "--plots", "plots", "--quiet"]);
     assert_eq!(made.status.code(), Some(0), "{}", said(&made.stderr));
@@ -129,7 +130,56 @@ fn plots_are_written_as_svg_and_png() {
         .collect();
     let ending = |ending: &str| names.iter().filter(|name| name.ends_with(ending)).count();
     assert!(ending(".svg") >= 8, "{names:?}");
-    assert_eq!((ending(".svg"), ending(".svg") + ending(".png")), (ending(".png"), names.len()));
+    assert_eq!(
+        (ending(".svg"), ending(".pdf"), 3 * ending(".png")),
+        (ending(".png"), ending(".png"), names.len())
+    );
+}
+
+/// The trials claim a scenario of another content, so they are given what 021 and 022 hold now.
+#[test]
+fn scenarios_are_drawn_and_paths_of_worst_trials_are_a_click_away() {
+    let folder = folder();
+    let report = |arguments: &[&str]| {
+        let arguments =
+            [&["bench", "report", "results.db", "-o", "my page.html", "--quiet"], arguments].concat();
+        let made = cranny(folder.path(), &arguments);
+        assert_eq!(made.status.code(), Some(0), "{}", said(&made.stderr));
+        fs::read_to_string(folder.path().join("my page.html")).expect("the page")
+    };
+    let page = report(&[]);
+    assert!(
+        page.contains("No picture of 021: ") && !page.contains("<img "),
+        "its scenario is another by now"
+    );
+    assert!(page.contains("<code>cranny bench report --paths</code>"));
+
+    let database = rusqlite::Connection::open(folder.path().join("results.db")).expect("a database");
+    let hash = Identity::of("021").expect("built in").sha256;
+    let plan = cranny(folder.path(), &["plan", "021", "-o", "plan.json", "--json"]);
+    let plan: Value = serde_json::from_slice(&plan.stdout).expect("JSON");
+    let path: Vec<Vec<f64>> = serde_json::from_value(plan["waypoints"].clone()).expect("way points");
+    let mut bytes = u32::try_from(path[0].len()).expect("few joints").to_le_bytes().to_vec();
+    bytes.extend(path.iter().flatten().flat_map(|value| value.to_le_bytes()));
+    let sql = "UPDATE trials SET scenario_hash = ?1, path = iif(outcome = 'solved', ?2, NULL) WHERE scenario = '021'";
+    assert_eq!(database.execute(sql, rusqlite::params![hash, bytes]).expect("updated"), 20);
+    drop(database);
+    let page = report(&["--paths"]);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 1, "021 alone is there");
+    let links: Vec<&str> = page.split("<a href=\"my%20page-paths/").skip(1).collect();
+    assert_eq!(links.len(), 2, "the slowest solved trial of each planner on 021");
+    for link in links {
+        let file = folder.path().join("my page-paths").join(link.split('"').next().expect("a name"));
+        let viewer = fs::read_to_string(&file).expect("the page of the path");
+        assert!(viewer.contains("<title>Cranny</title>") && viewer.len() > 500_000, "{}", viewer.len());
+    }
+    let no_page = cranny(folder.path(), &["bench", "report", "results.db", "--paths", "--format", "json"]);
+    assert_eq!(no_page.status.code(), Some(2));
+    assert!(
+        said(&no_page.stderr).contains("--paths: only a page leads to paths"),
+        "{}",
+        said(&no_page.stderr)
+    );
 }
 
 #[test]

@@ -15,19 +15,45 @@ pub struct Axis {
     pub high: f64,
     pub scale: Scale,
     pub ticks: Vec<(f64, String)>,
+    /// Values of ticks without a number.
+    pub minor_ticks: Vec<f64>,
 }
 
 /// Where the greatest value is more than so many times the least, equal ratios are shown equally long.
 const WIDE: f64 = 30.0;
+
+/// So many decades have ticks between them.
+const MOST_DIVIDED: f64 = 8.0;
 
 /// Share of an axis that stays free at its high end.
 const ROOM: f64 = 0.03;
 
 impl Axis {
     /// From 0 to 100 %, with room for curves at both ends.
-    pub fn share() -> Self {
+    pub fn share(label: &str) -> Self {
         let ticks = (0..=5).map(|fifth| (f64::from(fifth) * 0.2, format!("{}", fifth * 20))).collect();
-        Self { label: "solved, %".to_owned(), low: -0.02, high: 1.03, scale: Scale::Linear, ticks }
+        Self {
+            label: label.to_owned(),
+            low: -0.02,
+            high: 1.03,
+            scale: Scale::Linear,
+            ticks,
+            minor_ticks: Vec::new(),
+        }
+    }
+
+    /// Logarithmic, from the power of ten at or below `least` to `greatest`; both are positive. Where nothing is known to
+    /// be shown, the decade below `greatest`.
+    pub fn decades(label: &str, least: Option<f64>, greatest: f64) -> Self {
+        let greatest = if greatest > 0.0 { greatest } else { 1.0 };
+        Self::logarithmic(label, least.unwrap_or(greatest).min(0.5 * greatest), greatest)
+    }
+
+    /// One place for each name, from 0 on.
+    pub fn names(names: &[&str]) -> Self {
+        let ticks = names.iter().enumerate().map(|(i, name)| (i as f64 + 0.5, (*name).to_owned())).collect();
+        let high = names.len() as f64;
+        Self { label: String::new(), low: 0.0, high, scale: Scale::Linear, ticks, minor_ticks: Vec::new() }
     }
 
     /// One for amounts that are not negative: `values` are shown, and all up to `high` in any case. Linear
@@ -54,7 +80,7 @@ impl Axis {
             ticks.push((value, decimal(value, step)));
             index += 1.0;
         }
-        Self { label: label.to_owned(), low, high, scale: Scale::Linear, ticks }
+        Self { label: label.to_owned(), low, high, scale: Scale::Linear, ticks, minor_ticks: Vec::new() }
     }
 
     /// Both positive; the axis begins at a power of ten.
@@ -68,7 +94,24 @@ impl Axis {
             ticks.push((10.0_f64.powf(exponent), power_of_ten(exponent)));
             exponent += every;
         }
-        Self { label: label.to_owned(), low, high: greatest, scale: Scale::Logarithmic, ticks }
+        let mut minor_ticks = Vec::new();
+        let mut decade = low;
+        // Of many decades the ticks between would be a grey bar.
+        while decade < greatest && decades <= MOST_DIVIDED {
+            let between = (2..10).map(|times| f64::from(times) * decade);
+            minor_ticks.extend(between.filter(|value| *value <= greatest));
+            decade *= 10.0;
+        }
+        Self { label: label.to_owned(), low, high: greatest, scale: Scale::Logarithmic, ticks, minor_ticks }
+    }
+
+    /// The same with a number at its high end, where that is far enough from the last.
+    pub fn with_tick_at_end(mut self) -> Self {
+        let last = self.ticks.last().map_or(0.0, |(value, _)| self.share_of(*value));
+        if last < 0.9 {
+            self.ticks.push((self.high, self.high.to_string()));
+        }
+        self
     }
 
     /// The same with room above the greatest value, so that what is drawn there stands clear of the edge.
@@ -131,6 +174,16 @@ mod tests {
         assert_eq!(texts(&Axis::linear("m", 0.113, 0.513)), ["0.2", "0.3", "0.4", "0.5"]);
         assert_eq!(texts(&Axis::linear("s", 0.0, 120.0)), ["0", "50", "100"]);
         assert_eq!(texts(&Axis::linear("", 0.0, 60000.0)), ["0", "20k", "40k", "60k"]);
+    }
+
+    #[test]
+    fn decades_begin_at_a_power_of_ten_and_end_at_the_limit() {
+        let axis = Axis::decades("s", Some(0.0042), 30.0);
+        assert_eq!(texts(&axis), ["0.001", "0.01", "0.1", "1", "10"]);
+        assert!((axis.low - 0.001).abs() < 1e-15 && (axis.high - 30.0).abs() < 1e-12);
+        assert_eq!(axis.minor_ticks.len(), 4 * 8 + 2, "20 and 30 are the last");
+        assert_eq!(texts(&Axis::decades("s", None, 30.0)), ["10"]);
+        assert_eq!(texts(&Axis::decades("s", Some(50.0), 30.0)), ["10"]);
     }
 
     #[test]

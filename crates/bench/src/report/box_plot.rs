@@ -1,7 +1,7 @@
-//! Quartiles of times, path lengths and clearances, by scenario and planner.
+//! Quartiles of times, path lengths and clearances, and the most memory, by scenario and planner.
 
-use crate::report::axis::{Axis, Scale};
-use crate::report::drawing::{Dash, Ink, Mark};
+use crate::report::axis::Axis;
+use crate::report::drawing::{Dash, Ink, Mark, Point};
 use crate::report::frame::{Entry, Frame};
 use crate::report::plot::{Plot, Scope};
 use crate::report::row::Row;
@@ -13,29 +13,72 @@ struct Quantity {
     word: &'static str,
     label: &'static str,
     title: &'static str,
-    of: fn(&Row) -> Option<Spread>,
+    of: fn(&Row) -> Option<Quartiles>,
 }
 
-const QUANTITIES: [Quantity; 3] = [
-    Quantity {
-        word: "times",
-        label: "planning time, s",
-        title: "planning time, a failure counted as the limit",
-        of: |row| row.time_s,
-    },
+const TIMES: &str = "times";
+
+const QUANTITIES: [Quantity; 4] = [
+    Quantity { word: TIMES, label: "planning time, s", title: "planning time", of: times },
     Quantity {
         word: "lengths",
         label: "path length (m and rad alike)",
         title: "path length of the solved runs",
-        of: |row| row.path_length,
+        of: |row| Some(Quartiles::of(row.path_length?, 1.0)),
     },
     Quantity {
         word: "clearances",
         label: "clearance, mm",
         title: "least clearance of the solved runs",
-        of: |row| row.clearance_m.map(millimetres),
+        of: |row| Some(Quartiles::of(row.clearance_m?, 1e3)),
     },
+    Quantity { word: "memory", label: "memory, MB", title: "most memory of a search", of: most_memory },
 ];
+
+/// What a box shows. What so many runs did not reach lies at infinity.
+struct Quartiles {
+    least: f64,
+    lower: f64,
+    median: f64,
+    upper: f64,
+    greatest: f64,
+}
+
+impl Quartiles {
+    fn of(spread: Spread, scale: f64) -> Self {
+        Self {
+            least: scale * spread.least,
+            lower: scale * spread.lower_quartile,
+            median: scale * spread.median,
+            upper: scale * spread.upper_quartile,
+            greatest: scale * spread.greatest,
+        }
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        [self.least, self.lower, self.median, self.upper, self.greatest]
+            .into_iter()
+            .filter(|value| value.is_finite())
+    }
+}
+
+/// Those of the Kaplan–Meier estimate, so that the median is that of the tables.
+fn times(row: &Row) -> Option<Quartiles> {
+    let beyond = |quantile: Option<f64>| quantile.unwrap_or(f64::INFINITY);
+    Some(Quartiles {
+        least: row.least_s?,
+        lower: beyond(row.lower_quartile_s),
+        median: beyond(row.median_s),
+        upper: beyond(row.upper_quartile_s),
+        greatest: beyond(row.greatest_s.filter(|_| row.solved == row.runs)),
+    })
+}
+
+/// The greatest alone: of most searches of built-in planners less is seen than they take.
+fn most_memory(row: &Row) -> Option<Quartiles> {
+    let most = 1e-6 * row.memory_bytes?.greatest;
+    Some(Quartiles { least: most, lower: most, median: most, upper: most, greatest: most })
+}
 
 pub fn plots(scope: Scope) -> Vec<Plot> {
     if scope.scenarios().len() > MOST_CURVES {
@@ -45,36 +88,30 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
 }
 
 fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
-    let spreads = || scope.rows().filter_map(quantity.of);
-    spreads().next()?;
+    let values: Vec<f64> = scope.rows().filter_map(quantity.of).flat_map(|own| own.values()).collect();
+    let lowest = values.iter().copied().min_by(f64::total_cmp)?;
     let (scenarios, planners) = (scope.scenarios(), scope.planners());
-    let x = Axis {
-        label: String::new(),
-        low: 0.0,
-        high: scenarios.len() as f64,
-        scale: Scale::Linear,
-        ticks: scenarios.iter().enumerate().map(|(i, name)| (i as f64 + 0.5, (*name).to_owned())).collect(),
-    };
-    let values = spreads().flat_map(|spread| [spread.least, spread.greatest]);
-    let lowest = values.clone().fold(f64::INFINITY, f64::min);
-    let y = if lowest < 0.0 {
-        Axis::linear(quantity.label, lowest, values.clone().fold(0.0, f64::max))
+    let values = values.into_iter();
+    let y = if quantity.word == TIMES {
+        scope.time_axis(quantity.label)
+    } else if lowest < 0.0 {
+        Axis::linear(quantity.label, lowest, values.fold(0.0, f64::max))
     } else {
         Axis::amounts(quantity.label, values, 0.0)
     }
     .with_room();
     let legend: Vec<Entry> =
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
-    let title = format!("{}: {}", scope.environment, quantity.title);
-    let mut frame = Frame::new(&title, x, y, &legend);
+    let title = format!("{}: {}", scope.name(), quantity.title);
+    let mut frame = Frame::new(&title, Axis::names(&scenarios), y, &legend);
     // Boxes of one scenario stand beside each other in the middle three quarters of its place.
     let width = 0.75 / planners.len() as f64;
     for row in scope.rows() {
         let slot = scenarios.iter().position(|name| *name == row.scenario_name);
         let turn = planners.iter().position(|(_, name)| *name == row.planner_name);
-        if let (Some(slot), Some(turn), Some(spread)) = (slot, turn, (quantity.of)(row)) {
+        if let (Some(slot), Some(turn), Some(quartiles)) = (slot, turn, (quantity.of)(row)) {
             let middle = slot as f64 + 0.125 + width * (turn as f64 + 0.5);
-            draw_box(&mut frame, &spread, middle, 0.4 * width.min(0.4), planners[turn].0);
+            draw_box(&mut frame, &quartiles, middle, 0.4 * width.min(0.4), planners[turn].0);
         }
     }
     Some(scope.plot(title, &[quantity.word], frame.finish()))
@@ -83,45 +120,36 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
 /// Of what is within a box: the grid is seen through it.
 const FILL_OPACITY: f64 = 0.15;
 
-/// A box from quartile to quartile with the median across, whiskers to the least and the greatest value.
-fn draw_box(frame: &mut Frame, spread: &Spread, middle: f64, half: f64, series: usize) {
+/// A box from quartile to quartile with the median across, whiskers to the least and the greatest value. What lies at
+/// infinity is left out: the box, or its upper whisker, goes to the end of the axis and is open there.
+fn draw_box(frame: &mut Frame, quartiles: &Quartiles, middle: f64, half: f64, series: usize) {
     let ink = Ink::Series(series);
-    let (left, right) = (middle - half, middle + half);
-    let corners: Vec<(f64, f64)> = [
-        (left, spread.lower_quartile),
-        (right, spread.lower_quartile),
-        (right, spread.upper_quartile),
-        (left, spread.upper_quartile),
-        (left, spread.lower_quartile),
-    ]
-    .map(|(x, y)| frame.place(x, y))
-    .to_vec();
-    frame.draw(Mark::Area { points: corners.clone(), ink, opacity: FILL_OPACITY });
-    let mut line = |points, width| frame.draw(Mark::Line { points, ink, width, dash: Dash::Solid });
-    line(corners, 1.5);
-    let across = |frame: &Frame, from: (f64, f64), to: (f64, f64)| {
-        vec![frame.place(from.0, from.1), frame.place(to.0, to.1)]
+    let Quartiles { least, lower, median, upper, greatest } = *quartiles;
+    let (left, right, cap) = (middle - half, middle + half, half / 2.0);
+    let place = |points: &[Point]| points.iter().map(|&(x, y)| frame.place(x, y)).collect::<Vec<_>>();
+    let mut marks = Vec::new();
+    let mut line = |points: &[Point], width| {
+        marks.push(Mark::Line { points: place(points), ink, width, dash: Dash::Solid });
     };
-    let cap = half / 2.0;
-    for (from, to, width) in [
-        ((left, spread.median), (right, spread.median), 3.0),
-        ((middle, spread.upper_quartile), (middle, spread.greatest), 1.5),
-        ((middle, spread.lower_quartile), (middle, spread.least), 1.5),
-        ((middle - cap, spread.greatest), (middle + cap, spread.greatest), 1.5),
-        ((middle - cap, spread.least), (middle + cap, spread.least), 1.5),
-    ] {
-        let points = across(frame, from, to);
-        frame.draw(Mark::Line { points, ink, width, dash: Dash::Solid });
+    if lower.is_finite() {
+        line(&[(left, upper), (left, lower), (right, lower), (right, upper)], 1.5);
     }
-}
-
-fn millimetres(spread: Spread) -> Spread {
-    Spread {
-        count: spread.count,
-        least: spread.least * 1e3,
-        lower_quartile: spread.lower_quartile * 1e3,
-        median: spread.median * 1e3,
-        upper_quartile: spread.upper_quartile * 1e3,
-        greatest: spread.greatest * 1e3,
+    for (height, half, width) in
+        [(median, half, 3.0), (upper, half, 1.5), (greatest, cap, 1.5), (least, cap, 1.5)]
+    {
+        if height.is_finite() {
+            line(&[(middle - half, height), (middle + half, height)], width);
+        }
+    }
+    line(&[(middle, least), (middle, lower)], 1.5);
+    if upper.is_finite() {
+        line(&[(middle, upper), (middle, greatest)], 1.5);
+    }
+    if lower.is_finite() {
+        let points = place(&[(left, lower), (right, lower), (right, upper), (left, upper)]);
+        marks.insert(0, Mark::Area { points, ink, opacity: FILL_OPACITY });
+    }
+    for mark in marks {
+        frame.draw(mark);
     }
 }

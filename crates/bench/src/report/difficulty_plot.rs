@@ -6,9 +6,8 @@ use crate::report::frame::{Entry, Frame};
 use crate::report::plot::{Plot, Scope};
 use crate::report::row::Row;
 
-/// A value and its interval above one place of the dial.
+/// A value and its interval.
 struct Reading {
-    dial_m: f64,
     low: f64,
     value: f64,
     high: f64,
@@ -22,18 +21,10 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     if dials.len() < 2 {
         return Vec::new();
     }
-    let success = |row: &Row| {
-        Some(Reading {
-            dial_m: row.dial_m?,
-            low: row.success_low,
-            value: row.success_rate,
-            high: row.success_high,
-        })
-    };
-    let limit_s = scope.rows().map(|row| row.time_limit_s).fold(0.0, f64::max);
+    let success =
+        |row: &Row| Some(Reading { low: row.success_low, value: row.success_rate, high: row.success_high });
     let median = |row: &Row| {
         Some(Reading {
-            dial_m: row.dial_m?,
             low: row.median_low_s.or(row.median_s)?,
             value: row.median_s?,
             high: row.median_high_s.unwrap_or(row.time_limit_s),
@@ -43,15 +34,14 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     let room = 0.04 * (high - low);
     let dial = scope.rows().find_map(|row| row.dial).unwrap_or("dial");
     let x = || Axis::linear(&format!("{dial}, m"), low - room, high + room);
-    let medians = scope.rows().filter_map(median).flat_map(|reading| [reading.low, reading.high]);
-    let time = Axis::amounts("median time, s", medians.collect::<Vec<_>>().into_iter(), 0.0).with_room();
-    let title = |what: &str| format!("{}: {what} over {dial}", scope.environment);
+    let title = |what: &str| format!("{}: {what} over {dial}", scope.name());
     let mut plots = vec![scope.plot(
         title("success"),
         &["difficulty", "success"],
-        drawing(scope, &title("success"), x(), Axis::share(), &success),
+        drawing(scope, &title("success"), x(), Axis::share("solved, %"), &success),
     )];
-    if limit_s > 0.0 && scope.rows().any(|row| median(row).is_some()) {
+    if scope.rows().any(|row| median(row).is_some()) {
+        let time = scope.time_axis("median time, s").with_room();
         let drawing = drawing(scope, &title("median time"), x(), time, &median);
         plots.push(scope.plot(title("median time"), &["difficulty", "time"], drawing));
     }
@@ -70,21 +60,27 @@ fn drawing(
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
     let mut frame = Frame::new(title, x, y, &legend);
     for (series, name) in planners {
-        let mut readings: Vec<Reading> =
-            scope.rows().filter(|row| row.planner_name == name).filter_map(reading).collect();
-        readings.sort_by(|a, b| a.dial_m.total_cmp(&b.dial_m));
+        let of_planner = scope.rows().filter(|row| row.planner_name == name);
+        let mut readings: Vec<(f64, Option<Reading>)> =
+            of_planner.filter_map(|row| Some((row.dial_m?, reading(row)))).collect();
+        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let ink = Ink::Series(series);
-        for reading in &readings {
-            let points =
-                vec![frame.place(reading.dial_m, reading.low), frame.place(reading.dial_m, reading.high)];
-            frame.draw(Mark::Line { points, ink, width: 1.0, dash: Dash::Solid });
+        // The line is broken where a value is missing.
+        for piece in readings.split(|(_, reading)| reading.is_none()) {
+            let mut places = Vec::new();
+            for (dial_m, reading) in
+                piece.iter().filter_map(|(dial_m, reading)| Some((*dial_m, reading.as_ref()?)))
+            {
+                let points = vec![frame.place(dial_m, reading.low), frame.place(dial_m, reading.high)];
+                frame.draw(Mark::Line { points, ink, width: 1.0, dash: Dash::Solid });
+                let center = frame.place(dial_m, reading.value);
+                frame.draw(Mark::Disc { center, radius: 3.5, ink });
+                places.push(center);
+            }
+            if places.len() > 1 {
+                frame.draw(Mark::Line { points: places, ink, width: 2.0, dash: Dash::of_series(series) });
+            }
         }
-        let places: Vec<_> =
-            readings.iter().map(|reading| frame.place(reading.dial_m, reading.value)).collect();
-        for &center in &places {
-            frame.draw(Mark::Disc { center, radius: 3.5, ink });
-        }
-        frame.draw(Mark::Line { points: places, ink, width: 2.0, dash: Dash::of_series(series) });
     }
     frame.finish()
 }

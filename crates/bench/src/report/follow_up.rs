@@ -28,6 +28,17 @@ pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
     Followed { until: until as f64, solved: record.is_solved() }
 }
 
+/// The same trials, followed no further than where half of them have been cut short: the few that go on beyond would speak
+/// for all.
+pub fn while_half_are_followed(trials: Vec<Followed>) -> Vec<Followed> {
+    let mut cut: Vec<f64> = trials.iter().filter(|trial| !trial.solved).map(|trial| trial.until).collect();
+    cut.sort_by(f64::total_cmp);
+    match cut.get(trials.len() / 2) {
+        Some(&end) => trials.into_iter().map(|trial| trial.up_to(end)).collect(),
+        None => trials,
+    }
+}
+
 /// The time as the paper counts it: a failure takes the limit.
 pub fn paper_time_s(record: &TrialRecord) -> f64 {
     if record.is_solved() { record.statistics.planning_time_s } else { record.trial.time_limit_s }
@@ -49,5 +60,28 @@ fn is_stopped_early(record: &TrialRecord) -> bool {
         | TrialOutcome::Crashed
         | TrialOutcome::Hung
         | TrialOutcome::OutOfMemory => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_long_trials_do_not_speak_for_all() {
+        let trial = |until: f64, solved| Followed { until, solved };
+        let mut trials = vec![trial(10.0, true), trial(20.0, false), trial(30.0, false), trial(40.0, false)];
+        trials.push(trial(50.0, true));
+        let followed = while_half_are_followed(trials.clone());
+        let expected = [
+            trial(10.0, true),
+            trial(20.0, false),
+            trial(30.0, false),
+            trial(40.0, false),
+            trial(40.0, false),
+        ];
+        assert_eq!(followed, expected, "the third of five is cut short at 40");
+        trials[3].solved = true;
+        assert_eq!(while_half_are_followed(trials.clone()), trials, "two of five are not half");
     }
 }

@@ -17,7 +17,7 @@ pub struct Entry {
 
 /// Width of every plot in pixels: two stand beside each other on a page, one on a phone.
 const WIDTH: f64 = 480.0;
-const LEFT: f64 = 58.0;
+const LEFT: f64 = 64.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 36.0;
 /// Height within the axes.
@@ -25,6 +25,8 @@ const HEIGHT: f64 = 230.0;
 /// Ticks and label of the horizontal axis.
 const BELOW: f64 = 46.0;
 const LEGEND_LINE: f64 = 19.0;
+/// Length of a tick without a number.
+const MINOR_TICK: f64 = 4.0;
 /// Length of the piece of line in a legend.
 const SAMPLE: f64 = 26.0;
 
@@ -82,9 +84,17 @@ impl Frame {
             self.drawing.rule((LEFT, y), (WIDTH - RIGHT, y), Ink::Grid);
             self.drawing.label((LEFT - 6.0, y + 4.0), text, Anchor::End, Ink::Quiet);
         }
+        for value in self.x.minor_ticks.clone() {
+            let (x, _) = self.place(value, self.y.low);
+            self.drawing.rule((x, bottom - MINOR_TICK), (x, bottom), Ink::Quiet);
+        }
+        for value in self.y.minor_ticks.clone() {
+            let (_, y) = self.place(self.x.low, value);
+            self.drawing.rule((LEFT, y), (LEFT + MINOR_TICK, y), Ink::Quiet);
+        }
         let middle = (LEFT + WIDTH - RIGHT) / 2.0;
         self.drawing.label((middle, bottom + 35.0), self.x.label.clone(), Anchor::Middle, Ink::Text);
-        let (at, text) = ((15.0, TOP + HEIGHT / 2.0), self.y.label.clone());
+        let (at, text) = ((13.0, TOP + HEIGHT / 2.0), self.y.label.clone());
         self.draw(Mark::Upward { at, text, size: SMALL, ink: Ink::Text });
     }
 

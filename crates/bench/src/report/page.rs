@@ -1,20 +1,30 @@
 use std::fmt::Write as _;
 
-use crate::report::page_figures::{Markup, escape};
+use crate::report::page_figures::{Markup, anchor, escape};
 use crate::report::paper_table::PaperTable;
 use crate::report::plot::{Plot, plots};
-use crate::report::{Summary, page_tables};
+use crate::report::{Enclosure, Summary, page_overall, page_scenarios, page_tables};
 
 const STYLE: &str = include_str!("page.css");
 
 /// What the figures mean, for whoever reads the page.
 const MEANING: &str = include_str!("page_meaning.html");
 
+/// Opens every fold for the printer, in browsers whose style sheets cannot.
+const SCRIPT: &str = "for (const [name, open] of [['beforeprint', true], ['afterprint', false]]) {
+  addEventListener(name, () => {
+    for (const fold of document.querySelectorAll(open ? 'details:not([open])' : 'details[data-printed]')) {
+      fold.open = open;
+      fold.toggleAttribute('data-printed', open);
+    }
+  });
+}";
+
 impl Summary {
     /// A page that holds everything, pictures and style included: it opens from a file without a network.
     /// Each figure stands in a `<data>` element with its exact value and its place in the JSON document,
     /// which the page holds too, as `<script type="application/json" id="summary">`.
-    pub fn html(&self) -> String {
+    pub fn html(&self, enclosure: &Enclosure) -> String {
         let plots = plots(self);
         let mut page = Markup::new(self);
         let title = format!("Benchmark report: {}", self.results);
@@ -27,15 +37,16 @@ impl Summary {
         );
         head(&mut page);
         for criterion in self.criteria() {
-            section(&mut page, criterion, &plots);
+            let of_criterion: Vec<&Plot> = plots.iter().filter(|plot| plot.criterion == criterion).collect();
+            section(&mut page, criterion, &of_criterion, enclosure);
         }
-        page_tables::worst(&mut page);
-        page_tables::runs(&mut page);
+        page_tables::worst(&mut page, enclosure);
+        page_tables::machines(&mut page);
         page.text.push_str(MEANING);
         let json = page.json.replace('<', "\\u003c");
         let _ = write!(
             page.text,
-            "<script type=\"application/json\" id=\"summary\">{json}</script>\n</body>\n</html>\n"
+            "<script type=\"application/json\" id=\"summary\">{json}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n"
         );
         page.text
     }
@@ -59,14 +70,20 @@ fn head(page: &mut Markup) {
     page.text.push_str("<nav aria-label=\"Contents\"><ul>\n");
     for criterion in summary.criteria() {
         let _ = writeln!(page.text, "<li><a href=\"#{criterion}\">Criterion {criterion}</a></li>");
+        for environment in summary.environments(criterion) {
+            // The short name of an environment of the paper: `02x: ball under a table`.
+            let short = environment.split_once(": ").map_or(environment, |(short, _)| short);
+            let place = anchor(&[criterion, environment]);
+            let _ = writeln!(page.text, "<li><a href=\"#{place}\">{}</a></li>", escape(short));
+        }
     }
     page.text.push_str(
-        "<li><a href=\"#worst\">Worst trials</a></li>\n<li><a href=\"#runs\">Machines</a></li>\n\
+        "<li><a href=\"#worst\">Worst trials</a></li>\n<li><a href=\"#machines\">Machines</a></li>\n\
          <li><a href=\"#meaning\">What the figures mean</a></li>\n</ul></nav>\n",
     );
 }
 
-fn section(page: &mut Markup, criterion: &str, plots: &[Plot]) {
+fn section(page: &mut Markup, criterion: &str, plots: &[&Plot], enclosure: &Enclosure) {
     let summary = page.summary;
     let _ = writeln!(page.text, "<section id=\"{criterion}\">\n<h2>Criterion {criterion}</h2>");
     if criterion == "paper" {
@@ -74,17 +91,14 @@ fn section(page: &mut Markup, criterion: &str, plots: &[Plot]) {
             "<p>The released planners' own loose measure, for comparison with published results only.</p>\n",
         );
     }
+    let of = |environment: Option<&str>| -> Vec<&Plot> {
+        plots.iter().copied().filter(|plot| plot.environment.as_deref() == environment).collect()
+    };
+    page_overall::overall(page, criterion, &of(None));
     page_tables::paper(page, &PaperTable::of(summary, criterion));
-    page_tables::rates_and_times(page, criterion);
-    let of_criterion: Vec<&Plot> = plots.iter().filter(|plot| plot.criterion == criterion).collect();
-    for same in of_criterion.chunk_by(|a, b| a.environment == b.environment) {
-        let _ = writeln!(page.text, "<h3>{}</h3>\n<div class=\"figures\">", escape(&same[0].environment));
-        for plot in same {
-            let _ = writeln!(page.text, "<figure>{}</figure>", plot.page_svg());
-        }
-        page.text.push_str("</div>\n");
+    for environment in summary.environments(criterion) {
+        page_scenarios::environment(page, criterion, environment, &of(Some(environment)), enclosure);
     }
-    page_tables::paths(page, criterion);
     page_tables::comparisons(page, criterion);
     page_tables::goals(page, criterion);
     page.text.push_str("</section>\n");

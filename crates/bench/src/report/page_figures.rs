@@ -22,12 +22,14 @@ pub struct Markup<'a> {
 pub enum Shown {
     /// As it is.
     Plain,
-    /// A count, which is whole but for a median between two.
+    /// A count, which may stand as a number with a point.
     Count,
     /// Seconds as in the paper's table.
     TableSeconds,
     /// In percent.
     Percent,
+    /// Memory in bytes, in megabytes.
+    Megabytes,
     /// A length in metres, in millimetres.
     Millimetres,
     /// A probability, which is no more than "small" below a thousandth.
@@ -61,17 +63,18 @@ impl<'a> Markup<'a> {
             // A count has all its digits.
             Shown::Plain if !number.is_f64() => number.to_string(),
             Shown::Plain => plain(value),
-            Shown::Count if value.fract() == 0.0 => format!("{value:.0}"),
-            Shown::Count => format!("{value:.1}"),
+            Shown::Count => format!("{value:.0}"),
             Shown::TableSeconds => table_seconds(value),
             Shown::Percent => percent(value),
             Shown::Millimetres => plain(value * 1e3),
+            Shown::Megabytes => plain(value * 1e-6),
             Shown::Probability if value < 1e-3 => "&lt; 0.001".to_owned(),
             Shown::Probability => format!("{value:.3}"),
         };
         let scale = match shown {
             Shown::Percent => " data-scale=\"100\"",
             Shown::Millimetres => " data-scale=\"1000\"",
+            Shown::Megabytes => " data-scale=\"0.000001\"",
             Shown::Plain | Shown::Count | Shown::TableSeconds | Shown::Probability => "",
         };
         format!("<data value=\"{number}\" data-path=\"{path}\"{scale}>{text}</data>")
@@ -119,6 +122,15 @@ impl<'a> Markup<'a> {
         self.text.push_str("</tr>\n");
     }
 
+    /// Opens what stands behind a line, which is markup; `id` leads to it from elsewhere.
+    pub fn open_fold(&mut self, id: &str, line: &str) {
+        let _ = writeln!(self.text, "<details id=\"{id}\"><summary>{line}</summary>\n<div class=\"fold\">");
+    }
+
+    pub fn close_fold(&mut self) {
+        self.text.push_str("</div></details>\n");
+    }
+
     pub fn close_table(&mut self) {
         self.text.push_str("</tbody></table></div>\n");
     }
@@ -127,6 +139,12 @@ impl<'a> Markup<'a> {
 /// A cell of words.
 pub fn words(text: &str) -> String {
     format!("<td class=\"words\">{}</td>", escape(text))
+}
+
+/// Words as the name of a place in the page.
+pub fn anchor(words: &[&str]) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+    words.join("-").chars().map(letter).collect()
 }
 
 /// Text as HTML.

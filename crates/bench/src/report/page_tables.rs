@@ -2,9 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::report::Row;
 use crate::report::page_figures::{Markup, Shown, escape, words};
 use crate::report::paper_table::{PaperTable, shown};
+use crate::report::{Enclosure, Row};
+
+/// Rows with their places in the summary.
+pub type Rows<'a> = Vec<(usize, &'a Row)>;
 
 /// The layout of the paper's Table I.
 pub fn paper(page: &mut Markup, table: &PaperTable) {
@@ -38,13 +41,13 @@ pub fn paper(page: &mut Markup, table: &PaperTable) {
 }
 
 /// Rates with their intervals, times as censored data.
-pub fn rates_and_times(page: &mut Markup, criterion: &str) {
-    page.text.push_str("<h3>Success and time</h3>\n");
-    page.open_table(
+pub fn rates_and_times(page: &mut Markup, rows: &Rows) {
+    page.text.push_str("<h4>Success and time</h4>\n");
+    open_table_of_rows(
+        page,
+        rows,
         "Times in seconds, with 95 % intervals; the restricted mean with its standard error.",
         &[
-            "<scenario",
-            "<planner",
             "success, %",
             "solved",
             "runs",
@@ -54,15 +57,10 @@ pub fn rates_and_times(page: &mut Markup, criterion: &str) {
             "<not solved",
         ],
     );
-    for (index, row) in rows(page, criterion) {
+    for (index, row) in rows {
         let at = |key: &str| format!("rows.{index}.{key}");
         let cells = [
-            words(&row.planner_name),
-            format!(
-                "{} {}",
-                page.figure_as(&at("success_rate"), Shown::Percent),
-                page.interval(&at("success_low"), &at("success_high"), Shown::Percent)
-            ),
+            estimate(page, &at("success_rate"), &at("success_low"), &at("success_high"), Shown::Percent),
             page.figure(&at("solved")),
             page.figure(&at("runs")),
             estimate(page, &at("median_s"), &at("median_low_s"), &at("median_high_s"), Shown::Plain),
@@ -80,9 +78,27 @@ pub fn rates_and_times(page: &mut Markup, criterion: &str) {
             ),
             format!("<td class=\"words long\">{}</td>", escape(&failures(row))),
         ];
-        page.table_line(&row.scenario_name, &cells);
+        line_of_row(page, rows, row, &cells);
     }
     page.close_table();
+}
+
+/// A table with a line a row: of one scenario its name stands above, of several on each line.
+fn open_table_of_rows(page: &mut Markup, rows: &Rows, caption: &str, heads: &[&str]) {
+    let subject: &[&str] = if are_of_one(rows) { &["<planner"] } else { &["<scenario", "<planner"] };
+    page.open_table(caption, &[subject, heads].concat());
+}
+
+fn line_of_row(page: &mut Markup, rows: &Rows, row: &Row, cells: &[String]) {
+    if are_of_one(rows) {
+        page.table_line(&row.planner_name, cells);
+    } else {
+        page.table_line(&row.scenario_name, &[&[words(&row.planner_name)], cells].concat());
+    }
+}
+
+fn are_of_one(rows: &Rows) -> bool {
+    rows.windows(2).all(|pair| pair[0].1.scenario_name == pair[1].1.scenario_name)
 }
 
 /// How many runs ended in which way, the solved ones left out; what the other criterion says of the paths.
@@ -96,13 +112,16 @@ fn failures(row: &Row) -> String {
 }
 
 /// What the search cost and what its paths are like.
-pub fn paths(page: &mut Markup, criterion: &str) {
-    page.text.push_str("<h3>Search and paths</h3>\n");
-    page.open_table(
-        "Medians and quartiles of the solved runs; path length in the plain norm of q, clearance in millimetres.",
-        &["<scenario", "<planner", "solved", "iterations", "nodes", "path length", "clearance, mm", "grasp score"],
+pub fn paths(page: &mut Markup, rows: &Rows) {
+    page.text.push_str("<h4>Search and paths</h4>\n");
+    open_table_of_rows(
+        page,
+        rows,
+        "Medians and quartiles of the solved runs, and the most memory that any run took; path length in the plain norm of q. \
+         “–” was not measured.",
+        &["iterations", "nodes", "path length", "clearance, mm", "grasp score", "memory, MB"],
     );
-    for (index, row) in rows(page, criterion) {
+    for (index, row) in rows {
         let spread = |key: &str, shown: Shown| {
             let at = |part: &str| format!("rows.{index}.{key}.{part}");
             let median = page.figure_as(&at("median"), shown);
@@ -112,15 +131,14 @@ pub fn paths(page: &mut Markup, criterion: &str) {
             format!("{median} {}", page.interval(&at("lower_quartile"), &at("upper_quartile"), shown))
         };
         let cells = [
-            words(&row.planner_name),
-            page.figure(&format!("rows.{index}.solved")),
             spread("iterations", Shown::Count),
             spread("nodes", Shown::Count),
             spread("path_length", Shown::Plain),
             spread("clearance_m", Shown::Millimetres),
             spread("grasp_score", Shown::Plain),
+            page.figure_as(&format!("rows.{index}.memory_bytes.greatest"), Shown::Megabytes),
         ];
-        page.table_line(&row.scenario_name, &cells);
+        line_of_row(page, rows, row, &cells);
     }
     page.close_table();
 }
@@ -132,7 +150,12 @@ pub fn comparisons(page: &mut Markup, criterion: &str) {
     if of_criterion().next().is_none() {
         return;
     }
-    page.text.push_str("<h3>Planners compared</h3>\n");
+    page.text.push_str("<h3>Planner by planner</h3>\n");
+    let count = of_criterion().count();
+    page.open_fold(
+        &format!("{criterion}-comparisons"),
+        &format!("<b>{count} comparisons</b> <span>of two planners on a scenario</span>"),
+    );
     page.open_table(
         "Difference of restricted means in seconds, first minus second, with its 95 % interval. p-values adjusted by Holm's \
          method over the scenarios of each pair; “faster” where the log-rank test finds a difference at 5 %.",
@@ -169,6 +192,7 @@ pub fn comparisons(page: &mut Markup, criterion: &str) {
         page.table_line(&comparison.scenario_name, &cells);
     }
     page.close_table();
+    page.close_fold();
 }
 
 /// Every goal of planners that aim at one.
@@ -179,6 +203,11 @@ pub fn goals(page: &mut Markup, criterion: &str) {
         return;
     }
     page.text.push_str("<h3>Goal by goal</h3>\n");
+    let count = of_criterion().count();
+    page.open_fold(
+        &format!("{criterion}-goals"),
+        &format!("<b>{count} goals</b> <span>of planners that aim at one</span>"),
+    );
     page.open_table(
         "Each goal by its index in the scenario's IK set; times in seconds, a failure counted as the limit.",
         &["<scenario", "<planner", "goal", "runs", "solved", "success, %", "mean", "std", "<"],
@@ -202,21 +231,48 @@ pub fn goals(page: &mut Markup, criterion: &str) {
         page.table_line(&goal.scenario_name, &cells);
     }
     page.close_table();
+    page.close_fold();
 }
 
 /// The trials to look at first.
-pub fn worst(page: &mut Markup) {
+pub fn worst(page: &mut Markup, enclosure: &Enclosure) {
     let summary = page.summary;
     page.text.push_str("<section id=\"worst\">\n<h2>Worst trials</h2>\n");
+    let count = summary.worst.len();
+    page.open_fold(
+        "worst-trials",
+        &format!("<b>{count} trials</b> <span>what failed, and what took longest</span>"),
+    );
+    let hint = if enclosure.paths.is_empty() {
+        " <code>cranny bench report --paths</code> puts pages that show their paths beside this one."
+    } else {
+        " “path” leads to a page that shows it; most of what failed has none."
+    };
+    let caption = format!(
+        "What should never happen first, then what was not solved, then what was solved last; of a planner on a scenario at most two \
+         and one. The command runs a trial again.{hint}"
+    );
     page.open_table(
-        "What should never happen first, then what was not solved, then what took longest; at most two of a planner on a \
-         scenario. The command runs a trial again.",
-        &["<trial", "<scenario", "<planner", "<criterion", "seed", "<outcome", "time, s", "iterations", "<again", "<detail"],
+        &caption,
+        &[
+            "<trial",
+            "<scenario",
+            "<planner",
+            "<criterion",
+            "seed",
+            "<outcome",
+            "time, s",
+            "iterations",
+            "<again",
+            "<detail",
+        ],
     );
     for (index, trial) in summary.worst.iter().enumerate() {
         let at = |key: &str| format!("worst.{index}.{key}");
         let goal = trial.goal.map_or_else(String::new, |goal| format!(", goal {goal}"));
         let detail = escape(trial.detail.as_deref().unwrap_or(""));
+        let path = enclosure.paths.get(&trial.trial);
+        let path = path.map_or_else(String::new, |path| format!("<a href=\"{}\">path</a> ", escape(path)));
         let cells = [
             words(&trial.scenario_name),
             words(&format!("{}{goal}", trial.planner_name)),
@@ -225,47 +281,60 @@ pub fn worst(page: &mut Markup) {
             words(trial.outcome),
             page.figure(&at("planning_time_s")),
             page.figure(&at("iterations")),
-            format!("<td class=\"words\"><code>{}</code></td>", escape(&trial.replay)),
+            format!("<td class=\"words\">{path}<code>{}</code></td>", escape(&trial.replay)),
             format!("<td class=\"words long\">{detail}</td>"),
         ];
         page.table_line(&trial.trial.to_string(), &cells);
     }
     page.close_table();
+    page.close_fold();
     page.text.push_str("</section>\n");
 }
 
 /// Where the times were taken.
-pub fn runs(page: &mut Markup) {
+pub fn machines(page: &mut Markup) {
     let summary = page.summary;
-    page.text.push_str("<section id=\"runs\">\n<h2>Machines</h2>\n");
+    page.text.push_str("<section id=\"machines\">\n<h2>Machines</h2>\n");
     page.open_table(
-        "The runs that gave the trials.",
-        &["<machine", "<processor", "workers", "trials", "<Cranny", "<began (UTC)", "<command"],
+        "On what the trials ran; runs of the same machine, workers, version and commit are one line.",
+        &["<machine", "<processor", "workers", "runs", "trials", "<Cranny", "<began (UTC)", "<commands"],
     );
-    for (index, run) in summary.runs.iter().enumerate() {
-        let commit: String = run.commit.iter().flat_map(|commit| commit.chars().take(10)).collect();
-        let mut command = String::new();
-        let _ = write!(command, "<td class=\"words long\"><code>{}</code></td>", escape(&run.command));
+    for (index, machine) in summary.machines.iter().enumerate() {
+        let at = |key: &str| format!("machines.{index}.{key}");
+        let commit: String = machine.commit.iter().flat_map(|commit| commit.chars().take(10)).collect();
+        let began = if machine.runs == 1 {
+            machine.first_began.clone()
+        } else {
+            format!("{} to {}", machine.first_began, machine.last_began)
+        };
+        let commands: Vec<String> =
+            machine.commands.iter().map(|command| format!("<code>{}</code>", escape(command))).collect();
+        let (first, others) = commands.split_at(commands.len().min(MOST_COMMANDS));
+        let mut cell = first.join("<br>");
+        if !others.is_empty() {
+            let count = others.len();
+            let _ = write!(cell, "<details><summary>{count} more</summary>{}</details>", others.join("<br>"));
+        }
         let cells = [
-            words(&run.processor),
-            page.figure(&format!("runs.{index}.workers")),
-            page.figure(&format!("runs.{index}.trials")),
-            words(format!("{} {commit}", run.version).trim()),
-            words(&run.began),
-            command,
+            words(&machine.processor),
+            page.figure(&at("workers")),
+            page.figure(&at("runs")),
+            page.figure(&at("trials")),
+            words(format!("{} {commit}", machine.version).trim()),
+            words(&began),
+            format!("<td class=\"words long\">{cell}</td>"),
         ];
-        page.table_line(&run.machine, &cells);
+        page.table_line(&machine.machine, &cells);
     }
     page.close_table();
     page.text.push_str("</section>\n");
 }
 
+/// So many commands of one machine are seen at once.
+const MOST_COMMANDS: usize = 3;
+
 /// A figure with its interval; "–" alone where there is none.
-fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown) -> String {
+pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown) -> String {
     let text = page.figure_as(value, shown);
     if text == "–" { text } else { format!("{text} {}", page.interval(low, high, shown)) }
-}
-
-fn rows<'a>(page: &Markup<'a>, criterion: &'a str) -> impl Iterator<Item = (usize, &'a Row)> + use<'a> {
-    page.summary.rows.iter().enumerate().filter(move |(_, row)| row.criterion == criterion)
 }

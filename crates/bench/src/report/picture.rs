@@ -1,5 +1,6 @@
-//! The one place that knows the plotting library: drawings as SVG and as PNG.
+//! The one place that knows the plotting library: drawings as SVG, PNG and PDF.
 
+use kuva::backend::pdf::PdfBackend;
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
@@ -53,6 +54,18 @@ pub fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
     let mut broken = drawing.clone();
     broken.marks = drawing.marks.iter().flat_map(strokes).collect();
     PngBackend::new().with_scale(PNG_SCALE).render_scene(&scene(&broken, Surface::Sheet))
+}
+
+/// A PDF file, of one page as large as the drawing in points. Letters are those of the font that comes with the library,
+/// which the file holds as far as it needs it.
+///
+/// # Errors
+/// What the library says, if it cannot.
+pub fn pdf(drawing: &Drawing) -> Result<Vec<u8>, String> {
+    let mut scene = scene(drawing, Surface::Sheet);
+    // That font; of any other the machine decides, or there are no letters at all.
+    scene.font_family = Some("DejaVu Sans".to_owned());
+    PdfBackend::new().render_scene(&scene)
 }
 
 /// Everything after the opening tag, which the library writes without a view box.
@@ -216,6 +229,24 @@ mod tests {
         let bytes = png(&drawing).expect("it can be drawn");
         assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
         assert_eq!(bytes[16..24], [0, 0, 0, 120, 0, 0, 0, 40]);
+    }
+
+    #[test]
+    fn a_pdf_holds_the_font_of_its_letters() {
+        let text = |text: &str| Mark::Text {
+            at: (5.0, 15.0),
+            text: text.to_owned(),
+            size: 12,
+            anchor: Anchor::Start,
+            ink: Ink::Text,
+            emphasis: Emphasis::Plain,
+        };
+        let pdf = |marks| pdf(&Drawing { width: 60.0, height: 20.0, marks }).expect("it can be drawn");
+        let bytes = pdf(vec![text("time, s")]);
+        assert!(bytes.starts_with(b"%PDF-"));
+        let names_font = |bytes: &[u8]| bytes.windows(10).any(|word| word == b"DejaVuSans");
+        assert!(names_font(&bytes) && !names_font(&pdf(vec![line(Dash::Solid)])));
+        assert_eq!(bytes, pdf(vec![text("time, s")]), "the same drawing, the same file");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 use crate::BenchError;
+use crate::report::axis::Axis;
 use crate::report::drawing::Drawing;
-use crate::report::{Summary, box_plot, difficulty_plot, picture, success_plot};
+use crate::report::{Measure, Row, Summary, box_plot, difficulty_plot, picture, profile_plot, success_plot};
 
 /// A picture of a report.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,25 +12,22 @@ pub struct Plot {
     pub name: String,
     /// What it is about, which the page sorts by.
     pub criterion: String,
-    /// The environment of its scenarios.
-    pub environment: String,
+    /// The environment of its scenarios; none where it is about all scenarios.
+    pub environment: Option<String>,
+    /// The one scenario that it is about, as in [`Row::scenario_name`].
+    pub scenario_name: Option<String>,
     drawing: Drawing,
 }
 
-/// All plots of a summary, in the order of the page: by criterion, then by environment.
+/// All plots of a summary, in the order of the page: by criterion, then over all scenarios, then by environment.
 pub fn plots(summary: &Summary) -> Vec<Plot> {
     let mut plots = Vec::new();
     for criterion in summary.criteria() {
-        let mut environments: Vec<&str> = summary
-            .rows
-            .iter()
-            .filter(|row| row.criterion == criterion)
-            .map(|row| row.environment.as_str())
-            .collect();
-        environments.sort_unstable();
-        environments.dedup();
-        for environment in environments {
-            let scope = Scope { summary, criterion, environment };
+        let overall = Scope { summary, criterion, environment: None };
+        plots.extend(success_plot::overall(overall));
+        plots.extend(profile_plot::plot(overall));
+        for environment in summary.environments(criterion) {
+            let scope = Scope { summary, criterion, environment: Some(environment) };
             plots.extend(success_plot::plots(scope));
             plots.extend(difficulty_plot::plots(scope));
             plots.extend(box_plot::plots(scope));
@@ -52,16 +50,42 @@ pub fn plots(summary: &Summary) -> Vec<Plot> {
 pub struct Scope<'a> {
     pub summary: &'a Summary,
     pub criterion: &'a str,
-    pub environment: &'a str,
+    /// None: all scenarios.
+    pub environment: Option<&'a str>,
 }
 
 impl<'a> Scope<'a> {
-    /// The rows of one environment under one criterion.
-    pub fn rows(self) -> impl Iterator<Item = &'a crate::report::Row> + Clone {
-        self.summary
-            .rows
-            .iter()
-            .filter(move |row| row.criterion == self.criterion && row.environment == self.environment)
+    /// What a title calls it.
+    pub fn name(self) -> &'a str {
+        self.environment.unwrap_or("all scenarios")
+    }
+
+    /// The rows of one environment, or of all, under one criterion.
+    pub fn rows(self) -> impl Iterator<Item = &'a Row> + Clone {
+        let is_here = move |row: &&Row| {
+            row.criterion == self.criterion && self.environment.is_none_or(|name| row.environment == name)
+        };
+        self.summary.rows.iter().filter(is_here)
+    }
+
+    /// The axis of times, the same in all plots of a report, so that they can be compared by eye: logarithmic, from the
+    /// power of ten below the shortest time to the longest limit.
+    pub fn time_axis(self, label: &str) -> Axis {
+        let rows = &self.summary.rows;
+        let times_s = rows.iter().filter_map(|row| row.least_s).filter(|time_s| *time_s > 0.0);
+        let limit_s = rows.iter().map(|row| row.time_limit_s).fold(0.0, f64::max);
+        Axis::decades(label, times_s.min_by(f64::total_cmp), limit_s).with_tick_at_end()
+    }
+
+    /// The axis of iterations, the same in all plots of a report.
+    pub fn iteration_axis(self, label: &str) -> Axis {
+        let curves = || self.summary.curves.iter().filter(|curve| curve.over == Measure::Iterations);
+        let least = curves().filter_map(|curve| curve.at.first().copied()).filter(|count| *count > 0.0);
+        Axis::decades(
+            label,
+            least.min_by(f64::total_cmp),
+            curves().map(|curve| curve.until).fold(0.0, f64::max),
+        )
     }
 
     /// The names of those rows' planners, in order, each with the index of its colour, which is the same in
@@ -81,20 +105,26 @@ impl<'a> Scope<'a> {
 
     /// A plot about it; `subject` are the words that tell it from the other plots.
     pub fn plot(self, title: String, subject: &[&str], drawing: Drawing) -> Plot {
-        let mut words = vec![self.environment];
+        let mut words = vec![self.name()];
         words.extend_from_slice(subject);
         words.push(self.criterion);
         Plot {
             title,
             name: file_name(&words.join(" ")),
             criterion: self.criterion.to_owned(),
-            environment: self.environment.to_owned(),
+            environment: self.environment.map(str::to_owned),
+            scenario_name: None,
             drawing,
         }
     }
 }
 
 impl Plot {
+    /// The same plot, said to be about one scenario alone.
+    pub(crate) fn of_scenario(self, scenario_name: &str) -> Self {
+        Self { scenario_name: Some(scenario_name.to_owned()), ..self }
+    }
+
     /// The picture within a page, whose style sheet gives the colours.
     pub(crate) fn page_svg(&self) -> String {
         picture::page_svg(&self.drawing, &self.title)
@@ -103,6 +133,15 @@ impl Plot {
     /// The picture as an SVG file.
     pub fn svg(&self) -> String {
         picture::svg(&self.drawing)
+    }
+
+    /// The picture as a PDF file: lines and letters, in a font that it holds.
+    ///
+    /// # Errors
+    /// [`BenchError::Picture`].
+    pub fn pdf(&self) -> Result<Vec<u8>, BenchError> {
+        picture::pdf(&self.drawing)
+            .map_err(|problem| BenchError::Picture { plot: self.name.clone(), problem })
     }
 
     /// The picture as a PNG file, 960 pixels wide.

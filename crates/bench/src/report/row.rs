@@ -61,12 +61,20 @@ pub struct Row {
     pub mean_s: f64,
     /// Sample standard deviation of the same; none for one run.
     pub std_s: Option<f64>,
+    /// When the first run was solved, in seconds; none if none was.
+    pub least_s: Option<f64>,
+    /// When a quarter of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    pub lower_quartile_s: Option<f64>,
     /// When half of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
     pub median_s: Option<f64>,
     /// Lower end of its interval (Brookmeyer–Crowley).
     pub median_low_s: Option<f64>,
     /// Upper end; none where it lies past the limit.
     pub median_high_s: Option<f64>,
+    /// When three quarters of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    pub upper_quartile_s: Option<f64>,
+    /// When the last solved run was solved, in seconds.
+    pub greatest_s: Option<f64>,
     /// Restricted mean time, in seconds.
     pub restricted_mean_s: Option<f64>,
     /// Its standard error.
@@ -82,8 +90,6 @@ pub struct Row {
     pub median_iterations_high: Option<f64>,
     /// How many runs ended in which way.
     pub outcomes: BTreeMap<&'static str, usize>,
-    /// Times in seconds, a failure counted as the limit.
-    pub time_s: Option<Spread>,
     /// Iterations of the solved runs.
     pub iterations: Option<Spread>,
     /// Nodes of the search trees of the solved runs.
@@ -94,6 +100,8 @@ pub struct Row {
     pub clearance_m: Option<Spread>,
     /// Scores of the grasps that the paths end at.
     pub grasp_score: Option<Spread>,
+    /// Memory that the searches took, solved or not, in bytes; none where nobody measured, or nothing was seen.
+    pub memory_bytes: Option<Spread>,
 }
 
 /// All runs of one planner that aim at one goal of a scenario.
@@ -186,7 +194,8 @@ fn over_iterations(runs: &[&StoredTrial]) -> Vec<Followed> {
     if most == 0 {
         return Vec::new();
     }
-    runs.iter().map(|run| follow_up::over_iterations(&run.record, most)).collect()
+    let all = runs.iter().map(|run| follow_up::over_iterations(&run.record, most));
+    follow_up::while_half_are_followed(all.collect())
 }
 
 /// One row a goal, the best marked: most often solved, then fastest, then first.
@@ -270,9 +279,13 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         success_high: figures.success_high,
         mean_s: figures.mean_s,
         std_s: figures.std_s,
+        least_s: time.steps().first().map(|step| step.at),
+        lower_quartile_s: time.quantile(0.25),
         median_s: time.median(),
         median_low_s,
         median_high_s,
+        upper_quartile_s: time.quantile(0.75),
+        greatest_s: time.steps().last().map(|step| step.at),
         restricted_mean_s: restricted_mean.map(|mean| mean.mean),
         restricted_mean_error_s: restricted_mean.map(|mean| mean.standard_error),
         restricted_to_s,
@@ -280,12 +293,16 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         median_iterations_low,
         median_iterations_high,
         outcomes,
-        time_s: Spread::of(runs.iter().map(|run| follow_up::paper_time_s(&run.record))),
         iterations: of_solved(|record| told(record.statistics.iterations)),
         nodes: of_solved(|record| told(record.statistics.nodes)),
         path_length: of_solved(|record| record.path_length),
         clearance_m: of_solved(|record| record.clearance_m),
         grasp_score: of_solved(|record| record.grasp_score),
+        memory_bytes: Spread::of(
+            runs.iter().filter_map(|run| run.record.memory_bytes).map(|bytes| bytes as f64),
+        )
+        // All took what an earlier search had given back: nothing was seen.
+        .filter(|spread| spread.greatest > 0.0),
     }
 }
 

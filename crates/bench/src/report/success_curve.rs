@@ -2,7 +2,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::report::row::Group;
+use crate::report::overall::Pool;
+use crate::report::row::{Group, Row};
 use crate::statistics::{Followed, KaplanMeier};
 
 /// What a search is measured in.
@@ -19,10 +20,9 @@ pub enum Measure {
 /// Greenwood band. A step function: each share holds from its place on, before the first it is 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuccessCurve {
-    /// Environment of the scenarios.
-    pub environment: String,
-    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); none where the curve is about all
-    /// those of the environment together.
+    /// Environment of the scenarios; none where the curve is about all scenarios that the planners share.
+    pub environment: Option<String>,
+    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); none where the curve is about several together.
     pub scenario_name: Option<String>,
     /// The planner, as in [`Row::planner_name`](crate::report::Row).
     pub planner_name: String,
@@ -48,35 +48,55 @@ pub struct SuccessCurve {
 /// planner.
 pub const MOST_CURVES: usize = 8;
 
-/// The curves of all groups, by criterion and environment.
-pub fn success_curves(groups: &[Group]) -> Vec<SuccessCurve> {
+/// The curves of all groups, by criterion and environment, then those of the pools.
+pub fn success_curves(groups: &[Group], pools: &[Pool]) -> Vec<SuccessCurve> {
     let mut environments: BTreeMap<(&str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups {
         environments.entry((&group.row.criterion, &group.row.environment)).or_default().push(group);
     }
-    environments.into_values().flat_map(|groups| of_environment(&groups)).collect()
+    let of_pool = |pool: &Pool| {
+        let subject = Subject { environment: None, scenario: None, row: &pool.groups.first()?.row };
+        curve(subject, Measure::Time, &pool.over_time())
+    };
+    let overall = pools.iter().filter_map(of_pool);
+    environments.into_values().flat_map(|groups| of_environment(&groups)).chain(overall).collect()
+}
+
+/// What a curve is about: `row` names planner and criterion.
+#[derive(Clone, Copy)]
+struct Subject<'a> {
+    environment: Option<&'a str>,
+    scenario: Option<&'a str>,
+    row: &'a Row,
 }
 
 fn of_environment(groups: &[&Group]) -> Vec<SuccessCurve> {
     if scenario_count(groups.iter().map(|group| group.row.scenario_name.as_str())) <= MOST_CURVES {
         let of_group = |group: &&Group| {
-            let of =
-                |over, followed: &[Followed]| curve(group, Some(&group.row.scenario_name), over, followed);
-            [of(Measure::Time, &group.over_time()), of(Measure::Iterations, &group.over_iterations())]
+            let row = &group.row;
+            let subject =
+                Subject { environment: Some(&row.environment), scenario: Some(&row.scenario_name), row };
+            [
+                curve(subject, Measure::Time, &group.over_time()),
+                curve(subject, Measure::Iterations, &group.over_iterations()),
+            ]
         };
         return groups.iter().flat_map(of_group).flatten().collect();
     }
+    // Beyond the shortest limit the runs with longer ones would speak for the others.
+    let limit_s = groups.iter().map(|group| group.row.time_limit_s).fold(f64::INFINITY, f64::min);
     let mut planners: BTreeMap<&str, Vec<&Group>> = BTreeMap::new();
     for group in groups {
         planners.entry(&group.row.planner_name).or_default().push(group);
     }
     let pooled = |groups: Vec<&Group>| {
-        let all = |followed: &dyn Fn(&Group) -> Vec<Followed>| -> Vec<Followed> {
-            groups.iter().flat_map(|group| followed(group)).collect()
-        };
+        let row = &groups[0].row;
+        let subject = Subject { environment: Some(&row.environment), scenario: None, row };
+        let times = groups.iter().flat_map(|group| group.over_time()).map(|run| run.up_to(limit_s));
+        let iterations = groups.iter().flat_map(|group| group.over_iterations());
         [
-            curve(groups[0], None, Measure::Time, &all(&|group| group.over_time())),
-            curve(groups[0], None, Measure::Iterations, &all(&|group| group.over_iterations())),
+            curve(subject, Measure::Time, &times.collect::<Vec<_>>()),
+            curve(subject, Measure::Iterations, &iterations.collect::<Vec<_>>()),
         ]
     };
     planners.into_values().flat_map(pooled).flatten().collect()
@@ -87,22 +107,17 @@ pub fn scenario_count<'a>(names: impl Iterator<Item = &'a str>) -> usize {
     names.collect::<std::collections::BTreeSet<_>>().len()
 }
 
-fn curve(
-    group: &Group,
-    scenario_name: Option<&str>,
-    over: Measure,
-    followed: &[Followed],
-) -> Option<SuccessCurve> {
+fn curve(subject: Subject, over: Measure, followed: &[Followed]) -> Option<SuccessCurve> {
     if followed.is_empty() {
         return None;
     }
     let estimate = KaplanMeier::of(followed);
     let steps = estimate.steps();
     Some(SuccessCurve {
-        environment: group.row.environment.clone(),
-        scenario_name: scenario_name.map(str::to_owned),
-        planner_name: group.row.planner_name.clone(),
-        criterion: group.row.criterion.clone(),
+        environment: subject.environment.map(str::to_owned),
+        scenario_name: subject.scenario.map(str::to_owned),
+        planner_name: subject.row.planner_name.clone(),
+        criterion: subject.row.criterion.clone(),
         over,
         runs: followed.len(),
         until: estimate.last(),

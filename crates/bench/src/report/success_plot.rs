@@ -1,5 +1,5 @@
 //! Which share of runs is solved when: as in the paper's figures, one plot an environment and a planner, one
-//! curve a scenario; and the planners beside each other on each scenario.
+//! curve a scenario; the planners beside each other on each scenario, and on all together.
 
 use crate::report::axis::Axis;
 use crate::report::drawing::{Dash, Ink, Mark};
@@ -31,7 +31,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
                 found.map(|curve| Shown { curve, series, name })
             };
             let shown: Vec<Shown> = planners.iter().filter_map(of).collect();
-            let title = format!("{}: all {} scenarios", scope.environment, scenarios.len());
+            let title = format!("{}: all {} scenarios", scope.name(), scenarios.len());
             plots.extend(plot(scope, &title, &["all"], over, &shown));
         }
         return plots;
@@ -42,7 +42,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             let shown: Vec<Shown> = numbered
                 .filter_map(|(series, name)| shown(scope, name, planner, over, series, name))
                 .collect();
-            plots.extend(plot(scope, &format!("{}: {planner}", scope.environment), &[planner], over, &shown));
+            plots.extend(plot(scope, &format!("{}: {planner}", scope.name()), &[planner], over, &shown));
         }
     }
     if planners.len() > 1 {
@@ -50,25 +50,29 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             let of = |&(series, name): &(usize, _)| shown(scope, scenario, name, Measure::Time, series, name);
             let shown: Vec<Shown> = planners.iter().filter_map(of).collect();
             if shown.len() > 1 {
-                plots.extend(plot(
-                    scope,
-                    &format!("{scenario}: the planners"),
-                    &[scenario],
-                    Measure::Time,
-                    &shown,
-                ));
+                let title = format!("{scenario}: the planners");
+                let plot = plot(scope, &title, &[scenario], Measure::Time, &shown);
+                plots.extend(plot.map(|plot| plot.of_scenario(scenario)));
             }
         }
     }
     plots
 }
 
+/// The planners beside each other, their runs on all shared scenarios pooled.
+pub fn overall(scope: Scope) -> Option<Plot> {
+    let of = |(series, name)| {
+        curves(scope).find(|curve| curve.planner_name == name).map(|curve| Shown { curve, series, name })
+    };
+    let shown: Vec<Shown> = scope.planners().into_iter().filter_map(of).collect();
+    let count = scope.summary.overall.iter().find(|overall| overall.criterion == scope.criterion)?.scenarios;
+    plot(scope, &format!("{count} scenarios together"), &["together"], Measure::Time, &shown)
+}
+
 fn curves(scope: Scope<'_>) -> impl Iterator<Item = &SuccessCurve> {
-    scope
-        .summary
-        .curves
-        .iter()
-        .filter(move |curve| curve.criterion == scope.criterion && curve.environment == scope.environment)
+    scope.summary.curves.iter().filter(move |curve| {
+        curve.criterion == scope.criterion && curve.environment.as_deref() == scope.environment
+    })
 }
 
 fn shown<'a>(
@@ -91,12 +95,10 @@ fn plot(scope: Scope, title: &str, subject: &[&str], over: Measure, shown: &[Sho
     if shown.is_empty() {
         return None;
     }
-    let (word, label) = match over {
-        Measure::Time => ("time", "planning time, s"),
-        Measure::Iterations => ("iterations", "iterations"),
+    let (word, axis) = match over {
+        Measure::Time => ("time", scope.time_axis("planning time, s")),
+        Measure::Iterations => ("iterations", scope.iteration_axis("iterations")),
     };
-    let values = shown.iter().flat_map(|shown| shown.curve.at.iter().copied());
-    let until = shown.iter().map(|shown| shown.curve.until).fold(0.0, f64::max);
     let entry = |shown: &Shown| {
         let end = percent(*shown.curve.success.last().unwrap_or(&0.0));
         // Over iterations the end is no rate of success: a slow machine makes fewer before time is up.
@@ -105,8 +107,7 @@ fn plot(scope: Scope, title: &str, subject: &[&str], over: Measure, shown: &[Sho
     };
     let legend: Vec<Entry> = shown.iter().map(entry).collect();
     let title = format!("{title}, solved over {word}");
-    let mut frame =
-        Frame::new(&title, Axis::amounts(label, values, until).with_room(), Axis::share(), &legend);
+    let mut frame = Frame::new(&title, axis.with_room(), Axis::share("solved, %"), &legend);
     let opacity = if shown.len() > FEW { CROWDED_OPACITY } else { BAND_OPACITY };
     for shown in shown {
         draw_band(&mut frame, shown, opacity);

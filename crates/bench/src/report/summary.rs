@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use crate::report::comparison::{Comparison, comparisons};
 use crate::report::configuration::{Configuration, Names};
+use crate::report::machine::{Machine, machines};
+use crate::report::overall::{Overall, overall, pools};
 use crate::report::row::{GoalRow, Group, Row};
 use crate::report::success_curve::{SuccessCurve, success_curves};
 use crate::report::warning::warnings;
@@ -23,7 +25,9 @@ pub struct Summary {
     /// What a reader must know before the figures are believed.
     pub warnings: Vec<String>,
     /// On what the trials ran.
-    pub runs: Vec<RunOrigin>,
+    pub machines: Vec<Machine>,
+    /// Each planner over all scenarios that the planners share, by criterion.
+    pub overall: Vec<Overall>,
     /// One row for each planner on each scenario, by criterion.
     pub rows: Vec<Row>,
     /// One row for each goal, of planners that aim at one.
@@ -36,27 +40,6 @@ pub struct Summary {
     pub curves: Vec<SuccessCurve>,
     /// What to look at first.
     pub worst: Vec<WorstTrial>,
-}
-
-/// A run of a campaign: where its times were taken.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct RunOrigin {
-    /// Name of the machine.
-    pub machine: String,
-    /// Its processor.
-    pub processor: String,
-    /// How many trials ran at a time; times are true where it is one.
-    pub workers: usize,
-    /// Version of Cranny.
-    pub version: String,
-    /// The commit that it was built from, if known.
-    pub commit: Option<String>,
-    /// The command.
-    pub command: String,
-    /// When it began: UTC, ISO 8601.
-    pub began: String,
-    /// How many of the trials it gave.
-    pub trials: usize,
 }
 
 /// What a summary is made from.
@@ -109,15 +92,17 @@ impl Summary {
             .iter()
             .map(|(configuration, runs)| Group::of(configuration, &names, runs.clone()))
             .collect();
+        let pools = pools(&groups);
         Ok(Self {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
             trials: source.trials.len(),
             warnings: warnings(&groups, source.runs),
-            runs: source.runs.iter().filter_map(|run| run_origin(run, source.trials)).collect(),
+            machines: machines(source.runs, source.trials),
+            overall: overall(&pools),
             known_goals: known_goals(configurations.keys(), &names, source.scenarios),
             comparisons: comparisons(&groups),
-            curves: success_curves(&groups),
+            curves: success_curves(&groups, &pools),
             worst: worst_trials(&groups, source.results),
             goals: groups.iter().flat_map(|group| group.goals.clone()).collect(),
             rows: groups.into_iter().map(|group| group.row).collect(),
@@ -131,6 +116,15 @@ impl Summary {
         criteria
     }
 
+    /// The environments of the scenarios that were judged by a criterion, in order.
+    pub fn environments(&self, criterion: &str) -> Vec<&str> {
+        let rows = self.rows.iter().filter(|row| row.criterion == criterion);
+        let mut environments: Vec<&str> = rows.map(|row| row.environment.as_str()).collect();
+        environments.sort_unstable();
+        environments.dedup();
+        environments
+    }
+
     /// All planners by the names that rows have, in order: the index of one is that of its colour.
     pub fn planner_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.rows.iter().map(|row| row.planner_name.as_str()).collect();
@@ -138,22 +132,6 @@ impl Summary {
         names.dedup();
         names
     }
-}
-
-/// A run that gave trials.
-fn run_origin(run: &Run, trials: &[StoredTrial]) -> Option<RunOrigin> {
-    let count = trials.iter().filter(|trial| trial.run == run.id).count();
-    let information = run.information.clone();
-    (count > 0).then_some(RunOrigin {
-        machine: information.machine,
-        processor: information.processor,
-        workers: information.workers,
-        version: information.version,
-        commit: information.commit,
-        command: information.command,
-        began: run.began.clone(),
-        trials: count,
-    })
 }
 
 fn known_goals<'a>(

@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use crate::report::row::Group;
@@ -30,22 +32,33 @@ pub struct WorstTrial {
     pub replay: String,
 }
 
-/// Of each row the few worst, and not more than a page of all.
-const MOST_OF_A_ROW: usize = 2;
-const MOST: usize = 40;
+/// No more than a page of all that failed, and of all that was solved, whose paths can be looked at.
+const MOST_OF_A_KIND: usize = 20;
+
+/// Of each group the few worst failures, and the slowest solved trial.
+const MOST_FAILURES_OF_A_ROW: usize = 2;
 
 /// The worst trials of all groups, the worst first: what should never happen, then what was not solved, then
-/// what took longest. `results` is the file's name.
+/// what was solved last. `results` is the file's name.
 pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
-    let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
-    for group in groups {
-        let mut runs = group.runs.clone();
-        runs.sort_by(|a, b| badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id)));
-        worst.extend(runs.into_iter().take(MOST_OF_A_ROW).map(|run| (run, group)));
-    }
-    worst.sort_by(|(a, _), (b, _)| badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id)));
-    worst.truncate(MOST);
-    worst.into_iter().map(|(run, group)| worst_trial(run, group, results)).collect()
+    let of_kind = |is_solved: bool, most_of_a_row: usize| {
+        let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
+        for group in groups {
+            let of_kind = |run: &&StoredTrial| run.record.is_solved() == is_solved;
+            let mut runs: Vec<&StoredTrial> = group.runs.iter().copied().filter(of_kind).collect();
+            runs.sort_by(|a, b| worst_first(a, b));
+            worst.extend(runs.into_iter().take(most_of_a_row).map(|run| (run, group)));
+        }
+        worst.sort_by(|(a, _), (b, _)| worst_first(a, b));
+        worst.truncate(MOST_OF_A_KIND);
+        worst
+    };
+    let worst = of_kind(false, MOST_FAILURES_OF_A_ROW).into_iter().chain(of_kind(true, 1));
+    worst.map(|(run, group)| worst_trial(run, group, results)).collect()
+}
+
+fn worst_first(a: &StoredTrial, b: &StoredTrial) -> Ordering {
+    badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id))
 }
 
 /// Kinds of outcome first, then seconds: no limit is as long as the distance between two kinds.

@@ -1,6 +1,6 @@
 //! Trials that nobody ran: drawn by a fixed rule, so that every run of the tests sees the same.
 
-use cranny_bench::report::SummarySource;
+use cranny_bench::report::{Summary, SummarySource};
 use cranny_bench::{Run, RunInformation, ScenarioSource, StoredTrial, Trial, TrialOutcome, TrialRecord};
 use cranny_plan::{Criterion, Statistics};
 use strum::VariantArray as _;
@@ -20,6 +20,10 @@ impl Campaign {
             runs: &self.runs,
             scenarios: &self.scenarios,
         }
+    }
+
+    pub fn summary(&self) -> Summary {
+        Summary::of(&self.source()).expect("sound trials")
     }
 }
 

@@ -1,0 +1,147 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use crate::report::row::Group;
+use crate::statistics::{Followed, KaplanMeier, performance_profiles, wilson};
+
+/// One planner over all scenarios that every planner of the criterion has runs on: its runs pooled, each counting the
+/// same, and its performance profile.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Overall {
+    /// What counts as solved.
+    pub criterion: String,
+    /// As in [`Row::planner_name`](crate::report::Row).
+    pub planner_name: String,
+    /// How many scenarios all planners have runs on.
+    pub scenarios: usize,
+    /// How many scenarios there are.
+    pub scenarios_in_all: usize,
+    /// How many runs.
+    pub runs: usize,
+    /// How many of them were solved.
+    pub solved: usize,
+    /// `solved / runs`.
+    pub success_rate: f64,
+    /// Lower end of its Wilson interval.
+    pub success_low: f64,
+    /// Upper end.
+    pub success_high: f64,
+    /// The shortest limit of all those runs, in seconds: how far the pooled runs are followed.
+    pub followed_to_s: f64,
+    /// When half of the pooled runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    pub median_s: Option<f64>,
+    /// Lower end of its interval (Brookmeyer–Crowley).
+    pub median_low_s: Option<f64>,
+    /// Upper end; none where it lies past the limit.
+    pub median_high_s: Option<f64>,
+    /// By scenario, the median time over the least median time of all planners; none where there is no median.
+    pub ratios: BTreeMap<String, Option<f64>>,
+    /// Share of the scenarios on which it has the least median time, or the same.
+    pub best: f64,
+    /// Share of the scenarios on which its median time is at most twice the least.
+    pub within_2: f64,
+    /// The same, ten times.
+    pub within_10: f64,
+    /// Where the performance profile rises: ratios.
+    pub profile_at: Vec<f64>,
+    /// The share of scenarios with a ratio no greater.
+    pub profile_share: Vec<f64>,
+}
+
+/// No clock tells shorter times apart.
+const TICK_S: f64 = 1e-6;
+
+/// One planner's groups on the scenarios that it shares with all others, by scenario.
+pub struct Pool<'a> {
+    pub criterion: &'a str,
+    pub planner_name: &'a str,
+    pub groups: Vec<&'a Group<'a>>,
+    /// How many scenarios there are, shared or not.
+    scenarios_in_all: usize,
+    /// The shortest limit of the runs of all planners: beyond it the runs with longer limits would speak for the others.
+    pub followed_to_s: f64,
+}
+
+/// The pools of each criterion, by planner; none where fewer than two scenarios are shared.
+pub fn pools<'a>(groups: &'a [Group<'a>]) -> Vec<Pool<'a>> {
+    let mut criteria: BTreeMap<&str, BTreeMap<&str, BTreeMap<&str, &Group>>> = BTreeMap::new();
+    for group in groups {
+        let row = &group.row;
+        let planners = criteria.entry(&row.criterion).or_default();
+        planners.entry(&row.planner_name).or_default().insert(&row.scenario_name, group);
+    }
+    let of_criterion =
+        |(criterion, planners): (&'a str, BTreeMap<&'a str, BTreeMap<&'a str, &'a Group<'a>>>)| {
+            let all: BTreeSet<&str> = planners.values().flat_map(|groups| groups.keys().copied()).collect();
+            let is_shared = |name: &&str| planners.values().all(|groups| groups.contains_key(*name));
+            let shared: Vec<&str> = all.iter().copied().filter(is_shared).collect();
+            if shared.len() < 2 {
+                return Vec::new();
+            }
+            let kept = |groups: &BTreeMap<&'a str, &'a Group<'a>>| -> Vec<&'a Group<'a>> {
+                shared.iter().map(|name| groups[name]).collect()
+            };
+            let limits_s = planners.values().flat_map(&kept).map(|group| group.row.time_limit_s);
+            let followed_to_s = limits_s.fold(f64::INFINITY, f64::min);
+            let pool = |(planner_name, groups): (&&'a str, &BTreeMap<&'a str, &'a Group<'a>>)| Pool {
+                criterion,
+                planner_name,
+                groups: kept(groups),
+                scenarios_in_all: all.len(),
+                followed_to_s,
+            };
+            planners.iter().map(pool).collect()
+        };
+    criteria.into_iter().flat_map(of_criterion).collect()
+}
+
+/// What is said over all scenarios.
+pub fn overall(pools: &[Pool]) -> Vec<Overall> {
+    let of_criterion = |pools: &[Pool]| -> Vec<Overall> {
+        let medians = |pool: &Pool| pool.groups.iter().map(|group| group.row.median_s).collect();
+        let profiles = performance_profiles(&pools.iter().map(medians).collect::<Vec<_>>(), TICK_S);
+        let one = |(pool, profile): (&Pool, crate::statistics::PerformanceProfile)| {
+            let runs = pool.groups.iter().map(|group| group.row.runs).sum();
+            let solved = pool.groups.iter().map(|group| group.row.solved).sum();
+            let interval = wilson(solved, runs);
+            let curve = KaplanMeier::of(&pool.over_time());
+            let (median_low_s, median_high_s) = curve.median_interval();
+            let names = pool.groups.iter().map(|group| group.row.scenario_name.clone());
+            Overall {
+                criterion: pool.criterion.to_owned(),
+                planner_name: pool.planner_name.to_owned(),
+                scenarios: pool.groups.len(),
+                scenarios_in_all: pool.scenarios_in_all,
+                runs,
+                solved,
+                success_rate: solved as f64 / runs as f64,
+                success_low: interval.map_or(0.0, |interval| interval.low),
+                success_high: interval.map_or(1.0, |interval| interval.high),
+                followed_to_s: pool.followed_to_s,
+                median_s: curve.median(),
+                median_low_s,
+                median_high_s,
+                best: profile.share_within(1.0),
+                within_2: profile.share_within(2.0),
+                within_10: profile.share_within(10.0),
+                ratios: names.zip(profile.ratios).collect(),
+                profile_at: profile.at,
+                profile_share: profile.share,
+            }
+        };
+        pools.iter().zip(profiles).map(one).collect()
+    };
+    pools.chunk_by(|a, b| a.criterion == b.criterion).flat_map(of_criterion).collect()
+}
+
+impl Pool<'_> {
+    /// All its runs, followed to the shortest limit.
+    pub fn over_time(&self) -> Vec<Followed> {
+        self.groups
+            .iter()
+            .flat_map(|group| group.over_time())
+            .map(|run| run.up_to(self.followed_to_s))
+            .collect()
+    }
+}

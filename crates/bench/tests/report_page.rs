@@ -1,0 +1,101 @@
+//! The page of a report: it says what the summary says, needs nothing from elsewhere, and folds what is long.
+
+// Figures that are copied must be the same to the last bit.
+#![allow(clippy::float_cmp)]
+
+use cranny_bench::report::{Enclosure, Png};
+use serde_json::Value;
+
+use crate::synthetic::campaign;
+
+/// The figures of a page: path in the document, exact value, what a person reads, and its scale.
+fn figures(page: &str) -> Vec<(String, f64, String, f64)> {
+    let attribute = |tag: &str, name: &str| {
+        let start = tag.find(&format!("{name}=\""))? + name.len() + 2;
+        Some(tag[start..start + tag[start..].find('"')?].to_owned())
+    };
+    let figure = |part: &str| {
+        let (tag, rest) = part.split_once('>').expect("a tag ends");
+        let text = rest.split("</data>").next().expect("an element ends").to_owned();
+        let scale = attribute(tag, "data-scale").map_or(1.0, |scale| scale.parse().expect("a scale"));
+        let value = attribute(tag, "value").expect("a value").parse().expect("a number");
+        (attribute(tag, "data-path").expect("a path"), value, text, scale)
+    };
+    page.split("<data ").skip(1).map(figure).collect()
+}
+
+/// The JSON document within a page.
+fn document(page: &str) -> Value {
+    let start = page.find("id=\"summary\">").expect("the page holds the document") + "id=\"summary\">".len();
+    serde_json::from_str(&page[start..start + page[start..].find("</script>").unwrap()]).expect("JSON")
+}
+
+#[test]
+fn the_pages_figures_are_those_of_the_json() {
+    let summary = campaign().summary();
+    let page = summary.html(&Enclosure::default());
+    let json = serde_json::to_value(&summary).expect("a summary is JSON");
+    assert_eq!(document(&page), json);
+    let figures = figures(&page);
+    for (path, value, text, scale) in &figures {
+        let pointer = format!("/{}", path.replace('.', "/"));
+        let expected = json.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+        assert_eq!(*value, expected, "{path}");
+        if text == "&lt; 0.001" {
+            assert!(expected < 1e-3, "{path}: {expected}");
+            continue;
+        }
+        let shown: f64 = text.parse().unwrap_or_else(|_| panic!("{path} shows '{text}'"));
+        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let half = 0.5 * 10.0_f64.powi(-i32::try_from(decimals).unwrap()) * (1.0 + 1e-9);
+        assert!((shown - expected * scale).abs() <= half, "{path} shows '{text}' for {expected}");
+    }
+    // Every row shows every figure that the format promises.
+    for index in 0..summary.rows.len() {
+        for key in
+            ["runs", "solved", "success_rate", "success_low", "success_high", "median_s", "median_iterations"]
+        {
+            let path = format!("rows.{index}.{key}");
+            let shown = figures.iter().any(|figure| figure.0 == path);
+            assert_eq!(shown, !json.pointer(&format!("/rows/{index}/{key}")).unwrap().is_null(), "{path}");
+        }
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere_and_escapes_what_it_is_told() {
+    let png = Png { width: 320, height: 240, bytes: vec![1, 2, 3] };
+    let enclosure = Enclosure {
+        pictures: [("021".to_owned(), Ok(png)), ("022".to_owned(), Err("it <moved>".to_owned()))].into(),
+        paths: [(41, "results-paths/41.html".to_owned())].into(),
+    };
+    let page = campaign().summary().html(&enclosure);
+    assert!(
+        page.contains("src=\"data:image/png;base64,AQID\"")
+            && page.contains("No picture of 022: it &lt;moved&gt;.")
+    );
+    let page = page.replace("src=\"data:", "");
+    for foreign in ["http://", "https://", "src=", "@import", "<link", "url("] {
+        assert!(!page.contains(foreign), "the page holds '{foreign}'");
+    }
+    assert!(page.contains("what a &lt;judge&gt; &amp; &quot;others&quot; say of crashed"));
+    assert!(!page.contains("<judge>"));
+    assert!(page.contains("prefers-color-scheme: dark") && page.contains("@media print"));
+}
+
+#[test]
+fn what_is_long_is_folded_and_every_place_that_is_named_is_there() {
+    let page = campaign().summary().html(&Enclosure::default());
+    let places: Vec<&str> =
+        page.split("href=\"#").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    assert!(places.len() > 8, "{places:?}");
+    for place in places {
+        assert_eq!(page.matches(&format!("id=\"{place}\"")).count(), 1, "{place}");
+    }
+    assert_eq!(page.matches("<details").count(), page.matches("</details>").count());
+    // Eight scenarios under both criteria, and no fold for each of the twelve of the sweep.
+    for place in ["exact-021", "paper-045", "exact-gap-sweep-all", "exact-comparisons", "paper-goals"] {
+        assert!(page.contains(&format!("<details id=\"{place}\">")), "{place}");
+    }
+    assert!(!page.contains("<details id=\"exact-gap-0.3100\">"));
+}
