@@ -5,6 +5,7 @@
 
 mod checkout;
 mod gltf;
+mod latex;
 mod member;
 mod problem;
 mod python_package;
@@ -25,7 +26,8 @@ Usage: cargo xtask <TASK>
 Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
                  web (the viewer's page in a browser), Python, pages
-  test --long    the same, with the tests that have a longer form in it
+  test --long    the same, with the tests that have a longer form in it, and a report's LaTeX
+                 compiled by pdflatex
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
   tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)

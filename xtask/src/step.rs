@@ -95,6 +95,7 @@ pub enum Readiness {
 }
 
 /// One step of a run.
+#[derive(Clone, Copy)]
 pub struct Step {
     /// A noun or two.
     pub name: &'static str,

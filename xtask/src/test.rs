@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::gltf;
+use crate::latex;
 use crate::member;
 use crate::python_package;
 use crate::python_tools;
@@ -39,6 +40,9 @@ const STEPS: [Step; 9] = [
     Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
 ];
 
+/// The steps of a long run alone: what seldom breaks, or whose tools few have.
+const LONG_STEPS: [Step; 1] = [Step { name: "LaTeX", needs: latex::readiness, action: latex::check }];
+
 /// Whether all steps passed.
 ///
 /// # Errors
@@ -65,7 +69,8 @@ pub fn run(is_long: bool) -> Result<bool, String> {
 
     // Said before, and again where the end of the run is read.
     warn(&lacking);
-    let record = step::run_all(&STEPS, &here);
+    let long: &[Step] = if is_long { &LONG_STEPS } else { &[] };
+    let record = step::run_all(&[&STEPS, long].concat(), &here);
     warn(&lacking);
     println!("{}", summary(&record, &here, start.elapsed().as_secs_f64()));
     Ok(record.failed.is_none())
