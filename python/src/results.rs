@@ -73,6 +73,7 @@ impl PyResultsFile {
         column!("collision_checks", |t: &StoredTrial| t.record.statistics.collision_checks);
         column!("path_length", |t: &StoredTrial| t.record.path_length);
         column!("clearance_m", |t: &StoredTrial| t.record.clearance_m);
+        column!("memory_bytes", |t: &StoredTrial| t.record.memory_bytes);
         column!("grasp", |t: &StoredTrial| t.record.grasp);
         column!("grasp_score", |t: &StoredTrial| t.record.grasp_score);
         column!("also_solved", |t: &StoredTrial| t.record.also_solved);

@@ -9,7 +9,7 @@ use cranny_grasp::rows_of_pose;
 use cranny_robot::{
     IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource, solve_restarts,
 };
-use cranny_scenario::panda_mobile;
+use cranny_scenario::{BUILTIN_ROBOTS, BuiltinRobot, panda_mobile};
 use cranny_spatial::{Pose, Stream};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
@@ -50,7 +50,7 @@ impl PyRobot {
     fn new(_arguments: &Bound<'_, PyTuple>, _keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         Err(bad_type(
             "a Robot is not made by Robot(…), but read by Robot.from_urdf(path) or Robot.from_urdf_text(text); the \
-             built-in one is Robot.panda_mobile(), that of a scenario is scenario.robot",
+             built-in ones are Robot.builtin(name), that of a scenario is scenario.robot",
         ))
     }
 
@@ -140,6 +140,19 @@ impl PyRobot {
     fn built_in(py: Python<'_>) -> PyResult<Self> {
         let maker = py.get_type::<Self>().getattr("panda_mobile")?;
         Ok(Self { robot: panda_mobile().map_err(fault)?, made: Made::by(maker, ())? })
+    }
+
+    /// A built-in robot by its name: "panda_mobile", "ur5e", "ur5e_mobile", "fr3" or "fetch_like".
+    ///
+    /// Raises ValueError for another name.
+    #[staticmethod]
+    fn builtin(py: Python<'_>, name: &str) -> PyResult<Self> {
+        let known = || BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
+        let unknown = || bad_value(format!("there is no built-in robot '{name}' (there are: {})", known()));
+        let robot = BuiltinRobot::of_name(name).ok_or_else(unknown)?;
+        let robot = py.detach(|| robot.robot(&RobotOptions::default())).map_err(fault)?;
+        let maker = py.get_type::<Self>().getattr("builtin")?;
+        Ok(Self { robot, made: Made::by(maker, (name,))? })
     }
 
     /// The name in the URDF.

@@ -40,9 +40,35 @@ URDFS = {
     "egk40_magneto": AIRO / "grippers/schunk_egk40_magneto/schunk_egk40_magneto.urdf",
 }
 
+IS_LONG = os.environ.get("CRANNY_LONG") == "1"
+"""Whether robots of example-robot-data take part, too: those that go from URDF to plan, without so100 and so101, of which
+Pinocchio builds no model, since a link and a joint have one name."""
+EXAMPLE = SITE / "cmeel.prefix/share/example-robot-data/robots"
+EXAMPLE_URDFS = {
+    "example_panda": "panda_description/urdf/panda.urdf",
+    "example_ur5": "ur_description/urdf/ur5_robot.urdf",
+    "example_ur10": "ur_description/urdf/ur10_robot.urdf",
+    "example_ur3_gripper": "ur_description/urdf/ur3_gripper.urdf",
+    "example_xarm7": "xarm_description/urdf/xarm7.urdf",
+    "example_baxter": "baxter_description/urdf/baxter.urdf",
+    "example_kinova": "kinova_description/robots/kinova.urdf",
+    "example_ur3": "ur_description/urdf/ur3_robot.urdf",
+    "example_tiago": "tiago_description/robots/tiago_no_hand.urdf",
+    "example_anymal_kinova": "anymal_b_simple_description/robots/anymal-kinova.urdf",
+    "example_human": "human_description/robots/human.urdf",
+    "example_g1": "g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf",
+    "example_allegro": "allegro_hand_description/urdf/allegro_right_hand.urdf",
+}
+if IS_LONG:
+    if not EXAMPLE.is_dir():
+        # 131 MB that no other test needs.
+        words = ["install", "--quiet", "--no-deps", "example-robot-data==6.0.0"]
+        subprocess.run([sys.executable, "-m", "pip", *words], check=False)
+    URDFS |= {name: EXAMPLE / urdf for name, urdf in EXAMPLE_URDFS.items()}
+
 AGREEMENT = 1e-9
 """Metres, or entries of a rotation or a Jacobian."""
-CONFIGURATIONS = 10_000 if os.environ.get("CRANNY_LONG") == "1" else 300
+CONFIGURATIONS = 10_000 if IS_LONG else 300
 """Of which Cranny's verdict is compared with Coal's."""
 
 
@@ -72,7 +98,7 @@ def added(name: str, folder: Path) -> Path:
     if not urdf.is_file():
         lacking(f"no {urdf}: xtask/python-requirements.txt names the wheels")
     if not robot.is_dir():
-        run("robot", "add", urdf, "-o", robot, "--package", ROBOPLAN)
+        run("robot", "add", urdf, "-o", robot, "--package", EXAMPLE.parent.parent if urdf.is_relative_to(EXAMPLE) else ROBOPLAN)
     return robot
 
 

@@ -79,8 +79,10 @@ def test_grasps_samples_robots_and_bodies_are_the_same(scenario: cranny.Scenario
         cranny.Robot.panda_mobile(),
     ):
         assert (again(robot).fk(q) == robot.fk(q)).all()
-    arm = cranny.Robot.from_urdf(ROBOTS / "ur5_like.urdf")
-    assert again(arm).joint_names == arm.joint_names
+    for arm in (cranny.Robot.from_urdf(ROBOTS / "ur5_like.urdf"), cranny.Robot.builtin("ur5e")):
+        assert again(arm).joint_names == arm.joint_names
+    with pytest.raises(ValueError, match="fetch_like"):
+        cranny.Robot.builtin("nobody")
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     for body in (

@@ -39,7 +39,7 @@ pub struct Campaign {
     pub memory_limit_bytes: u64,
     /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
     pub judge_both: bool,
-    /// Whether the least clearance along each path is measured, at most 5 % too low: some milliseconds beside the trial's own
+    /// Whether the least clearance along each path is measured, at most a tenth too low: some milliseconds beside the trial's own
     /// time. Default: yes.
     pub measure_clearance: bool,
     /// What is asked of each path beyond its criterion. Default: nothing.

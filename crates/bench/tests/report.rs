@@ -311,6 +311,19 @@ fn runs_that_only_their_times_tell_apart_are_one_machine() {
         (&*machines[0].first_began, &*machines[0].last_began),
         ("2026-11-20T08:00:00Z", "2026-11-21T18:00:00Z")
     );
+    // One row at a time has trials of runs that two workers ran, too: its shares are told.
+    let summary = campaign.summary();
+    assert!(!summary.split_rows.is_empty());
+    for shares in summary.split_rows.chunks(2) {
+        assert!(shares[0].on.contains(", 2 workers, Cranny 0.1.0") && !shares[1].on.contains("workers"));
+        let is_whole = |row: &&cranny_bench::report::Row| {
+            (&row.planner_name, &row.scenario_name) == (&shares[0].planner_name, &shares[0].scenario_name)
+        };
+        let whole = summary.rows.iter().find(is_whole).expect("the row");
+        assert_eq!(shares[0].trials + shares[1].trials, whole.runs);
+        assert_eq!(shares[0].solved + shares[1].solved, whole.solved);
+    }
+    assert!(plain().summary().split_rows.is_empty());
 }
 
 #[test]

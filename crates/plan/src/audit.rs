@@ -71,14 +71,14 @@ pub struct AuditSettings {
 pub enum Clearances {
     /// None: a fraction of the time of the others.
     None,
-    /// The least along the path, a proven bound at most 5 % (and 10 µm) below the truth.
+    /// The least along the path, a proven bound at most a tenth (and 10 µm) below the truth.
     OfPath,
     /// The least along every edge, proven bounds at most 10 µm below the truth: some milliseconds an edge.
     OfEdges,
 }
 
 /// How far the clearance of a path may lie below the truth, as a share of it.
-const PATH_SHARE: f64 = 0.05;
+const PATH_SHARE: f64 = 0.1;
 
 impl Default for AuditSettings {
     fn default() -> Self {

@@ -327,6 +327,7 @@ pub fn machines(page: &mut Markup) {
         page.table_line(&machine.machine, &cells);
     }
     page.close_table();
+    split_rows(page);
     page.text.push_str("</section>\n");
 }
 
@@ -337,4 +338,30 @@ const MOST_COMMANDS: usize = 3;
 pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown) -> String {
     let text = page.figure_as(value, shown);
     if text == "–" { text } else { format!("{text} {}", page.interval(low, high, shown)) }
+}
+
+/// Rows that pool what should not be pooled, by what it is.
+fn split_rows(page: &mut Markup) {
+    let summary = page.summary;
+    if summary.split_rows.is_empty() {
+        return;
+    }
+    page.text.push_str("<h3>Rows that pool several of them</h3>\n");
+    page.open_table(
+        "Each share of a row whose times are no sample of one distribution.",
+        &["<planner", "<scenario", "<criterion", "<on", "trials", "solved", "median, s"],
+    );
+    for (index, row) in summary.split_rows.iter().enumerate() {
+        let at = |key: &str| format!("split_rows.{index}.{key}");
+        let cells = [
+            words(&row.scenario_name),
+            words(&row.criterion),
+            words(&row.on),
+            page.figure(&at("trials")),
+            page.figure(&at("solved")),
+            page.figure_as(&at("median_s"), Shown::TableSeconds),
+        ];
+        page.table_line(&row.planner_name, &cells);
+    }
+    page.close_table();
 }

@@ -7,6 +7,7 @@ use crate::report::configuration::{Configuration, Names};
 use crate::report::machine::{Machine, machines};
 use crate::report::overall::{Overall, overall, pools};
 use crate::report::row::{GoalRow, Group, Row};
+use crate::report::split_row::{SplitRow, split_rows};
 use crate::report::success_curve::{SuccessCurve, success_curves};
 use crate::report::warning::warnings;
 use crate::report::worst_trial::{WorstTrial, worst_trials};
@@ -26,6 +27,8 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// On what the trials ran.
     pub machines: Vec<Machine>,
+    /// The rows that pool several kinds of machine or versions, split.
+    pub split_rows: Vec<SplitRow>,
     /// Each planner over all scenarios that the planners share, by criterion.
     pub overall: Vec<Overall>,
     /// One row for each planner on each scenario, by criterion.
@@ -99,6 +102,7 @@ impl Summary {
             trials: source.trials.len(),
             warnings: warnings(&groups, source.runs),
             machines: machines(source.runs, source.trials),
+            split_rows: split_rows(&groups, source.runs),
             overall: overall(&pools),
             known_goals: known_goals(configurations.keys(), &names, source.scenarios),
             comparisons: comparisons(&groups),

@@ -88,7 +88,7 @@ pub fn add(campaign: &mut Campaign, draw: &mut Draw, scenario: &str, manner: &Ma
             grasp: None,
             grasp_score: when_solved(score),
             also_solved: None,
-            memory_bytes: None,
+            memory_bytes: Some(12_000_000 + 1000 * iterations),
         };
         let id = campaign.trials.len() as u64 + 1;
         campaign.trials.push(StoredTrial { id, run: 1, record });
