@@ -244,7 +244,10 @@ fn paths_that_are_the_same_under_other_seeds_are_said() {
     let output = run(path, &["bench", "report", "results.db", "-o", "report.json"]);
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
     let report = std::fs::read_to_string(path.join("report.json")).expect("a report");
-    assert!(report.contains("4 of 4 paths of memory in 031 are the same as under another seed"), "{report}");
+    assert!(
+        report.contains("Paths of memory are the same as under another seed: 4 of 4 in 031."),
+        "{report}"
+    );
 }
 
 /// The trials of one script within all walls; nothing, said aloud, where the kernel has not all of them.

@@ -27,7 +27,7 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings.extend(pooled(groups, &runs, "memory limits", limit));
     let walls = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
     warnings.extend(pooled(groups, &runs, "walls around planners", walls));
-    warnings.extend(groups.iter().filter_map(same_paths));
+    warnings.extend(same_paths(groups));
     warnings
 }
 
@@ -56,22 +56,33 @@ fn pooled(
     ))
 }
 
-/// That a planner gave the same path under different seeds.
-fn same_paths(group: &Group) -> Option<String> {
-    let mut seeds: BTreeMap<(u64, Option<usize>), BTreeSet<u64>> = BTreeMap::new();
-    for trial in group.runs.iter().filter(|trial| trial.record.is_solved()) {
-        // Two paths of one length, to the last bit, to one grasp are one path.
-        if let Some(length) = trial.record.path_length {
-            seeds.entry((length.to_bits(), trial.record.grasp)).or_default().insert(trial.record.trial.seed);
+/// That planners gave the same path under different seeds, one sentence for each.
+fn same_paths(groups: &[Group]) -> Vec<String> {
+    let mut places: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for group in groups {
+        let mut seeds: BTreeMap<(u64, Option<usize>), BTreeSet<u64>> = BTreeMap::new();
+        for trial in group.runs.iter().filter(|trial| trial.record.is_solved()) {
+            // Two paths of one length, to the last bit, to one grasp are one path.
+            if let Some(length) = trial.record.path_length {
+                seeds
+                    .entry((length.to_bits(), trial.record.grasp))
+                    .or_default()
+                    .insert(trial.record.trial.seed);
+            }
+        }
+        let solved: usize = seeds.values().map(BTreeSet::len).sum();
+        let same: usize = seeds.values().map(BTreeSet::len).filter(|seeds| *seeds > 1).sum();
+        if same > 0 {
+            let place = format!("{same} of {solved} in {}", group.row.scenario_name);
+            places.entry(&group.row.planner_name).or_default().push(place);
         }
     }
-    let solved: usize = seeds.values().map(BTreeSet::len).sum();
-    let same: usize = seeds.values().map(BTreeSet::len).filter(|seeds| *seeds > 1).sum();
-    (same > 0).then(|| {
+    let sentence = |(planner, places): (&str, Vec<String>)| {
         format!(
-            "{same} of {solved} paths of {} in {} are the same as under another seed: it takes no notice of the seed, or \
-             remembers answers.",
-            group.row.planner_name, group.row.scenario_name
+            "Paths of {planner} are the same as under another seed: {}. It takes no notice of the seed, remembers answers, \
+             or, where they are few, there is an obvious path.",
+            places.join(", ")
         )
-    })
+    };
+    places.into_iter().map(sentence).collect()
 }
