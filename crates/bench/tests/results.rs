@@ -213,15 +213,16 @@ fn older_results_are_read_as_they_are_merged_and_gone_on_with() {
     let path = |name: &str| folder.path().join(name);
     drop(results(&path("older.db"), "a", 0..2));
     // As a version wrote them that noted neither memory nor walls.
-    let older = rusqlite::Connection::open(path("older.db")).expect("opened");
+    let connection = rusqlite::Connection::open(path("older.db")).expect("opened");
     let sql = "ALTER TABLE runs DROP COLUMN memory_limit_bytes; ALTER TABLE runs DROP COLUMN sandbox;
                ALTER TABLE trials DROP COLUMN memory_bytes; PRAGMA user_version = 1";
-    older.execute_batch(sql).expect("older");
-    drop(older);
+    connection.execute_batch(sql).expect("older");
+    drop(connection);
     std::fs::copy(path("older.db"), path("copy.db")).expect("copied");
 
     let read = Results::open(&path("older.db")).expect("results");
-    assert_eq!(read.records().expect("records"), [record(trial(0)), record(trial(1))]);
+    let older = |seed| TrialRecord { memory_bytes: None, ..record(trial(seed)) };
+    assert_eq!(read.records().expect("records"), [older(0), older(1)]);
     assert_eq!(read.runs().expect("runs")[0].information.memory_limit_bytes, None);
     drop(read);
     let mut results = Results::create(&path("older.db")).expect("results");
@@ -230,7 +231,7 @@ fn older_results_are_read_as_they_are_merged_and_gone_on_with() {
     assert!(results.append(run, &with_memory, &[]).expect("appended"));
     let merged = results.merge(&path("copy.db"), false).expect("merged");
     assert_eq!(merged, Merged { added: 0, known: 2 });
-    assert_eq!(results.records().expect("records"), [record(trial(0)), record(trial(1)), with_memory]);
+    assert_eq!(results.records().expect("records"), [older(0), older(1), with_memory]);
 }
 
 #[test]
