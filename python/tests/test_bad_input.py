@@ -190,7 +190,7 @@ def test_a_whole_number_out_of_range_is_shown_with_its_range(
 
 def test_a_robot_that_is_called_says_how_one_is_made() -> None:
     for call in (lambda: cranny.Robot(), lambda: cranny.Robot("panda.urdf"), lambda: cranny.Robot(path="x")):  # type: ignore
-        with pytest.raises(TypeError, match=r"Robot\.from_urdf\(path\).*Robot\.panda_mobile\(\).*scenario\.robot"):
+        with pytest.raises(TypeError, match=r"Robot\.from_urdf\(path\).*Robot\.builtin\(name\).*scenario\.robot"):
             call()
 
 
