@@ -71,8 +71,8 @@ impl CampaignObserver for Unheard {}
 ///
 /// # Errors
 /// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be
-/// run at all, [`BenchError::NotRunnable`] where no worker starts, [`BenchError::NoSandbox`], and what [`Results`] say; trials that are stored stay
-/// so.
+/// run at all, [`BenchError::NotRunnable`] where no worker starts, [`BenchError::NoSandbox`], and what [`Results`] say;
+/// trials that are stored stay so.
 pub fn run_campaign(
     schedule: &Schedule,
     settings: &CampaignSettings,

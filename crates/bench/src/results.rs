@@ -7,7 +7,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 use tempfile::TempDir;
 
 use crate::results_row::{self, Present};
-use crate::{BenchError, RunInformation, Tally, Trial, TrialRecord, results_file};
+use crate::{BenchError, RunInformation, Tally, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
 ///
@@ -245,14 +245,6 @@ impl Results {
     /// As [`Self::trials`].
     pub fn records(&self) -> Result<Vec<TrialRecord>, BenchError> {
         Ok(self.trials()?.into_iter().map(|trial| trial.record).collect())
-    }
-
-    /// Which trials are there.
-    ///
-    /// # Errors
-    /// As [`Self::trials`].
-    pub fn known(&self) -> Result<Vec<Trial>, BenchError> {
-        Ok(self.trials()?.into_iter().map(|trial| trial.record.trial).collect())
     }
 
     /// One trial.

@@ -57,6 +57,14 @@ pub struct SlurmArguments {
     sbatch: Vec<String>,
 }
 
+impl SlurmArguments {
+    /// The folder, as it is given.
+    fn folder(&self) -> PathBuf {
+        let named = || self.campaign.as_ref().and_then(|file| file.file_stem()).map(PathBuf::from);
+        self.resume.clone().or_else(|| self.output.clone()).or_else(named).unwrap_or_default()
+    }
+}
+
 /// What `bench slurm --json` prints.
 #[derive(Serialize)]
 struct Answered {
@@ -70,6 +78,7 @@ struct Answered {
 }
 
 pub fn run(arguments: &SlurmArguments, output: Output) -> Result<Answer, Failure> {
+    let given = arguments.folder();
     let (folder, mut campaign, tasks) = match &arguments.resume {
         Some(folder) => {
             let folder = ClusterFolder { path: absolute(folder)? };
@@ -87,7 +96,7 @@ pub fn run(arguments: &SlurmArguments, output: Output) -> Result<Answer, Failure
         campaign.sbatch.clone_from(&arguments.sbatch);
     }
     let mut answered = Answered {
-        folder: folder.path.clone(),
+        folder: given,
         trials: campaign.manifest.trials,
         tasks,
         jobs: Vec::new(),
@@ -140,7 +149,7 @@ fn begin(
         return Err(Failure::Flag { flag: "array", problem });
     }
     let name = file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from(&name));
+    let path = arguments.folder();
     fs::create_dir_all(&path)?;
     let folder = ClusterFolder { path: absolute(&path)? };
     if folder.campaign_file().exists() {

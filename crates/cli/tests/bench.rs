@@ -89,8 +89,8 @@ fn twenty_times_killed_a_campaign_still_ends_with_every_trial_once() {
     }
     let last = campaign(folder.path(), "--scenarios 021 --planners reach --runs 400");
     assert_eq!(last["known"].as_u64(), Some(seen as u64));
-    let trials = Results::open(&path).expect("results").known().expect("trials");
-    let seeds: HashSet<u64> = trials.iter().map(|trial| trial.seed).collect();
+    let trials = Results::open(&path).expect("results").records().expect("trials");
+    let seeds: HashSet<u64> = trials.iter().map(|record| record.trial.seed).collect();
     assert_eq!((trials.len(), seeds.len()), (TRIALS, TRIALS));
     let connection = rusqlite::Connection::open(&path).expect("a database");
     let verdict: String =

@@ -22,7 +22,7 @@ pub fn read(folder: &Path) {
     }
     fs::write(&path, content).expect("a file to read");
     let Ok(results) = Results::open(&path) else { return };
-    let _ = (results.records(), results.known(), results.runs(), results.scenarios());
+    let _ = (results.records(), results.count(), results.runs(), results.scenarios());
     for stored in results.trials().unwrap_or_default() {
         let _ = (results.trial(stored.id), results.path_of(stored.id));
     }
