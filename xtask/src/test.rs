@@ -28,6 +28,7 @@ const STEPS: [Step; 9] = [
         },
     },
     Step { name: "tidy", needs: |_| Readiness::Ready, action: |_| tidy_step() },
+    Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
     Step { name: "tests", needs: |_| Readiness::Ready, action: tests },
     Step {
         name: "doc tests",
@@ -37,7 +38,6 @@ const STEPS: [Step; 9] = [
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "web", needs: web::readiness, action: web::check },
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },
-    Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
 ];
 
 /// The steps of a long run alone: what seldom breaks, or whose tools few have.

@@ -12,7 +12,7 @@ use crate::{BenchError, RunInformation, Tally, TrialRecord, results_file};
 /// The results of campaigns: one `SQLite` file, one row a trial.
 ///
 /// Every trial is written as it ends, in a transaction of its own, to a write-ahead log: whatever ends the
-/// program, at most the trial under way is lost. A [`Trial`] can be there but once.
+/// program, at most the trial under way is lost. A [`Trial`](crate::Trial) can be there but once.
 #[derive(Debug)]
 pub struct Results {
     pub(crate) connection: Connection,
@@ -52,7 +52,7 @@ pub struct StoredTrial {
 pub struct ScenarioSource {
     /// Its id.
     pub scenario: String,
-    /// Its content, as [`Trial::scenario_hash`].
+    /// Its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
     pub scenario_hash: String,
     /// What it was opened by: an id, or a path on the machine of the run.
     pub source: String,
