@@ -49,6 +49,8 @@ pub struct Scratch {
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
     pub(crate) slope: Vec<f64>,
+    /// How far each link body has moved, in metres.
+    pub(crate) moved_m: Vec<f64>,
     pub(crate) work: WorkList,
     pub(crate) next_work: WorkList,
     pub(crate) rest: WorkList,
@@ -187,6 +189,7 @@ impl Cell {
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
             slope: vec![0.0; self.robot.dof()],
+            moved_m: Vec::new(),
             work: WorkList::default(),
             next_work: WorkList::default(),
             rest: WorkList::default(),
@@ -239,20 +242,21 @@ impl Cell {
         let links = self.pairs.of_links().1..self.pairs.len();
         let with_parts = self.pairs.with_parts().flat_map(|pairs| {
             let world_from_link = frames.link(self.bodies[pairs.body].link);
-            self.near_parts(pairs, world_from_link)
+            self.near_parts(pairs, world_from_link, 0.0)
         });
         with_parts.chain(links).map(as_index)
     }
 
-    /// The pairs of a link at this pose with parts that may not keep their distance, in order.
-    fn near_parts<'a>(
+    /// The pairs of a link at this pose with parts that may not keep their distance, or not `beyond_m` more, in order.
+    pub(crate) fn near_parts<'a>(
         &'a self,
         pairs: PartPairs,
         world_from_link: &Pose,
+        beyond_m: f64,
     ) -> impl Iterator<Item = usize> + use<'a> {
         let ball = &self.bodies[pairs.body].bounds.ball;
         // What is passed over is so far away that the exact distance agrees.
-        let reach_m = ball.radius_m + pairs.required_m + CONTACT_M;
+        let reach_m = ball.radius_m + pairs.required_m + beyond_m + CONTACT_M;
         self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
 
@@ -274,7 +278,7 @@ impl Cell {
         let mut near = of_hand.flat_map(|pairs| {
             let link = self.bodies[pairs.body].link;
             let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(link));
-            let near = self.near_parts(pairs, &world_from_link);
+            let near = self.near_parts(pairs, &world_from_link, 0.0);
             near.map(move |pair| (self.pairs.get(as_index(pair)), world_from_link))
         });
         near.find_map(|(pair, world_from_link)| {
@@ -386,8 +390,12 @@ impl Cell {
     }
 
     pub(crate) fn keeps_distance(&self, pair: &Pair, frames: &LinkFrames) -> bool {
-        self.quick_bound(pair, frames, pair.required_m) > pair.required_m
-            || self.reaches(pair, frames, pair.required_m)
+        self.is_beyond(pair, frames, pair.required_m)
+    }
+
+    /// Whether the pair is certified to be at least `distance_m` apart.
+    pub(crate) fn is_beyond(&self, pair: &Pair, frames: &LinkFrames, distance_m: f64) -> bool {
+        self.quick_bound(pair, frames, distance_m) > distance_m || self.reaches(pair, frames, distance_m)
     }
 
     /// Whether the pair's distance is certified to reach `distance_m`.

@@ -126,6 +126,36 @@ impl JointTable {
         ((any & !CONTACT) | all) & self.asked
     }
 
+    /// Which share of the straight way between two places of its joints (rad or m) it certifies to be free for all pairs that
+    /// it is asked about, from the first on: whole pieces in which no joint goes farther than a cell.
+    pub fn free_share(&self, limits: [&JointLimits; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+        let in_cells = |place: [f64; 2]| {
+            let cell = |axis: usize| {
+                let JointLimits { lower, upper, .. } = limits[axis];
+                (place[axis] - lower) / (upper - lower) * SIDE as f64
+            };
+            [cell(0), cell(1)]
+        };
+        let (from, to) = (in_cells(from), in_cells(to));
+        let farthest = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
+        let pieces = farthest.ceil().clamp(1.0, (2 * SIDE) as f64);
+        let cell_at = |piece: f64| {
+            // At most `SIDE` within the limits; beyond them it is cut off.
+            #[allow(clippy::cast_possible_truncation)]
+            [0, 1].map(|axis| (from[axis] + (to[axis] - from[axis]) * piece / pieces).floor() as i32)
+        };
+        let (mut done, mut begin) = (0.0, cell_at(0.0));
+        while done < pieces {
+            let end = cell_at(done + 1.0);
+            let [low, high] = [i32::min, i32::max].map(|of| [of(begin[0], end[0]), of(begin[1], end[1])]);
+            if self.look_up(low, high) != 0 {
+                break;
+            }
+            (done, begin) = (done + 1.0, end);
+        }
+        done / pieces
+    }
+
     fn all_pairs(&self) -> u8 {
         u8::try_from((1 << self.pairs.len()) - 1).unwrap_or(!CONTACT)
     }

@@ -171,6 +171,16 @@ impl Lanes {
         }
     }
 
+    /// Tables of pairs of links.
+    pub fn tables(&self) -> &[JointTable] {
+        &self.tables
+    }
+
+    /// The pairs of links that are in none of them, by index in [`crate::Cell`]'s list.
+    pub fn untabled(&self) -> impl Iterator<Item = u32> {
+        self.link_pairs[..self.first_tabled].iter().map(|pair| pair.pair)
+    }
+
     /// Takes the slack off every comparison, to see that the law of the lanes notices.
     #[cfg(test)]
     pub fn forget_slack(&mut self) {

@@ -17,6 +17,7 @@
 
 mod ball_pack;
 mod batch;
+mod bubble;
 mod cell;
 mod cell_parts;
 mod closest;
@@ -55,6 +56,7 @@ mod lane_tests;
 #[cfg(test)]
 mod proof_tests;
 
+pub use bubble::Bubble;
 pub use cell::{Cell, Scratch};
 pub use closest::Closest;
 pub use closing::Closing;

@@ -47,6 +47,15 @@ impl LinkBody {
         self.shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
     }
 
+    /// How far any point of it is at most from where it was, in metres: the centre of its ball goes straight, all else turns
+    /// about that.
+    pub fn moved_m(&self, before: &Pose, after: &Pose) -> f64 {
+        let ball = &self.bounds.ball;
+        let turn = before.rotation.inverse() * after.rotation;
+        // Twice the sine of half the angle is the chord on the unit sphere.
+        (after * ball.center - before * ball.center).norm() + 2.0 * turn.imag().norm() * ball.radius_m
+    }
+
     /// A lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative.
     /// Boxes are asked only where balls do not show that it exceeds `enough_m`.
     pub fn quick_bound_to(&self, world_from_link: &Pose, part: &Part, enough_m: f64) -> f64 {

@@ -53,6 +53,20 @@ fn plate_in_the_way(robot: &Robot, a: &[f64], b: &[f64], at: f64, random: &mut S
     Body::new("plate", Pose::from_parts(tool, random.rotation()), plate)
 }
 
+fn boxes_on_a_floor(random: &mut Stream) -> Vec<Body> {
+    let mut bodies: Vec<Body> = (0..3)
+        .map(|i| {
+            let size = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 0.1;
+            let place = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 1.6;
+            let place = place - Vector::new(0.8, 0.8, 0.4);
+            let solid = Solid::cuboid(size.add_scalar(0.01)).expect("a positive size");
+            Body::new(format!("box {i}"), Pose::from_parts(place.into(), random.rotation()), solid)
+        })
+        .collect();
+    bodies.push(Body::floor(-0.2));
+    bodies
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -70,17 +84,7 @@ proptest! {
     fn what_is_proven_keeps_its_margin_at_every_sample(seed in any::<u64>(), margin_m in 0.0..0.02) {
         let (robot, mut random) = (arm(), Stream::new(seed, 1));
         let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
-        let mut bodies: Vec<Body> = (0..3)
-            .map(|i| {
-                let size = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 0.1;
-                let place = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 1.6;
-                let place = place - Vector::new(0.8, 0.8, 0.4);
-                let solid = Solid::cuboid(size.add_scalar(0.01)).expect("a positive size");
-                Body::new(format!("box {i}"), Pose::from_parts(place.into(), random.rotation()), solid)
-            })
-            .collect();
-        bodies.push(Body::floor(-0.2));
-        let cell = cell(&robot, bodies, margin_m);
+        let cell = cell(&robot, boxes_on_a_floor(&mut random), margin_m);
         let mut scratch = cell.scratch();
         let motion = cell.motion_is_free(&a, &b, &mut scratch);
         let required = margin_m.max(cranny_spatial::CONTACT_M);
@@ -102,6 +106,37 @@ proptest! {
                 prop_assert!(cell.clearance(&between(&a, &b, at), &mut scratch) < required + 1e-5);
             }
             Motion::OutOfLimits { .. } => prop_assert!(false, "both ends are within limits"),
+        }
+    }
+
+    #[test]
+    fn a_bubble_ends_before_what_is_in_the_way(seed in any::<u64>(), at in 0.0..1.0) {
+        let (robot, mut random) = (arm(), Stream::new(seed, 2));
+        let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
+        let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
+        let cell = cell(&robot, vec![plate], 0.0);
+        let mut scratch = cell.scratch();
+        let share = cell.bubble(&a, 0.0, &mut scratch).map_or(0.0, |found| cell.free_share(&found, &b, &mut scratch));
+        prop_assert!(share < at, "{share} of the way is said to be free, but {at} is in the plate");
+    }
+
+    #[test]
+    fn what_a_bubble_proves_keeps_its_margin_at_every_sample(seed in any::<u64>(), margin_m in 0.0..0.02) {
+        let (robot, mut random) = (arm(), Stream::new(seed, 3));
+        let cell = cell(&robot, boxes_on_a_floor(&mut random), margin_m);
+        let mut scratch = cell.scratch();
+        let a = robot.random_configuration(&mut random);
+        let Some(bubble) = cell.bubble(&a, 0.0, &mut scratch) else {
+            prop_assert!(cell.clearance(&a, &mut scratch) < margin_m + 1e-6);
+            return Ok(());
+        };
+        for _ in 0..5 {
+            let b = robot.random_configuration(&mut random);
+            let share = cell.free_share(&bubble, &b, &mut scratch);
+            for sample in 0..=100 {
+                let q = between(&a, &b, share * f64::from(sample) / 100.0);
+                prop_assert!(cell.is_clear(&q, &mut scratch), "{sample} % of a spine of {share}");
+            }
         }
     }
 
@@ -177,6 +212,21 @@ fn an_end_outside_the_limits_is_named() {
     let cell = cell(&robot, Vec::new(), 0.0);
     let motion = cell.motion_is_free(&[0.0; 4], &[0.0, 0.0, 2.6, 0.0], &mut cell.scratch());
     assert_eq!(motion, Motion::OutOfLimits { joint: 2 });
+}
+
+/// A long spine in an empty world, and none that is proven for certain where nothing is a number.
+#[test]
+fn a_bubble_is_as_large_as_the_room_that_there_is() {
+    let robot = arm();
+    let cell = cell(&robot, vec![Body::floor(-10.0)], 0.0);
+    let mut scratch = cell.scratch();
+    let a = [0.0; 4];
+    let bubble = cell.bubble(&a, 0.1, &mut scratch).expect("nothing is near");
+    assert!(cell.free_share(&bubble, &[0.4, 0.0, 0.0, 0.0], &mut scratch) >= 1.0);
+    assert!(cell.free_share(&bubble, &[1.0, 0.0, 0.0, 0.0], &mut scratch) < 1.0);
+    assert!(cell.free_share(&bubble, &[f64::NAN, 0.0, 0.0, 0.0], &mut scratch) <= 0.0);
+    assert!(cell.bubble(&[f64::NAN; 4], 0.0, &mut scratch).is_none());
+    assert!(cell.bubble(&a, 20.0, &mut scratch).is_none());
 }
 
 /// What is measured does not rest on what a proof rests on: tables of another world let the proof through, and the

@@ -8,6 +8,7 @@ mod bad_input;
 mod blends;
 mod built_in;
 mod built_in_robot;
+mod burs;
 mod cancelled_windings;
 mod carrying;
 mod checking;
