@@ -1,4 +1,4 @@
-use cranny_collision::{Cell, Motion, ReleasedCheck, ReleasedScratch, Scratch};
+use cranny_collision::{Bubble, Cell, Motion, ReleasedCheck, ReleasedScratch, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::LinkFrames;
 use cranny_spatial::Pose;
@@ -7,8 +7,7 @@ use crate::Problem;
 use crate::grasp_poses::{all_open_poses, poses};
 use crate::problem::Validity;
 
-/// What the two baselines ask, which plan under either criterion: a check with its scratch. Planners that prove what
-/// they do ask the [`Cell`] itself.
+/// What planners ask that grow by steps or burs, some of them under either criterion: a check with its scratch.
 pub(crate) enum BaselineCheck<'a> {
     Exact(&'a Cell, Box<Scratch>),
     Paper(&'a ReleasedCheck, Box<ReleasedScratch>),
@@ -52,6 +51,22 @@ impl<'a> BaselineCheck<'a> {
         match self {
             Self::Exact(..) => self.edge_is_free(a, b),
             Self::Paper(check, _) => check.robot().within_limits(b) && check.holds(frames_at_b),
+        }
+    }
+
+    /// [`Cell::bubble`]; none under `paper`, where nothing is known of distances.
+    pub fn bubble(&mut self, q: &[f64], critical_m: f64) -> Option<Bubble> {
+        match self {
+            Self::Exact(cell, scratch) => cell.bubble(q, critical_m, scratch),
+            Self::Paper(..) => None,
+        }
+    }
+
+    /// [`Cell::free_share`].
+    pub fn free_share(&mut self, bubble: &Bubble, target: &[f64]) -> f64 {
+        match self {
+            Self::Exact(cell, scratch) => cell.free_share(bubble, target, scratch),
+            Self::Paper(..) => 0.0,
         }
     }
 

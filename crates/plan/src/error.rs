@@ -110,6 +110,14 @@ pub enum PlanError {
         /// What it needs.
         needs: &'static str,
     },
+    /// The file of a roadmap is none of this robot.
+    #[error("{}: no roadmap that can be used: {problem}", path.display())]
+    Roadmap {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The world or the margins are malformed.
     #[error(transparent)]
     Collision(#[from] cranny_collision::CollisionError),

@@ -87,6 +87,11 @@ impl Forest {
         std::iter::successors(Some(node), |&node| self.parents[node]).collect()
     }
 
+    /// The configurations from the root of `node` to it.
+    pub fn path_to(&self, node: usize) -> Vec<Vec<f64>> {
+        self.nodes_to_root(node).into_iter().rev().map(|node| self.q(node).to_vec()).collect()
+    }
+
     /// Where the straight way to the node begins, unless it is proven already or the node is a root.
     pub fn open_way(&self, node: usize) -> Option<usize> {
         Some(self.begins[node]).filter(|_| !self.proven[node])

@@ -17,6 +17,11 @@ impl JointMetric {
         Self { weights: robot.joint_reaches().iter().map(|reach| reach.clamp(LEAST_WEIGHT, 1.0)).collect() }
     }
 
+    /// The plain L2 norm, metres and radians alike.
+    pub fn plain(dof: usize) -> Self {
+        Self { weights: vec![1.0; dof] }
+    }
+
     /// Writes `q` in coordinates in which the plain L2 distance is this metric.
     pub fn scale(&self, q: &[f64], scaled: &mut [f64]) {
         for ((scaled, q), weight) in scaled.iter_mut().zip(q).zip(&self.weights) {

@@ -2,11 +2,41 @@ use cranny_spatial::LANES;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::{Criterion, IkRrt, JPlusRrt, PlanError, Planner, Reach};
+use crate::{
+    Criterion, IkRbt, IkRrt, JPlusRbt, JPlusRrt, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect,
+    RrtStar,
+};
 
-/// Every planner, with its default settings, in the order in which lists show them.
-fn all() -> Vec<Box<dyn Planner>> {
-    vec![Box::new(Reach::default()), Box::new(IkRrt::default()), Box::new(JPlusRrt::default())]
+/// A planner as lists show it.
+struct Entry {
+    default: Box<dyn Planner>,
+    /// The same kind with these settings, all of them.
+    with: fn(&str, Map<String, Value>) -> Result<Box<dyn Planner>, PlanError>,
+}
+
+impl Entry {
+    fn of<T: Planner + Default + DeserializeOwned + 'static>() -> Self {
+        Self {
+            default: Box::new(T::default()),
+            with: |name, settings| Ok(Box::new(read::<T>(name, settings)?)),
+        }
+    }
+}
+
+/// Every planner, in the order in which lists show them.
+fn all() -> [Entry; 10] {
+    [
+        Entry::of::<Reach>(),
+        Entry::of::<RrtConnect>(),
+        Entry::of::<RbtConnect>(),
+        Entry::of::<Rrt>(),
+        Entry::of::<RrtStar>(),
+        Entry::of::<Prm>(),
+        Entry::of::<IkRrt>(),
+        Entry::of::<IkRbt>(),
+        Entry::of::<JPlusRrt>(),
+        Entry::of::<JPlusRbt>(),
+    ]
 }
 
 /// The planner of that name, with its default settings.
@@ -14,10 +44,12 @@ fn all() -> Vec<Box<dyn Planner>> {
 /// # Errors
 /// [`PlanError::UnknownPlanner`], which lists the names that there are.
 pub fn planner(name: &str) -> Result<Box<dyn Planner>, PlanError> {
-    all()
-        .into_iter()
-        .find(|planner| planner.name() == name)
-        .ok_or_else(|| PlanError::UnknownPlanner { name: name.to_owned(), known: planner_names().join(", ") })
+    entry(name).map(|entry| entry.default)
+}
+
+fn entry(name: &str) -> Result<Entry, PlanError> {
+    let unknown = || PlanError::UnknownPlanner { name: name.to_owned(), known: planner_names().join(", ") };
+    all().into_iter().find(|entry| entry.default.name() == name).ok_or_else(unknown)
 }
 
 /// The planner of that name, with `settings` in place of the defaults of the same names.
@@ -26,7 +58,8 @@ pub fn planner(name: &str) -> Result<Box<dyn Planner>, PlanError> {
 /// As [`planner`]; [`PlanError::UnknownSetting`], which lists those that there are; [`PlanError::Setting`] for a
 /// value that is none.
 pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn Planner>, PlanError> {
-    let defaults = planner(name)?.settings();
+    let Entry { default, with } = entry(name)?;
+    let defaults = default.settings();
     let mut all = defaults.as_object().cloned().unwrap_or_default();
     for (setting, value) in settings {
         let Some(place) = all.get_mut(setting) else {
@@ -41,11 +74,7 @@ pub fn planner_with(name: &str, settings: &Map<String, Value>) -> Result<Box<dyn
         check_range(name, setting, value)?;
         place.clone_from(value);
     }
-    Ok(match name {
-        "j-plus-rrt" => Box::new(read::<JPlusRrt>(name, all)?),
-        "ik-rrt" => Box::new(read::<IkRrt>(name, all)?),
-        _ => Box::new(read::<Reach>(name, all)?),
-    })
+    with(name, all)
 }
 
 fn read<T: DeserializeOwned>(planner: &str, settings: Map<String, Value>) -> Result<T, PlanError> {
@@ -89,7 +118,7 @@ fn check_range(planner: &str, setting: &str, value: &Value) -> Result<(), PlanEr
 
 /// The names of all planners.
 pub fn planner_names() -> Vec<&'static str> {
-    all().iter().map(|planner| planner.name()).collect()
+    all().iter().map(|entry| entry.default.name()).collect()
 }
 
 /// The planner to take where none is named: the flagship, or under `paper`, which it does not take, the

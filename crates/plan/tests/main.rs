@@ -10,6 +10,7 @@ mod hand_filter;
 mod ik_annotation;
 mod optimise;
 mod planners;
+mod roadmap;
 mod shortcut;
 mod trajectory;
 mod twins;

@@ -1,0 +1,191 @@
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use crate::connector::{Connector, Path, connect};
+use crate::growth::{Grower, Growth};
+use crate::roadmap::{Roadmap, RoadmapFile};
+use crate::search::Search;
+use crate::step::RELEASED_STEP_M;
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Unobserved};
+
+/// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
+/// of all grasps at once.
+///
+/// 1. The roadmap is that of a file, or empty. The start becomes a node of it, and so do goals, which inverse kinematics
+///    finds meanwhile.
+/// 2. Each iteration adds a uniform random configuration, if it is free. A new node is joined with the `neighbours` nearest
+///    (L2 in joint space) to which the edge is proven.
+/// 3. Where start and a goal are connected the shortest way between them is taken, and those of its edges are proven that
+///    are as a file has them; one that cannot be is left out.
+///
+/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
+/// publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prm {
+    /// How many nearest a node is joined with at most. Default 15.
+    pub neighbours: usize,
+    /// Goals that are enough. Default 100.
+    pub goals: usize,
+    /// The file of a roadmap to begin with, which stays as it is. Default none.
+    pub roadmap: Option<RoadmapFile>,
+}
+
+impl Default for Prm {
+    fn default() -> Self {
+        Self { neighbours: 15, goals: 100, roadmap: None }
+    }
+}
+
+impl Planner for Prm {
+    fn name(&self) -> &'static str {
+        "prm"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let robot = problem.robot();
+        let roadmap = match &self.roadmap {
+            None => Roadmap::new(robot),
+            Some(file) => Roadmap::of_file(file, robot)?,
+        };
+        let mut graph = Graph::new(problem, roadmap, self.neighbours);
+        connect(self.name(), &mut graph, self.goals, problem, (budget, seed), observer)
+    }
+}
+
+impl Prm {
+    /// A roadmap of so many nodes for the robot of a problem in its world, for any start and goal. `progress` hears how many
+    /// there are, and says whether to go on; where it stops, the roadmap is what there is by then.
+    ///
+    /// # Errors
+    /// [`PlanError::Goal`] for another criterion than `exact`.
+    pub fn build(
+        &self,
+        problem: &Problem,
+        nodes: usize,
+        seed: u64,
+        progress: &mut dyn FnMut(usize) -> bool,
+    ) -> Result<Roadmap, PlanError> {
+        problem.exact_cell(self.name())?;
+        let mut observer = Unobserved;
+        let mut search = Search::new(
+            problem,
+            &Budget { time: std::time::Duration::MAX, ..Budget::default() },
+            seed,
+            &mut observer,
+        );
+        let mut graph = Graph::new(problem, Roadmap::new(problem.robot()), self.neighbours);
+        while graph.roadmap.len() < nodes && progress(graph.roadmap.len()) {
+            graph.add_random(&mut search);
+        }
+        Ok(graph.roadmap)
+    }
+}
+
+struct Graph<'a> {
+    roadmap: Roadmap,
+    neighbours: usize,
+    grower: Grower<'a>,
+    start: usize,
+    /// The node of each goal; none where it was removed.
+    goals: Vec<Option<usize>>,
+}
+
+impl<'a> Graph<'a> {
+    fn new(problem: &'a Problem, roadmap: Roadmap, neighbours: usize) -> Self {
+        let grower = Grower::new(problem, Growth::Step { step_m: RELEASED_STEP_M });
+        Self { roadmap, neighbours, grower, start: 0, goals: Vec::new() }
+    }
+
+    /// Adds a node that is free.
+    fn add(&mut self, q: &[f64], search: &mut Search) -> usize {
+        let begin = Instant::now();
+        let near = self.roadmap.nearest(q, self.neighbours);
+        search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
+        let node = self.roadmap.add(q);
+        let mut first = None;
+        for other in near {
+            if self.grower.edge(self.roadmap.q(other), q, search) {
+                self.roadmap.join(node, other, true);
+                first = first.or(Some(other));
+            }
+        }
+        search.observer.node_added(0, q, first);
+        node
+    }
+
+    fn add_random(&mut self, search: &mut Search) {
+        let q = search.sample();
+        search.statistics.collision_checks += 1;
+        if self.grower.check.is_free(&q) {
+            self.add(&q, search);
+        }
+    }
+
+    /// Step 3.
+    fn proven_way(&mut self, search: &mut Search) -> Option<(Path, usize)> {
+        loop {
+            let start = self.start;
+            let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
+            let reached: Vec<usize> =
+                goals.into_iter().filter(|goal| self.roadmap.are_connected(start, *goal)).collect();
+            if reached.is_empty() {
+                return None;
+            }
+            let way = self.roadmap.shortest_way(start, &reached)?;
+            let refuted = way.windows(2).find(|edge| {
+                let (a, b) = (edge[0], edge[1]);
+                let is_free = self.roadmap.is_proven(a, b)
+                    || self.grower.edge(self.roadmap.q(a), self.roadmap.q(b), search);
+                if is_free {
+                    self.roadmap.set_proven(a, b);
+                }
+                !is_free
+            });
+            match refuted {
+                Some(edge) => self.roadmap.cut(edge[0], edge[1]),
+                None => {
+                    let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
+                    return Some((way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal));
+                }
+            }
+        }
+    }
+}
+
+impl Connector for Graph<'_> {
+    fn add_start(&mut self, q: &[f64], search: &mut Search) {
+        self.start = self.add(q, search);
+    }
+
+    fn add_goal(&mut self, q: &[f64], search: &mut Search) {
+        let node = self.add(q, search);
+        self.goals.push(Some(node));
+    }
+
+    fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
+        // What is connected already needs no further node.
+        self.proven_way(search).or_else(|| {
+            self.add_random(search);
+            self.proven_way(search)
+        })
+    }
+
+    fn remove_goal(&mut self, goal: usize) {
+        self.goals[goal] = None;
+    }
+
+    fn len(&self) -> usize {
+        self.roadmap.len()
+    }
+}
