@@ -13,6 +13,7 @@ use crate::grasps::GraspsArguments;
 use crate::number_argument::{MOST_ITERATIONS, millimetres, seconds, whole};
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
+use crate::roadmap::RoadmapArguments;
 use crate::robot::RobotArguments;
 use crate::scenario::ScenarioArguments;
 use crate::simulate::SimulateArguments;
@@ -77,6 +78,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Look for free configurations at every grasp of a scenario
     Ik(IkArguments),
+    /// Make a roadmap for planner prm, to answer any number of questions with
+    Roadmap(RoadmapArguments),
     /// Make, check, share and convert scenarios
     Scenario(Box<ScenarioArguments>),
     /// Sample, filter and compare grasps
@@ -151,6 +154,7 @@ pub struct TaskArguments {
   cranny plan 021 --margin 5 --grasp-margin 1
   cranny plan 021 --rate 100 --jerk-limited
   cranny plan 021 --optimise 5
+  cranny plan 021 --planner ik-rbt --set critical_m=0.05
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
@@ -175,6 +179,9 @@ pub struct PlanArguments {
     /// Which planner (see `cranny list`) [default: reach under exact, ik-rrt under paper]
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
+    /// A setting of the planner, by its name in docs/planners.md; as often as there are settings
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    pub set: Vec<(String, serde_json::Value)>,
     /// Which score of the grasps counts, wherever one is better than another
     #[arg(long, value_enum, default_value_t = ScoreArgument::Geometric)]
     pub score: ScoreArgument,
@@ -340,6 +347,17 @@ impl From<GeometryArgument> for Geometry {
             GeometryArgument::Export => Self::Export,
         }
     }
+}
+
+/// A value is a number, true or false, or else a text.
+fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("'{text}' is not of the form name=value"))?;
+    let value = match serde_json::from_str(value) {
+        Ok(value @ (serde_json::Value::Number(_) | serde_json::Value::Bool(_))) => value,
+        _ => value.into(),
+    };
+    Ok((name.to_owned(), value))
 }
 
 fn sample_rate(text: &str) -> Result<f64, String> {

@@ -5,6 +5,8 @@
 pub enum FileKind {
     /// `cranny plan`.
     Plan,
+    /// `cranny roadmap`.
+    Roadmap,
     /// `cranny plan --rate`.
     Trajectory,
     /// One configuration a line, comma-separated.
@@ -53,6 +55,7 @@ impl FileKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Plan => "plan file",
+            Self::Roadmap => "roadmap",
             Self::Trajectory => "trajectory",
             Self::Waypoints => "file of way points",
             Self::Grasps => "file of grasps",
@@ -89,6 +92,7 @@ impl FileKind {
         };
         match self {
             Self::Plan => is_object_with(&["scenario", "planner"]),
+            Self::Roadmap => is_object_with(&["format"]) && text.contains("\"cranny-roadmap/"),
             Self::Trajectory => text.starts_with("time_s,"),
             Self::Waypoints => numbers(text) > 0,
             Self::Grasps => text.starts_with("t00,t01,") || (16..=20).contains(&numbers(text)),

@@ -32,6 +32,7 @@ mod render;
 mod render_format;
 mod report_paths;
 mod report_pictures;
+mod roadmap;
 mod robot;
 mod robot_picture;
 mod scenario;
@@ -84,6 +85,7 @@ fn main() -> ExitCode {
         Chosen::Simulate(arguments) => simulate::run(arguments, cli.output),
         Chosen::Bench(arguments) => bench::run(arguments, cli.output),
         Chosen::Robot(arguments) => robot::run(arguments, cli.output),
+        Chosen::Roadmap(arguments) => roadmap::run(arguments, cli.output),
         Chosen::Render(arguments) => render::run(arguments, cli.output),
         Chosen::View(arguments) => view::run(arguments, cli.output),
     };

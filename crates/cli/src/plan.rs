@@ -128,7 +128,7 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
 fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
     Request {
         planner: arguments.planner.clone(),
-        settings: serde_json::Map::default(),
+        settings: arguments.set.iter().cloned().collect(),
         budget: Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit },
         seed: arguments.seed,
         score: arguments.score.into(),

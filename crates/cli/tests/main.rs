@@ -24,6 +24,7 @@ mod optimisation;
 #[cfg(unix)]
 mod output_files;
 mod pictures;
+mod roadmap;
 mod robots;
 mod scenarios;
 mod simulation;
