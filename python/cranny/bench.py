@@ -132,6 +132,7 @@ def run(
     judge_both: bool = False,
     measure_clearance: bool = True,
     carry: str | None = None,
+    grasps: str | None = None,
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
     sandbox: str = "auto",
@@ -144,7 +145,8 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    With `carry`, "home" or "out", the target is carried on once it is grasped. `margin_m` and `grasp_margin_m` are the
+    With `carry`, "home" or "out", the target is carried on once it is grasped. With `grasps`, "none", no set of grasps is
+    given, for planners that make grasps of their own. `margin_m` and `grasp_margin_m` are the
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
     `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
     all of them or not at all. Trials that ended in one of the outcomes `again` ("crashed", "killed", …) are run again.
@@ -176,6 +178,7 @@ def run(
         judge_both=judge_both,
         measure_clearance=measure_clearance,
         carry=carry,
+        grasps=grasps,
         margin_m=margin_m,
         grasp_margin_m=grasp_margin_m,
         sandbox=sandbox,

@@ -43,7 +43,7 @@ where
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, margin_m, grasp_margin_m, sandbox, again, shard, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, grasps, margin_m, grasp_margin_m, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments)] // What a campaign is.
 pub fn run_campaign(
@@ -62,6 +62,7 @@ pub fn run_campaign(
     judge_both: bool,
     measure_clearance: bool,
     carry: Option<&str>,
+    grasps: Option<&str>,
     margin_m: f64,
     grasp_margin_m: f64,
     sandbox: &str,
@@ -85,6 +86,7 @@ pub fn run_campaign(
         demand: PathDemand {
             carry: carry.map(|word| one_of("carry", word)).transpose()?,
             margins: Margins { margin_m, grasp_margin_m },
+            without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,
         },
         exceptions: Vec::new(),
     };
@@ -129,6 +131,15 @@ pub fn run_campaign(
     match ended {
         Ok(ended) => ended.map_err(fault),
         Err(_) => Err(fault("the campaign ended by itself, which is a fault of Cranny's; please report it")),
+    }
+}
+
+/// The only word that a campaign has for grasps.
+fn without_grasp_set(word: &str) -> PyResult<bool> {
+    if word == "none" {
+        Ok(true)
+    } else {
+        Err(bad_value(format!("grasps is '{word}', but \"none\" is expected")))
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_plan::{AuditSettings, Outcome, PlanError, robot_hand};
-use cranny_scenario::{PlanFile, PlanSegment, write_trajectory_csv};
+use cranny_scenario::{GivenGrasps, PlanFile, PlanSegment, write_trajectory_csv};
 use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -93,6 +93,13 @@ impl PyPlan {
     #[getter]
     fn grasp(&self) -> Option<usize> {
         self.file.grasp
+    }
+
+    /// The grasp that the path ends at, where no set of grasps was given: a dictionary of `world_from_gripper` (4 × 4, in the
+    /// planning frame), `opening_m` (between the fingers once they have closed) and `score`; else None.
+    #[getter]
+    fn own_grasp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.file.own_grasp)
     }
 
     /// The least clearance along the whole path in metres, proven; None where there is none.
@@ -205,8 +212,11 @@ impl PyPlan {
             scenario
         } else {
             let what = (file.scenario.clone(),);
-            let criterion = [("criterion", file.criterion.name())].into_py_dict(py)?;
-            named = py.get_type::<PyScenario>().call(what, Some(&criterion))?;
+            let keywords = [("criterion", file.criterion.name())].into_py_dict(py)?;
+            if file.given_grasps() == GivenGrasps::None {
+                keywords.set_item("grasps", GivenGrasps::None.text())?;
+            }
+            named = py.get_type::<PyScenario>().call(what, Some(&keywords))?;
             &named
         };
         let task = Task::of(scenario, file.margins)?;

@@ -1,11 +1,13 @@
 //! `Scenario`: a task, opened, looked at, altered and saved.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Geometry, OpenOptions, Scenario, TargetPhysics, catalogue, write_moveit_scene};
+use cranny_scenario::{
+    Geometry, GivenGrasps, OpenOptions, Scenario, TargetPhysics, catalogue, write_moveit_scene,
+};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -27,7 +29,8 @@ use crate::whole;
 ///
 /// `Scenario("011")` is a built-in one; else `what` is a folder in Cranny's own layout or in the paper's released
 /// one, or a packed `.zip`. `criterion`: "exact" or "paper" (by default what the scenario says, else "exact").
-/// `robot`: the URDF of another robot. `geometry`: "scene" or "export", of a released scenario. Poses are in the planning frame, the root frame of the robot, in metres.
+/// `robot`: the URDF of another robot. `geometry`: "scene" or "export", of a released scenario. `grasps`: a file of other
+/// grasps, or "none", as `without_grasps`. Poses are in the planning frame, the root frame of the robot, in metres.
 /// Immutable: what alters it gives another one.
 #[pyclass(name = "Scenario", module = "cranny", frozen)]
 pub struct PyScenario {
@@ -36,23 +39,27 @@ pub struct PyScenario {
     pub robot_file: Option<PathBuf>,
     /// The geometry that was asked for.
     pub geometry: Option<Geometry>,
+    /// The grasps that were asked for.
+    pub given_grasps: GivenGrasps,
     made: Made,
 }
 
 #[pymethods]
 impl PyScenario {
     #[new]
-    #[pyo3(signature = (what, *, criterion=None, robot=None, geometry=None))]
+    #[pyo3(signature = (what, *, criterion=None, robot=None, geometry=None, grasps=None))]
     fn new(
         py: Python<'_>,
         what: PathBuf,
         criterion: Option<&str>,
         robot: Option<PathBuf>,
         geometry: Option<&str>,
+        grasps: Option<PathBuf>,
     ) -> PyResult<Self> {
+        let given_grasps = GivenGrasps::of_text(grasps.as_deref().map(Path::to_string_lossy).as_deref());
         let criterion = criterion.map(criterion_of).transpose()?;
         let geometry = geometry.map(geometry_of).transpose()?;
-        let options = OpenOptions { criterion, robot: robot.clone(), geometry, grasps: None };
+        let options = OpenOptions { criterion, robot: robot.clone(), geometry, grasps: given_grasps.clone() };
         let text = what.to_string_lossy().into_owned();
         let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
         // As a built-in one is opened by its id in whatever folder.
@@ -62,23 +69,31 @@ impl PyScenario {
         keywords.set_item("criterion", criterion.map(Criterion::name))?;
         keywords.set_item("robot", robot.as_deref().map(absolute).transpose()?)?;
         keywords.set_item("geometry", geometry.map(Geometry::name))?;
+        keywords.set_item(
+            "grasps",
+            match &given_grasps {
+                GivenGrasps::File(file) => Some(absolute(file)?),
+                GivenGrasps::Own | GivenGrasps::None => grasps,
+            },
+        )?;
         let made = Made::opened(py.get_type::<Self>().as_any(), (what,), &keywords)?;
-        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, geometry, made })
+        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, geometry, given_grasps, made })
     }
 
     /// Opens the scenario at `path`: a folder or a packed `.zip`, never a built-in one.
     #[staticmethod]
-    #[pyo3(signature = (path, *, criterion=None, robot=None, geometry=None))]
+    #[pyo3(signature = (path, *, criterion=None, robot=None, geometry=None, grasps=None))]
     fn load(
         py: Python<'_>,
         path: PathBuf,
         criterion: Option<&str>,
         robot: Option<PathBuf>,
         geometry: Option<&str>,
+        grasps: Option<PathBuf>,
     ) -> PyResult<Self> {
         // `./021` is the folder, `021` the built-in scenario.
         let path = if path.is_absolute() { path } else { PathBuf::from(".").join(path) };
-        Self::new(py, path, criterion, robot, geometry)
+        Self::new(py, path, criterion, robot, geometry, grasps)
     }
 
     /// The built-in id, or the name of the folder.
@@ -178,6 +193,13 @@ impl PyScenario {
     fn with_grasps<'py>(slf: &Bound<'py, Self>, grasps: &Bound<'py, PyGrasps>) -> PyResult<Self> {
         let scenario = slf.get().scenario.with_grasps(grasps.get().set.clone());
         Self::altered(slf, scenario, ("with_grasps", grasps))
+    }
+
+    /// The same scenario without a set of grasps: `plan` then makes a grasp of its own (`plan.own_grasp`), which is judged by
+    /// its contacts on the target's mesh and by whether the fingers can close on it.
+    fn without_grasps(slf: &Bound<'_, Self>) -> PyResult<Self> {
+        let scenario = slf.get().scenario.without_grasps();
+        Ok(Self { given_grasps: GivenGrasps::None, ..Self::altered(slf, scenario, ("without_grasps",))? })
     }
 
     /// The same scenario from another start, (dof,).
@@ -283,8 +305,15 @@ impl PyScenario {
     }
 
     fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
-        let robot_file = own.get().robot_file.clone();
-        Self { scenario: Arc::new(scenario), robot_file, geometry: own.get().geometry, made: Made::UNKNOWN }
+        let own = own.get();
+        let (robot_file, geometry) = (own.robot_file.clone(), own.geometry);
+        // Grasps that were given by hand have no file.
+        let given_grasps = if scenario.has_grasp_set && scenario.grasps != own.scenario.grasps {
+            GivenGrasps::Own
+        } else {
+            own.given_grasps.clone()
+        };
+        Self { scenario: Arc::new(scenario), robot_file, geometry, given_grasps, made: Made::UNKNOWN }
     }
 
     /// The problem to plan for.

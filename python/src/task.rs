@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cranny_collision::Margins;
 use cranny_plan::Problem;
-use cranny_scenario::{PlanSource, Scenario};
+use cranny_scenario::{GivenGrasps, PlanSource, Scenario};
 use pyo3::prelude::*;
 
 use crate::fault::bad_type;
@@ -31,7 +31,7 @@ impl Task {
                     scenario: scenario.scenario.id.clone(),
                     robot: scenario.robot_file.clone(),
                     geometry: scenario.geometry,
-                    grasps: None,
+                    grasps: scenario.given_grasps.clone(),
                     margins,
                 },
                 problem: scenario.problem(margins)?,
@@ -46,7 +46,7 @@ impl Task {
                     scenario: problem.problem.id.clone(),
                     robot: problem.robot_file.clone(),
                     geometry: None,
-                    grasps: None,
+                    grasps: GivenGrasps::Own,
                     margins: Margins { grasp_margin_m: 0.0, ..margins },
                 },
                 problem: problem.problem(margins)?,

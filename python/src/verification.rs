@@ -36,6 +36,12 @@ impl PyVerification {
         python_of(py, &self.audit.goal)
     }
 
+    /// The grasp that the path ends at, where no set of grasps is given, as `Plan.own_grasp`; None where it is none.
+    #[getter]
+    fn own_grasp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.audit.own_grasp)
+    }
+
     /// The least distance along the whole path in metres, certified from below; None under "paper", or where there
     /// is nothing to touch.
     #[getter]

@@ -56,6 +56,30 @@ def test_a_target_is_carried_home(scenario: cranny.Scenario, tmp_path: Path) -> 
         cranny.plan(scenario, "ik-rrt", carry="home")
 
 
+def test_a_plan_makes_a_grasp_of_its_own_where_no_set_is_given(
+    scenario: cranny.Scenario, tmp_path: Path
+) -> None:
+    without = scenario.without_grasps()
+    assert len(without.grasps) == 0
+    plan = cranny.plan(without)
+    assert plan and plan.grasp is None and plan.own_grasp is not None
+    assert plan.report["planner"] == "grasp-reach" and plan.report["grasps"] == "none"
+    assert np.allclose(plan.own_grasp["world_from_gripper"], scenario.robot.fk(plan.path[-1]), atol=1e-9)
+    assert 0.2 <= plan.own_grasp["score"] <= 1.0 and 0.0 < plan.own_grasp["opening_m"] < 0.08
+    verification = plan.verify()
+    assert verification and verification.own_grasp == plan.own_grasp
+    assert cranny.verify_path(without, plan.path).own_grasp == plan.own_grasp
+    plan.save(tmp_path / "own.plan.json")
+    again = cranny.Plan.load(tmp_path / "own.plan.json")
+    assert again and again.own_grasp == plan.own_grasp
+    named = cranny.Scenario(scenario.id, grasps="none")
+    assert np.array_equal(cranny.plan(named).path, plan.path)
+    with pytest.raises(ValueError, match="grasp-reach, grasp-rrt"):
+        cranny.plan(without, "ik-rrt")
+    with pytest.raises(ValueError, match="makes grasps of its own"):
+        cranny.plan(scenario, "grasp-reach")
+
+
 def test_the_same_seed_gives_the_same_path_and_the_time_that_limits_allow(
     scenario: cranny.Scenario, plan: cranny.Plan
 ) -> None:

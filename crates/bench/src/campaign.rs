@@ -165,7 +165,7 @@ impl Campaign {
                 goals: None,
             };
             for criterion in &criteria {
-                let opened = OpenedScenario::open(&source.source, *criterion, self.demand.margins)?;
+                let opened = OpenedScenario::open(&source.source, *criterion, self.demand)?;
                 if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
                     source.goals = Some(opened.goals()?.len());
                 }
@@ -312,6 +312,16 @@ impl Campaign {
         {
             if is_empty {
                 return Err(BenchError::Empty { what });
+            }
+        }
+        if self.demand.without_grasp_set {
+            let needing = [
+                ("each_goal", self.planners.iter().any(|planner| planner.each_goal)),
+                ("judge_both", self.judge_both),
+                ("criterion paper", self.criteria.contains(&Criterion::Paper)),
+            ];
+            if let Some((what, _)) = needing.into_iter().find(|(_, is_asked)| *is_asked) {
+                return Err(BenchError::NeedsGraspSet { what });
             }
         }
         let mut names = HashSet::new();

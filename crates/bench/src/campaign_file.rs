@@ -37,11 +37,20 @@ struct CampaignEntry {
     #[serde(default)]
     carry: Option<CarryTo>,
     #[serde(default)]
+    grasps: Option<GraspsEntry>,
+    #[serde(default)]
     margin_m: Option<Spanned<f64>>,
     #[serde(default)]
     grasp_margin_m: Option<Spanned<f64>>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
+}
+
+/// The only word that a campaign has for grasps: others than those of its scenarios it does not take.
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum GraspsEntry {
+    None,
 }
 
 #[derive(Deserialize)]
@@ -138,7 +147,7 @@ impl Campaign {
                 .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
-            demand: PathDemand { carry: entry.carry, margins },
+            demand: PathDemand { carry: entry.carry, margins, without_grasp_set: entry.grasps.is_some() },
             exceptions,
         })
     }

@@ -144,6 +144,12 @@ pub enum BenchError {
         /// How many there are.
         known: usize,
     },
+    /// A campaign without a set of grasps asks for what only a set can give.
+    #[error("with `grasps: none` there is no {what}, which takes a set of grasps")]
+    NeedsGraspSet {
+        /// What is asked.
+        what: &'static str,
+    },
     /// A campaign would ask nothing.
     #[error("the campaign has no {what}")]
     Empty {

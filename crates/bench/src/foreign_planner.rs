@@ -230,7 +230,9 @@ impl ForeignFiles {
     fn write(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
         // Of one content there is one export for each worker, which nobody else writes or reads.
         let hash = &request.question.trial.scenario_hash;
-        let folder = request.exports.join(format!("{}-{hash}", std::process::id()));
+        // Who is given no set of grasps finds none beside it either.
+        let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
+        let folder = request.exports.join(format!("{}-{hash}{kind}", std::process::id()));
         let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
         let scratch = folder.join("scratch");
         std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;
@@ -247,7 +249,8 @@ impl ForeignFiles {
         let is_whole = mark.is_file();
         if !is_whole {
             recipe.robot.write(&folder.join("robot"))?;
-            let recipe = Recipe { ik: opened.goals()?.to_vec(), ..recipe };
+            let ik = if opened.scenario.has_grasp_set { opened.goals()?.to_vec() } else { Vec::new() };
+            let recipe = Recipe { ik, ..recipe };
             recipe.write_folder(&files.cranny)?;
             recipe.write_released(&files.released)?;
             std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;
@@ -257,7 +260,10 @@ impl ForeignFiles {
         }
         // A released scenario is given as it is, with its own robot.
         let source = Path::new(&request.question.source);
-        if source.join("scene.yaml").is_file() && source.join("export/obstacles.obj").is_file() {
+        if opened.scenario.has_grasp_set
+            && source.join("scene.yaml").is_file()
+            && source.join("export/obstacles.obj").is_file()
+        {
             source.clone_into(&mut files.released);
             let robot = source.join("../../robots/franka_panda/mobile_panda_fingersSmallMesh.urdf");
             if robot.is_file() {

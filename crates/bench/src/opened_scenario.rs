@@ -19,10 +19,11 @@ pub struct OpenedScenario {
 }
 
 impl OpenedScenario {
-    pub fn open(source: &str, criterion: Criterion, margins: Margins) -> Result<Self, ScenarioError> {
-        let options = OpenOptions { criterion: Some(criterion), ..OpenOptions::default() };
+    pub fn open(source: &str, criterion: Criterion, demand: PathDemand) -> Result<Self, ScenarioError> {
+        let grasps = demand.given_grasps();
+        let options = OpenOptions { criterion: Some(criterion), grasps, ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(margins)?;
+        let problem = scenario.problem(demand.margins)?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
@@ -73,12 +74,13 @@ impl OpenedScenarios {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
-        let margins = PathDemand::of_settings(&trial.settings).margins;
-        let key = (source.to_owned(), criterion.name(), format!("{margins:?}"));
+        // Where an object is carried to plays no part.
+        let demand = PathDemand { carry: None, ..PathDemand::of_settings(&trial.settings) };
+        let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));
         if let Some(opened) = self.opened.get(&key) {
             return Ok(opened.clone());
         }
-        let opened = Rc::new(OpenedScenario::open(source, criterion, margins)?);
+        let opened = Rc::new(OpenedScenario::open(source, criterion, demand)?);
         self.opened.insert(key, opened.clone());
         Ok(opened)
     }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use cranny_collision::Margins;
+use cranny_scenario::GivenGrasps;
 use serde_json::Value;
 
 use crate::CarryTo;
@@ -15,14 +16,21 @@ pub struct PathDemand {
     pub carry: Option<CarryTo>,
     /// How much clearance it keeps. Default: contact alone counts.
     pub margins: Margins,
+    /// Whether no set of grasps is given, so that a path ends at a grasp that its planner made. Default: one is.
+    pub without_grasp_set: bool,
 }
 
 /// What it is called among settings.
 const CARRY: &str = "carry";
 const MARGIN: &str = "margin_m";
 const GRASP_MARGIN: &str = "grasp_margin_m";
+/// The only word for grasps that there is.
+const NONE: &str = "none";
 
 impl PathDemand {
+    /// Under what whether a set of grasps is given stands among settings.
+    pub(crate) const GRASPS: &str = "grasps";
+
     /// The settings of a planner, as canonical JSON, with what the trial asks of it.
     pub(crate) fn among(self, settings: String) -> String {
         if self == Self::default() {
@@ -33,6 +41,9 @@ impl PathDemand {
         let mut all: BTreeMap<&str, Value> = parsed.unwrap_or_default();
         if let Some(carry) = self.carry {
             all.insert(CARRY, carry.name().into());
+        }
+        if self.without_grasp_set {
+            all.insert(Self::GRASPS, NONE.into());
         }
         let Margins { margin_m, grasp_margin_m } = self.margins;
         for (key, value) in [(MARGIN, margin_m), (GRASP_MARGIN, grasp_margin_m)] {
@@ -50,7 +61,13 @@ impl PathDemand {
         Self {
             carry: all.get(CARRY).and_then(Value::as_str).and_then(|name| name.parse().ok()),
             margins: Margins { margin_m: metres(MARGIN), grasp_margin_m: metres(GRASP_MARGIN) },
+            without_grasp_set: all.get(Self::GRASPS).and_then(Value::as_str) == Some(NONE),
         }
+    }
+
+    /// Which grasps a path may end at.
+    pub fn given_grasps(self) -> GivenGrasps {
+        if self.without_grasp_set { GivenGrasps::None } else { GivenGrasps::Own }
     }
 }
 
@@ -67,7 +84,9 @@ mod tests {
         for demand in [
             PathDemand { carry: Some(CarryTo::Home), ..PathDemand::default() },
             PathDemand { margins, ..PathDemand::default() },
-            PathDemand { carry: Some(CarryTo::Out), margins },
+            PathDemand { carry: Some(CarryTo::Out), margins, ..PathDemand::default() },
+            PathDemand { without_grasp_set: true, ..PathDemand::default() },
+            PathDemand { carry: Some(CarryTo::Home), margins, without_grasp_set: true },
         ] {
             assert_eq!(PathDemand::of_settings(&demand.among(settings.clone())), demand);
         }

@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
-use cranny_scenario::Geometry;
+use cranny_scenario::{Geometry, GivenGrasps};
 
 use crate::bench::BenchArguments;
 use crate::grasps::GraspsArguments;
@@ -141,9 +141,10 @@ pub struct TaskArguments {
     /// [default: scene under exact, export under paper]
     #[arg(long, value_enum)]
     pub geometry: Option<GeometryArgument>,
-    /// File of grasps in the planning frame [default: the scenario's own]
-    #[arg(long, value_name = "FILE")]
-    pub grasps: Option<PathBuf>,
+    /// File of grasps in the planning frame, or `none`: no set is given, and the planner makes a grasp of its own, which
+    /// `verify` measures on the target's mesh [default: the scenario's own]
+    #[arg(long, value_name = "FILE|none")]
+    pub grasps: Option<GivenGrasps>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -158,6 +159,7 @@ pub struct TaskArguments {
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
+  cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
     .required(false)
@@ -176,7 +178,7 @@ pub struct PlanArguments {
                 model, whose URDF and SRDF lie beside the scene or in the folder above, or for --robot"
     )]
     pub moveit: Vec<PathBuf>,
-    /// Which planner (see `cranny list`) [default: reach under exact, ik-rrt under paper]
+    /// Which planner (see `cranny list`) [default: reach under exact, grasp-reach with --grasps none, ik-rrt under paper]
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
     /// A setting of the planner, by its name in docs/planners.md; as often as there are settings
@@ -239,8 +241,8 @@ pub struct PlanArguments {
   cranny verify path/to/scenarios/011 way_points.csv --margin 2
   cranny verify --moveit scene0001.yaml request0001.yaml scene0001.plan.json
 
-Way points: a plan file, or one configuration a line, comma-separated (.csv, .try). Criterion and margins
-are those of the plan file unless flags say otherwise.",
+Way points: a plan file, or one configuration a line, comma-separated (.csv, .try). Criterion, margins and
+whether a set of grasps is given are those of the plan file unless flags say otherwise.",
     override_usage = "cranny verify [OPTIONS] <ID> <PLAN>
        cranny verify [OPTIONS] --moveit <SCENE> <REQUEST> <PLAN>"
 )]

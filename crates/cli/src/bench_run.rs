@@ -31,6 +31,7 @@ use crate::text;
   cranny bench run campaign.yaml -o results.db
   cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
   cranny bench run --scenarios all --planners reach --carry home
+  cranny bench run --scenarios all --planners grasp-reach,grasp-rrt --grasps none
   cranny bench run campaign.yaml -o results.db --again killed,crashed     once more what was lost
   cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
 
@@ -86,6 +87,9 @@ pub struct RunArguments {
     /// everything but the floor
     #[arg(long, value_name = "home|out", value_parser = carry_to)]
     carry: Option<CarryTo>,
+    /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
+    #[arg(long, value_name = "none", value_parser = ["none"])]
+    grasps: Option<String>,
     #[command(flatten)]
     margins: MarginArguments,
     /// Walls around the programs of others: those that this machine has (auto), none (off), or all of them or nothing is
@@ -257,6 +261,7 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
     }
     campaign.judge_both |= arguments.judge_both;
     campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
+    campaign.demand.without_grasp_set |= arguments.grasps.is_some();
     campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
     campaign.measure_clearance &= !arguments.no_clearance;
     if campaign.scenarios.is_empty() {

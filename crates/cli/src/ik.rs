@@ -2,7 +2,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
-use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
@@ -14,7 +13,7 @@ use crate::Answer;
 use crate::arguments::{IkArguments, Output};
 use crate::failure::Failure;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::task::Task;
+use crate::task::{Demand, Task};
 use crate::text::{self, degrees, millimetres};
 
 /// What `ik --json` prints; the keys stay.
@@ -37,7 +36,7 @@ struct Annotated<'a> {
 }
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, None, Margins::default(), output)?;
+    let Task { scenario, mut problem, .. } = Task::open(&arguments.task, Demand::default(), output)?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());

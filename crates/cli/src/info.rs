@@ -1,6 +1,5 @@
 use std::fmt::Write;
 
-use cranny_collision::Margins;
 use cranny_plan::NotChecked;
 use serde::Serialize;
 
@@ -8,7 +7,7 @@ use crate::Answer;
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::start;
-use crate::task::Task;
+use crate::task::{Demand, Task};
 use crate::text;
 
 #[derive(Serialize)]
@@ -37,7 +36,7 @@ struct Body {
 }
 
 pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem, .. } = Task::open(arguments, None, Margins::default(), output)?;
+    let Task { scenario, problem, .. } = Task::open(arguments, Demand::default(), output)?;
     let (robot, world) = (&scenario.robot, &scenario.world);
     let mut info = Info {
         scenario: scenario.id.clone(),

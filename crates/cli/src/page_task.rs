@@ -2,7 +2,9 @@ use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
 use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, audit};
-use cranny_scenario::{Geometry, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints};
+use cranny_scenario::{
+    Geometry, GivenGrasps, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints,
+};
 use cranny_solve::{Timing, ik_statuses};
 use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
 
@@ -23,6 +25,8 @@ pub struct PageRequest<'a> {
     pub geometry: Option<GeometryArgument>,
     /// What bare way points are judged by, if not by the scenario's own criterion.
     pub criterion: Option<Criterion>,
+    /// Which grasps the path may end at, if not those that the plans name.
+    pub grasps: GivenGrasps,
     /// Whether the searches are run again, and their trees shown.
     pub search_trees: bool,
 }
@@ -50,12 +54,15 @@ impl PageTask {
         let files =
             request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
-        let grasps_of = |plan: &PlanFile| plan.grasps.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: request.criterion,
             robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
-            grasps: files.iter().flatten().find_map(grasps_of),
+            grasps: files
+                .iter()
+                .flatten()
+                .map(PlanFile::given_grasps)
+                .fold(request.grasps.clone(), GivenGrasps::or),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;

@@ -2,7 +2,6 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cranny_collision::Margins;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{AuditSettings, Budget, CarryEnd, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
 use cranny_scenario::{PlanFile, PlanTiming, read_waypoints, write_trajectory_csv};
@@ -18,6 +17,7 @@ use crate::output_file;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
+use crate::task::Demand;
 use crate::text::{self, degrees, millimetres};
 
 /// What `plan --json` prints; the keys stay.
@@ -43,7 +43,7 @@ struct Answered<'a> {
 pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();
     let PlanTask { source, grasps, problem } =
-        PlanTask::open(&arguments.task, &arguments.moveit, None, Margins::default(), output)?;
+        PlanTask::open(&arguments.task, &arguments.moveit, Demand::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let request = request(arguments, carry(arguments, problem.robot().dof())?);
     request.check(&problem)?;
@@ -223,6 +223,9 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         };
         line("grasp", format!("{grasp} of {count} ({name} {})", text::score(score)));
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
+    }
+    if let Some(grasp) = &plan.own_grasp {
+        line("grasp", text::own_grasp(grasp));
     }
     if let Some(clearance) = plan.clearance_m {
         let but_for = text::but_for(&plan.not_checked);

@@ -2,13 +2,13 @@ use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
-use cranny_plan::{Criterion, Problem};
+use cranny_plan::Problem;
 use cranny_robot::Robot;
 use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
-use crate::task::{Task, note_all};
+use crate::task::{Demand, Task, note_all};
 use crate::text;
 
 /// What is planned or judged: a scenario, or a problem in other people's files.
@@ -26,24 +26,24 @@ pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, ScenarioError> {
 }
 
 impl PlanTask {
-    /// What the flags say, `moveit` being a scene and a request or nothing; where they are silent the given
-    /// criterion and margins, else the defaults.
+    /// What the flags say, `moveit` being a scene and a request or nothing; where they are silent what is demanded
+    /// otherwise.
     pub fn open(
         arguments: &TaskArguments,
         moveit: &[PathBuf],
-        criterion: Option<Criterion>,
-        margins: Margins,
+        otherwise: Demand,
         output: Output,
     ) -> Result<Self, Failure> {
         if let [scene, request] = moveit {
-            return Self::open_moveit([scene, request], arguments, margins, output);
+            return Self::open_moveit([scene, request], arguments, otherwise.margins, output);
         }
-        let Task { scenario, problem, margins } = Task::open(arguments, criterion, margins, output)?;
+        let grasps = arguments.grasps.as_ref().unwrap_or(&otherwise.grasps).clone();
+        let Task { scenario, problem, margins } = Task::open(arguments, otherwise, output)?;
         let source = PlanSource {
             scenario: scenario.id,
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
-            grasps: arguments.grasps.clone(),
+            grasps,
             margins,
         };
         Ok(Self { source, grasps: scenario.grasps, problem })

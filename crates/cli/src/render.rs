@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cranny_plan::Problem;
-use cranny_scenario::{OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
@@ -223,6 +223,7 @@ fn page(id: &str, arguments: &RenderArguments, output: Output) -> Result<Rendere
         robot: arguments.robot.as_deref(),
         geometry: arguments.geometry,
         criterion: None,
+        grasps: GivenGrasps::Own,
         search_trees: arguments.search_tree,
     };
     PageTask::open(&request, output)?.page.write_html(&arguments.output)?;
@@ -354,7 +355,7 @@ fn scene(
         criterion: None,
         robot: arguments.robot.clone().or(of_plan(|plan| &plan.robot)),
         geometry: arguments.geometry.map(Into::into),
-        grasps: of_plan(|plan| &plan.grasps),
+        grasps: read.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
     };
     let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {

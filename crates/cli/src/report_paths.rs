@@ -95,6 +95,7 @@ fn content(shown: &Shown, output: Output) -> Result<String, Failure> {
         robot: None,
         geometry: None,
         criterion: Some(trial.criterion),
+        grasps: PathDemand::of_settings(&trial.settings).given_grasps(),
         search_trees: false,
     };
     let task = PageTask::open(&request, Output { quiet: true, ..output })?;

@@ -3,7 +3,6 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use clap::Args;
-use cranny_collision::Margins;
 use cranny_plan::Prm;
 use serde::Serialize;
 
@@ -14,7 +13,7 @@ use crate::file_kind::FileKind;
 use crate::number_argument::whole;
 use crate::output_file;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::task::Task;
+use crate::task::{Demand, Task};
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -54,7 +53,7 @@ struct Answered {
 }
 
 pub fn run(arguments: &RoadmapArguments, output: Output) -> Result<Answer, Failure> {
-    let Task { scenario, problem, .. } = Task::open(&arguments.task, None, Margins::default(), output)?;
+    let Task { scenario, problem, .. } = Task::open(&arguments.task, Demand::default(), output)?;
     let file = arguments.output.clone();
     let file = file.unwrap_or_else(|| PathBuf::from(format!("{}.roadmap.json", scenario.id)));
     output_file::check(&file, FileKind::Roadmap, output)?;

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, read_waypoints};
 use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanTest, TrackingError};
 use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
@@ -70,7 +70,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let options = OpenOptions {
         criterion: plan.as_ref().map(|plan| plan.criterion),
         robot: arguments.robot.clone().or_else(of_plan),
-        grasps: plan.as_ref().and_then(|plan| plan.grasps.clone()).map(PathBuf::from),
+        grasps: plan.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
         ..OpenOptions::default()
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;

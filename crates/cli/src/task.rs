@@ -2,7 +2,7 @@ use std::fmt::Display;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{OpenOptions, Scenario, mesh_repairs};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, mesh_repairs};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -15,19 +15,34 @@ pub struct Task {
     pub margins: Margins,
 }
 
+/// What is demanded where flags are silent. Default: what the scenario says, and no margins.
+#[derive(Clone, Debug, Default)]
+pub struct Demand {
+    pub criterion: Option<Criterion>,
+    pub grasps: GivenGrasps,
+    pub margins: Margins,
+}
+
+impl Demand {
+    /// What a plan was made for. A file of grasps that it names need not be here.
+    pub fn of_plan(plan: &PlanFile) -> Self {
+        let grasps = match plan.given_grasps() {
+            GivenGrasps::None => GivenGrasps::None,
+            GivenGrasps::Own | GivenGrasps::File(_) => GivenGrasps::Own,
+        };
+        Self { criterion: Some(plan.criterion), grasps, margins: plan.margins }
+    }
+}
+
 impl Task {
-    /// What the flags say; where they are silent the given criterion and margins, else the defaults.
-    pub fn open(
-        arguments: &TaskArguments,
-        criterion: Option<Criterion>,
-        margins: Margins,
-        output: Output,
-    ) -> Result<Self, Failure> {
+    /// What the flags say; where they are silent what is demanded otherwise.
+    pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
+        let Demand { criterion, grasps, margins } = otherwise;
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone(),
             geometry: arguments.geometry.map(Into::into),
-            grasps: arguments.grasps.clone(),
+            grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
         let margins = arguments.margins.or(margins);

@@ -1,7 +1,7 @@
 use std::io::Write;
 
 use cranny_file::visible;
-use cranny_plan::{NotChecked, NotCheckedReason};
+use cranny_plan::{NotChecked, NotCheckedReason, OwnGrasp};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -61,6 +61,12 @@ pub fn degrees(radians: f64) -> String {
 /// A score for a person; "—" where there is none.
 pub fn score(score: Option<f64>) -> String {
     score.map_or_else(|| "—".to_owned(), |s| format!("{s:.2}"))
+}
+
+/// A grasp that a planner made.
+pub fn own_grasp(grasp: &OwnGrasp) -> String {
+    let OwnGrasp { opening_m, score: own, .. } = grasp;
+    format!("of its own (score {}), fingers {} apart when closed", score(Some(*own)), millimetres(*opening_m))
 }
 
 /// What is said right after "proven" or "valid" where something was not compared.

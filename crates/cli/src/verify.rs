@@ -1,32 +1,33 @@
 use std::fmt::Write as _;
 
 use cranny_plan::{Audit, AuditSettings, audit_with};
-use cranny_scenario::read_waypoints;
+use cranny_scenario::{PlanFile, read_waypoints};
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
 use crate::plan_task::{PlanTask, check_plan, read_plan};
+use crate::task::Demand;
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
     let plan = read_plan(file)?;
-    let criterion = plan.as_ref().map(|plan| plan.criterion);
-    let margins = plan.as_ref().map(|plan| plan.margins).unwrap_or_default();
+    let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
     let PlanTask { source, problem, .. } =
-        PlanTask::open(&arguments.task, &arguments.moveit, criterion, margins, output)?;
+        PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     if let Some(plan) = &plan {
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
     }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let carried = plan.as_ref().filter(|plan| plan.segments.len() > 1).cloned();
+    let says_more = |plan: &&PlanFile| plan.segments.len() > 1 || plan.own_grasp.is_some();
+    let telling = plan.as_ref().filter(says_more).cloned();
     // A pipe can be read once only.
     let path = match plan {
         Some(plan) => plan.into_waypoints(file, problem.robot().dof())?,
         None => read_waypoints(file, problem.robot().dof())?,
     };
-    let audit = match carried.map(|plan| plan.audit(&problem, settings)).transpose()?.flatten() {
+    let audit = match telling.map(|plan| plan.audit(&problem, settings)).transpose()?.flatten() {
         Some(audit) => audit,
         None => audit_with(&problem, &path, settings)?,
     };
@@ -56,6 +57,9 @@ fn page(audit: &Audit, way_points: usize) -> String {
             millimetres(translation),
             degrees(rotation)
         );
+    }
+    if let Some(grasp) = &audit.own_grasp {
+        let _ = writeln!(page, "  goal        {}", text::own_grasp(grasp));
     }
     for pair in &audit.not_checked {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));

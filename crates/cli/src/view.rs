@@ -66,6 +66,7 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
         robot: arguments.robot.as_deref(),
         geometry: arguments.geometry,
         criterion: None,
+        grasps: cranny_scenario::GivenGrasps::Own,
         search_trees: arguments.search_tree,
     };
     let PageTask { page, cells } = PageTask::open(&request, output)?;

@@ -185,3 +185,94 @@ fn list_info_and_help_answer() {
         assert!(String::from_utf8_lossy(&help.stdout).contains("Examples"), "{command}");
     }
 }
+
+#[test]
+fn a_grasp_of_its_own_is_planned_and_judged_and_lies_about_it_are_found() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "021", "--grasps", "none", "--json"]);
+    assert_eq!(planned.status.code(), Some(0), "{}", String::from_utf8_lossy(&planned.stderr));
+    let plan = json(&planned);
+    assert_eq!((&plan["planner"], &plan["grasps"]), (&"grasp-reach".into(), &"none".into()));
+    has_keys(&plan["own_grasp"], "world_from_gripper opening_m score");
+    assert!(plan["grasp"].is_null());
+    let verify = |name: &str| cranny(folder.path(), &["verify", "021", name, "--json"]);
+    let verdict = json(&verify("021.plan.json"));
+    assert_eq!((&verdict["valid"], &verdict["own_grasp"]), (&true.into(), &plan["own_grasp"]));
+    let info = cranny(folder.path(), &["info", "021", "--grasps", "none", "--json"]);
+    assert_eq!(json(&info)["grasps"], 0);
+
+    let read = std::fs::read_to_string(folder.path().join("021.plan.json")).expect("a plan");
+    let sound: Value = serde_json::from_str(&read).expect("JSON");
+    for (pointer, value, code, says) in [
+        ("/own_grasp/score", 0.999.into(), 1, "and not 0.999"),
+        ("/own_grasp/opening_m", 0.001.into(), 1, "and not 1.00"),
+        ("/own_grasp/world_from_gripper/0/3", 9.0.into(), 1, "from the one that is said"),
+        ("/own_grasp/world_from_gripper/0/0", 9.0.into(), 1, "is no pose"),
+        ("/own_grasp/world_from_gripper", Value::Null, 2, "lie.plan.json"),
+        ("/own_grasp/score", Value::Null, 2, "lie.plan.json"),
+    ] {
+        let mut lie = sound.clone();
+        *lie.pointer_mut(pointer).expect("a key") = value;
+        std::fs::write(folder.path().join("lie.plan.json"), lie.to_string()).expect("a writable folder");
+        let judged = cranny(folder.path(), &["verify", "021", "lie.plan.json"]);
+        let said = [judged.stdout, judged.stderr].concat();
+        let said = String::from_utf8_lossy(&said);
+        assert!(judged.status.code() == Some(code) && said.contains(says), "{pointer}: {said}");
+    }
+}
+
+#[test]
+fn what_goes_with_no_set_of_grasps_is_said() {
+    let folder = folder();
+    for (arguments, says) in [
+        (&["plan", "021", "--grasps", "none", "--planner", "ik-rrt"][..], "grasp-reach, grasp-rrt"),
+        (&["plan", "021", "--planner", "grasp-rrt"], "--grasps none"),
+        (&["plan", "021", "--grasps", "none", "--criterion", "paper"], "the exact criterion"),
+        (&["plan", "021", "--grasps", "none", "--score", "physics"], "geometric score"),
+        (&["plan", "021", "--grasps", "nowhere.csv"], "nowhere.csv"),
+        (
+            &["bench", "run", "--scenarios", "021", "--planners", "reach", "--grasps", "none"],
+            "grasp-reach, grasp-rrt",
+        ),
+        (
+            &[
+                "bench",
+                "run",
+                "--scenarios",
+                "021",
+                "--planners",
+                "grasp-reach",
+                "--grasps",
+                "none",
+                "--judge-both",
+            ],
+            "judge_both",
+        ),
+    ] {
+        let refused = cranny(folder.path(), arguments);
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && said.contains(says), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn trials_with_and_without_a_set_of_grasps_stand_apart() {
+    let folder = folder();
+    let run = |more: &[&str]| {
+        let all = [&["bench", "run", "--scenarios", "021", "--runs", "2", "--quiet"], more].concat();
+        let ran = cranny(folder.path(), &all);
+        assert_eq!(ran.status.code(), Some(0), "{}", String::from_utf8_lossy(&ran.stderr));
+    };
+    run(&["--planners", "grasp-reach", "--grasps", "none"]);
+    run(&["--planners", "reach"]);
+    let report = cranny(folder.path(), &["bench", "report", "results.db", "--format", "json"]);
+    let summary = json(&report);
+    let rows = summary["rows"].as_array().expect("rows");
+    let mut names: Vec<_> = rows.iter().filter_map(|row| row["planner_name"].as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["grasp-reach (no grasp set)", "reach"]);
+    assert!(rows.iter().all(|row| row["solved"] == 2 && row["grasp_score"].is_object()), "{rows:?}");
+    assert!(summary["warnings"].to_string().contains("another problem"), "{}", summary["warnings"]);
+    let replayed = cranny(folder.path(), &["bench", "replay", "results.db", "1"]);
+    assert_eq!(replayed.status.code(), Some(0), "{}", String::from_utf8_lossy(&replayed.stderr));
+}

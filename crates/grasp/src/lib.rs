@@ -30,6 +30,6 @@ pub use hand::{BoxHand, Finger, Hand};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};
 pub use robust_score::RobustScore;
-pub use sampler::{FirstApproach, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
+pub use sampler::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
 pub use score_kind::ScoreKind;
 pub use subset::{covering_subset, farthest_subset, random_subset};

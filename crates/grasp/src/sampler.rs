@@ -129,15 +129,14 @@ pub fn sample_grasps(
     accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Sampling, GraspError> {
-    settings.check()?;
-    let area = AreaDistribution::new(surface).ok_or(GraspError::NoArea)?;
+    let sampler = GraspSampler::new(surface, settings)?;
     let mut found = Sampling::default();
     let mut twins = TwinFilter::default();
     let mut chunk = 0;
     while found.grasps.len() < settings.count && found.first_contacts < settings.most_contacts {
         let wave: Vec<Chunk> = (chunk..chunk + CHUNKS_PER_WAVE)
             .into_par_iter()
-            .map(|chunk| Chunk::sampled(chunk, surface, &area, settings, accept))
+            .map(|chunk| Chunk::sampled(chunk, &sampler, accept))
             .collect();
         chunk += CHUNKS_PER_WAVE;
         for chunk in wave {
@@ -219,39 +218,64 @@ struct Chunk {
 }
 
 impl Chunk {
-    fn sampled(
-        number: u64,
-        surface: &Surface,
-        area: &AreaDistribution,
-        settings: &SamplerSettings,
-        accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
-    ) -> Self {
-        let mut random = Stream::new(settings.seed, number);
+    fn sampled(number: u64, sampler: &GraspSampler, accept: &(dyn Fn(&SampledGrasp) -> bool + Sync)) -> Self {
+        let mut random = Stream::new(sampler.settings.seed, number);
         let mut chunk = Self::default();
         for _ in 0..CONTACTS_PER_CHUNK {
-            // 1.
-            let first = area.point([random.uniform(), random.uniform(), random.uniform()]);
-            for _ in 0..settings.rays {
-                // 2.
-                let ray = direction_in_cone(&-first.normal, settings.friction, &mut random);
-                // 3.
-                for contacts in pairs_along(surface, &first, &ray, settings) {
-                    chunk.pairs += 1;
-                    // 4.
-                    let has_room = |pose: &Pose| palm_has_room(surface, pose, settings.finger_depth_m);
-                    for pose in gripper_poses(&contacts, settings, &has_room, &mut random) {
-                        let sampled = scored(pose, contacts, settings.friction);
-                        // 5.
-                        if accept(&sampled) {
-                            chunk.grasps.push(sampled);
-                        } else {
-                            chunk.rejected += 1;
-                        }
-                    }
+            chunk.pairs += sampler.draw(&mut random, &mut |sampled| {
+                // 5.
+                if accept(&sampled) {
+                    chunk.grasps.push(sampled);
+                } else {
+                    chunk.rejected += 1;
+                }
+            });
+        }
+        chunk
+    }
+}
+
+/// Steps 1 to 4 for one first contact at a time, for who wants few grasps and says when.
+#[derive(Clone, Debug)]
+pub struct GraspSampler<'a> {
+    surface: &'a Surface,
+    area: AreaDistribution<'a>,
+    settings: SamplerSettings,
+}
+
+impl<'a> GraspSampler<'a> {
+    /// The sampler of grasps on `surface`. The seed of `settings`, and how many grasps they want of how many first
+    /// contacts, have no part in it.
+    ///
+    /// # Errors
+    /// As [`sample_grasps`].
+    pub fn new(surface: &'a Surface, settings: &SamplerSettings) -> Result<Self, GraspError> {
+        settings.check()?;
+        let area = AreaDistribution::new(surface).ok_or(GraspError::NoArea)?;
+        Ok(Self { surface, area, settings: settings.clone() })
+    }
+
+    /// Draws one first contact and hands over the grasps that it leads to, often none; returns in how many pairs of
+    /// contacts in force closure it is.
+    pub fn draw(&self, random: &mut Stream, found: &mut dyn FnMut(SampledGrasp)) -> usize {
+        let Self { surface, area, settings } = self;
+        let mut pairs = 0;
+        // 1.
+        let first = area.point([random.uniform(), random.uniform(), random.uniform()]);
+        for _ in 0..settings.rays {
+            // 2.
+            let ray = direction_in_cone(&-first.normal, settings.friction, random);
+            // 3.
+            for contacts in pairs_along(surface, &first, &ray, settings) {
+                pairs += 1;
+                // 4.
+                let has_room = |pose: &Pose| palm_has_room(surface, pose, settings.finger_depth_m);
+                for pose in gripper_poses(&contacts, settings, &has_room, random) {
+                    found(scored(pose, contacts, settings.friction));
                 }
             }
         }
-        chunk
+        pairs
     }
 }
 

@@ -7,9 +7,10 @@ use cranny_spatial::{CONTACT_M, PoseDifference};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::own_grasp::GraspJudge;
 use crate::problem::Validity;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Goal, JointOffset, NotChecked, Place, PlanError, Problem, Violation};
+use crate::{Goal, JointOffset, NotChecked, OwnGrasp, Place, PlanError, Problem, Violation};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,6 +22,9 @@ pub struct Audit {
     pub violations: Vec<Violation>,
     /// How the path ends: the nearest grasp, and how far it is.
     pub goal: Option<GoalError>,
+    /// The grasp that it ends at, where no set of them is given and it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_grasp: Option<OwnGrasp>,
     /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
     /// there is nothing to touch.
     pub clearance_m: Option<f64>,
@@ -33,7 +37,20 @@ pub struct Audit {
 impl Audit {
     /// The score of the grasp that the path ends at, if it ends at one that has a score.
     pub fn grasp_score(&self, problem: &Problem) -> Option<f64> {
-        problem.grasps()?.grasps()[self.goal?.grasp].score
+        let given = || problem.grasps()?.grasps()[self.goal?.grasp].score;
+        self.own_grasp.map_or_else(given, |grasp| Some(grasp.score))
+    }
+
+    /// The same with what somebody says of the grasp at the end, the way point of this number, judged too. Where it is none
+    /// that has been told already.
+    #[must_use]
+    pub fn with_said_grasp(mut self, said: OwnGrasp, way_point: usize) -> Self {
+        if let Some(measured) = self.own_grasp.filter(|measured| !measured.is_as_said(&said)) {
+            let said_and_measured = Box::new([said, measured]);
+            self.violations.push(Violation::SaidGrasp { way_point, said_and_measured });
+            self.valid = false;
+        }
+        self
     }
 }
 
@@ -102,7 +119,8 @@ pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PlanError> {
 /// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
 ///    root is not checked by the released planners) passes the released check, and no step is longer than
 ///    theirs.
-/// 4. It ends at a goal, if that is asked.
+/// 4. It ends at a goal, if that is asked: without a set of grasps, in a grasp of the target that its surface shows to be
+///    good enough, and with a proof that the fingers can close on it.
 ///
 /// # Errors
 /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a way point that is no configuration of the
@@ -181,9 +199,38 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         }
     }
     // 4.
-    let way_point = path.len() - 1;
-    let goal = match problem.goal() {
-        Goal::Grasps(grasps) => {
+    let end = End { way_point: path.len() - 1, q: last, must_arrive: settings.at_goal };
+    let (goal, own_grasp) = judge_end(problem, &end, &offset, &mut violations);
+    let valid = violations.is_empty();
+    Ok(Audit { valid, violations, goal, own_grasp, clearance_m, clearances_per_edge_m, not_checked })
+}
+
+/// The last way point of a path.
+struct End<'a> {
+    way_point: usize,
+    q: &'a [f64],
+    /// Whether it must be at a goal.
+    must_arrive: bool,
+}
+
+/// How a path ends: the nearest of the given grasps, or the one that the hand takes there.
+fn judge_end(
+    problem: &Problem,
+    end: &End,
+    offset: &dyn Fn(usize, f64) -> JointOffset,
+    violations: &mut Vec<Violation>,
+) -> (Option<GoalError>, Option<OwnGrasp>) {
+    let End { way_point, q: last, must_arrive } = *end;
+    let mut own_grasp = None;
+    let goal = match (problem.goal(), problem.grasp_measure()) {
+        (_, Some(measure)) => {
+            match GraspJudge::new(measure).grasp_at(last, way_point) {
+                Ok(grasp) => own_grasp = Some(grasp),
+                Err(violation) => violations.extend(Some(violation).filter(|_| must_arrive)),
+            }
+            None
+        }
+        (Goal::Grasps(grasps), None) => {
             let end = end_at_grasp(problem, grasps, last);
             let nearest = end.map(|(grasp, difference)| GoalError {
                 grasp,
@@ -191,27 +238,25 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                 rotation_error_rad: difference.rotation_rad,
             });
             let has_arrived = end.is_some_and(|(_, difference)| problem.is_arrival(&difference));
-            if settings.at_goal && !has_arrived {
+            if must_arrive && !has_arrived {
                 violations.push(Violation::Grasp { way_point, nearest });
             }
             nearest
         }
-        Goal::Configurations(goals) => {
+        (Goal::Configurations(goals), None) => {
             // The joint that is farthest off, of the goal where that is least.
             let worst = |goal: &Vec<f64>| {
                 let off = goal.iter().zip(last).map(|(a, b)| (a - b).abs()).enumerate();
                 off.max_by(|a, b| a.1.total_cmp(&b.1))
             };
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((joint, off)) = nearest.filter(|(_, off)| settings.at_goal && *off > START_TOLERANCE)
-            {
+            if let Some((joint, off)) = nearest.filter(|(_, off)| must_arrive && *off > START_TOLERANCE) {
                 violations.push(Violation::Configuration { way_point, farthest: offset(joint, off) });
             }
             None
         }
     };
-    let valid = violations.is_empty();
-    Ok(Audit { valid, violations, goal, clearance_m, clearances_per_edge_m, not_checked })
+    (goal, own_grasp)
 }
 
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,

@@ -4,6 +4,7 @@ use cranny_collision::{Cell, Closing, Motion, Resting, Scratch};
 use cranny_robot::{Hold, IkSettings, IkSolver, between, distance};
 use cranny_spatial::{Pose, Rotation, Vector};
 
+use crate::closing_hand::{ClosedHand, ClosingHand};
 use crate::{FailureReason, Goal, PlanError, Problem};
 
 /// How an object leaves what it rests on.
@@ -60,12 +61,10 @@ const LOOKS_ALONG: u32 = 8;
 pub struct Carrier {
     problem: Problem,
     settings: LiftOffSettings,
-    target: usize,
-    world_from_target: Pose,
+    hand: ClosingHand,
     resting: Resting,
-    /// The object in the hand: while it is lifted off, and from then on.
+    /// The object in the hand while it is lifted off.
     lifting: Cell,
-    carrying: Cell,
 }
 
 /// An object in the hand that has closed on it.
@@ -89,32 +88,22 @@ impl Carrier {
     /// [`PlanError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
     /// close; [`PlanError::Collision`] for a target that has no end or rests in a hollow.
     pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
-        let nothing = |needs| PlanError::NothingToCarry { needs };
-        let target = problem.target().ok_or_else(|| nothing("a target"))?;
-        let cell = problem.cell().ok_or_else(|| nothing("the exact criterion"))?;
-        if problem.robot().hand().is_none_or(|hand| hand.fingers == 0) {
-            return Err(nothing("a hand that can close (a robot.yaml beside the URDF names its fingers)"));
-        }
+        let hand = ClosingHand::new(problem, |needs| PlanError::NothingToCarry { needs })?;
+        let cell = problem.exact_cell("carry")?;
         let clear_m = settings.clear_m.max(cell.margins().margin_m);
-        let resting = cell.resting(target, clear_m)?;
-        let nowhere = Hold { tip_from_held: Pose::identity(), closing: 0.0 };
-        let thing = &cell.world().bodies()[target];
-        let world_from_target = thing.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
-        let carrying = cell.holding(target, nowhere)?;
+        let resting = cell.resting(hand.target(), clear_m)?;
         Ok(Self {
-            lifting: carrying.sparing(&resting.parts()),
-            carrying,
+            lifting: hand.holding().sparing(&resting.parts()),
             settings: LiftOffSettings { clear_m, ..settings },
             problem: problem.clone(),
-            target,
-            world_from_target,
+            hand,
             resting,
         })
     }
 
     /// What the object is called.
     pub fn object(&self) -> &str {
-        &self.lifting.world().bodies()[self.target].name
+        &self.lifting.world().bodies()[self.hand.target()].name
     }
 
     /// Closes the hand at a configuration: the fingers, until the first touches the object as it then stands in the hand.
@@ -125,22 +114,12 @@ impl Carrier {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn close(&self, q: &[f64]) -> Result<Grip, FailureReason> {
-        let robot = self.problem.robot();
-        let tip_from_held = robot.frames_at(q).link(robot.tip()).inverse() * self.world_from_target;
-        let held = |cell: &Cell, closing| cell.with_hold(Hold { tip_from_held, closing });
-        let nothing = FailureReason::ClosesOnNothing;
-        let open = held(&self.lifting, 0.0).map_err(|_| nothing.clone())?;
-        let Closing { closing, uneven_m } = open.close_on_held().ok_or_else(|| nothing.clone())?;
-        let (lifting, carrying) = match (held(&self.lifting, closing), held(&self.carrying, closing)) {
-            (Ok(lifting), Ok(carrying)) => (Arc::new(lifting), Arc::new(carrying)),
-            _ => return Err(nothing),
-        };
-        if let Some(contact) = lifting.closing_contact(q, &mut lifting.scratch()) {
-            let [first, second] = contact.names(&lifting);
-            return Err(FailureReason::ClosingCollides { first, second });
-        }
-        let opening_m = robot.hand().map_or(0.0, |hand| hand.description.opening_m * (1.0 - closing));
-        Ok(Grip { hold: Hold { tip_from_held, closing }, opening_m, uneven_m, lifting, carrying })
+        let ClosedHand { hold, opening_m, uneven_m } =
+            self.hand.close(q, &mut self.hand.holding().scratch())?;
+        let held =
+            |cell: &Cell| cell.with_hold(hold).map(Arc::new).map_err(|_| FailureReason::ClosesOnNothing);
+        let (lifting, carrying) = (held(&self.lifting)?, held(self.hand.holding())?);
+        Ok(Grip { hold, opening_m, uneven_m, lifting, carrying })
     }
 
     /// What keeps the object, gripped with the tip at a pose, from being at every one of these configurations; `None` if it
@@ -149,9 +128,9 @@ impl Carrier {
     /// # Panics
     /// If a configuration has not one value per joint.
     pub fn blocked_at(&self, world_from_tip: &Pose, ends: &[Vec<f64>]) -> Option<[String; 2]> {
-        let tip_from_held = world_from_tip.inverse() * self.world_from_target;
+        let tip_from_held = world_from_tip.inverse() * self.hand.world_from_target();
         let blocked = |closing| {
-            let cell = self.carrying.with_hold(Hold { tip_from_held, closing }).ok()?;
+            let cell = self.hand.holding().with_hold(Hold { tip_from_held, closing }).ok()?;
             let mut scratch = cell.scratch();
             let mut contacts = ends.iter().map(|end| cell.first_contact(end, &mut scratch));
             let first = contacts.next()??;

@@ -26,6 +26,29 @@ pub enum PlanError {
         /// What it lacks.
         needs: &'static str,
     },
+    /// A problem lacks what a grasp is measured by.
+    #[error("without a set of grasps, the problem needs {needs}")]
+    NoGraspMeasure {
+        /// What it lacks.
+        needs: &'static str,
+    },
+    /// A planner needs a set of grasps.
+    #[error(
+        "a set of grasps is needed, and the problem has none (planners that make grasps of their own: {planners})"
+    )]
+    NoGraspSet {
+        /// Those that need none.
+        planners: String,
+    },
+    /// A planner makes grasps of its own alone.
+    #[error(
+        "planner '{planner}' makes grasps of its own, for a problem without a set of grasps; leave the set out \
+         (`--grasps none`)"
+    )]
+    GraspSet {
+        /// Which planner.
+        planner: &'static str,
+    },
     /// The segments of a path are no task.
     #[error("a task is a reach, or a reach, a lift-off and a carry")]
     Segments,

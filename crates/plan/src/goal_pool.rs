@@ -6,6 +6,7 @@ use cranny_robot::{IK_BATCH, IkBatch, IkSettings};
 use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
+use crate::grasp_source::GraspSource;
 use crate::{FailureReason, GraspFailure, Observer, Problem, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is looked at: so many cost
@@ -21,9 +22,11 @@ const MOST_ITERATIONS: u64 = 8;
 /// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
 /// 1. Poses are opened in random order, the more the more attempts were made. One at which the hand alone
-///    collides is left out for good: no arm can hold it; and one that will not do for what is to follow.
+///    collides is left out for good: no arm can hold it; and one that will not do for what is to follow. Where there is a
+///    source of grasps, it brings new ones.
 /// 2. Each attempt of a batch goes to any open pose, from a start of its own.
-/// 3. What is reached and free is a goal; joints that can stand several turns apart stand near the start's.
+/// 3. What is reached and free is a goal, unless the hand holds nothing there, which is asked where the grasps come from a
+///    source; joints that can stand several turns apart stand near the start's.
 ///
 /// Until there is a goal, every iteration of a search runs a batch; then the fewer the more goals cost, so
 /// that neither the attempts nor the search takes all the time.
@@ -33,6 +36,8 @@ pub(crate) struct GoalPool<'a> {
     /// Grasps and poses not left out yet; the first so many are known to be open to the hand.
     poses: Vec<(usize, Pose)>,
     open: usize,
+    /// Where more grasps come from; `None` where all are given. Of its grasps no account is kept: all are number 0.
+    source: Option<GraspSource<'a>>,
     batch: IkBatch<'a>,
     attempts: u64,
     goals: u64,
@@ -57,23 +62,34 @@ impl<'a> GoalPool<'a> {
     /// The pool of all grasps and their twins.
     pub fn new(problem: &'a Problem, cell: &'a Cell, grasps: &GraspSet) -> Self {
         let both = |(index, grasp)| poses(grasp).map(|pose| (index, pose));
+        let poses = grasps.grasps().iter().enumerate().flat_map(both).collect();
+        Self { poses, records: vec![Record::default(); grasps.len()], ..Self::empty(problem, cell) }
+    }
+
+    /// The pool of the grasps that a source brings.
+    pub fn sampling(problem: &'a Problem, cell: &'a Cell, source: GraspSource<'a>) -> Self {
+        Self { source: Some(source), records: vec![Record::default()], ..Self::empty(problem, cell) }
+    }
+
+    fn empty(problem: &'a Problem, cell: &'a Cell) -> Self {
         Self {
             cell,
             start: problem.start(),
-            poses: grasps.grasps().iter().enumerate().flat_map(both).collect(),
+            poses: Vec::new(),
             open: 0,
+            source: None,
             batch: IkBatch::new(problem.robot(), IkSettings::default()),
             attempts: 0,
             goals: 0,
             waited: 0,
-            records: vec![Record::default(); grasps.len()],
+            records: Vec::new(),
             verdicts: Vec::new(),
         }
     }
 
     /// Whether the hand alone collides at every pose.
     pub fn is_hopeless(&self) -> bool {
-        self.poses.is_empty()
+        self.poses.is_empty() && self.source.is_none()
     }
 
     /// The goals that one more iteration of the search brings.
@@ -121,11 +137,11 @@ impl<'a> GoalPool<'a> {
         let mut goals = Vec::new();
         for ((grasp, q), is_free) in solutions.into_iter().zip(&self.verdicts) {
             let record = &mut self.records[grasp];
-            if *is_free {
+            if !is_free {
+                record.blocked = q;
+            } else if self.source.as_mut().is_none_or(|source| source.holds(&q)) {
                 record.goals += 1;
                 goals.push(q);
-            } else {
-                record.blocked = q;
             }
         }
         self.attempts += IK_BATCH as u64;
@@ -145,7 +161,14 @@ impl<'a> GoalPool<'a> {
     /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
     fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch, observer: &mut dyn Observer) {
         let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
-        while self.open < wanted.min(self.poses.len()) {
+        if let Some(source) = &mut self.source {
+            source.begin_batch(self.goals);
+        }
+        while self.open < wanted {
+            if self.open == self.poses.len() {
+                let Some(poses) = self.source.as_mut().and_then(|source| source.draw(random)) else { break };
+                self.poses.extend(poses.map(|pose| (0, pose)));
+            }
             let drawn = self.open + random.index(self.poses.len() - self.open);
             let (grasp, pose) = self.poses[drawn];
             if let Some(contact) = self.cell.hand_contact(&pose, scratch) {
@@ -162,8 +185,11 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// What stood between the robot and each grasp, as far as it was met.
+    /// What stood between the robot and each grasp that was given, as far as it was met.
     pub fn failures(&self, scratch: &mut Scratch) -> Vec<GraspFailure> {
+        if self.source.is_some() {
+            return Vec::new();
+        }
         let failure = |(grasp, record): (usize, &Record)| {
             let reason = self.reason(record, scratch);
             GraspFailure { grasp, reason, attempts: record.attempts }

@@ -10,11 +10,13 @@
 //! lines meet at an angle, unless the corner may be cut. They keep to limits of joints, not of torques or of the speed of a link. Obstacles
 //! stand still.
 
+mod approach_sphere;
 mod audit;
 mod baseline_check;
 mod bidirectional;
 mod box_pages;
 mod carry;
+mod closing_hand;
 mod connector;
 mod corner_blend;
 mod error;
@@ -23,6 +25,9 @@ mod goal_meter;
 mod goal_pool;
 mod grasp_failure;
 mod grasp_poses;
+mod grasp_reach;
+mod grasp_rrt;
+mod grasp_source;
 mod growth;
 mod hand_filter;
 mod ik_annotation;
@@ -39,6 +44,7 @@ mod near_set;
 mod nearest;
 mod not_checked;
 mod optimise;
+mod own_grasp;
 mod path_cost;
 mod path_curve;
 mod planner;
@@ -66,6 +72,8 @@ pub use audit::{Audit, AuditSettings, Clearances, GoalError, audit, audit_with, 
 pub use carry::{Carrier, CarryEnd, Grip, LiftOffSettings};
 pub use error::PlanError;
 pub use grasp_failure::{FailureReason, GraspFailure};
+pub use grasp_reach::GraspReach;
+pub use grasp_rrt::GraspRrt;
 pub use hand_filter::{APPROACH_M, HandFilter, robot_hand};
 pub use ik_annotation::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
@@ -79,13 +87,14 @@ pub use motion_limits::{MotionLimits, TimingMethod};
 pub use nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use not_checked::{NotChecked, NotCheckedReason, search};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, optimise, other_seed};
+pub use own_grasp::{GraspMeasure, OwnGrasp};
 pub use path_cost::PathCost;
 pub use planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use prm::Prm;
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use rbt_connect::RbtConnect;
 pub use reach::Reach;
-pub use registry::{default_planner, planner, planner_names, planner_with};
+pub use registry::{default_planner, grasp_makers, planner, planner_names, planner_with};
 pub use roadmap::{Roadmap, RoadmapFile};
 pub use rrt::Rrt;
 pub use rrt_connect::RrtConnect;

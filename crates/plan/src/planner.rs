@@ -156,6 +156,11 @@ pub trait Planner: Send + Sync {
     /// Its settings, for the record.
     fn settings(&self) -> serde_json::Value;
 
+    /// Whether it makes grasps of its own: it solves problems without a set of grasps, and no others.
+    fn makes_grasps(&self) -> bool {
+        false
+    }
+
     /// Looks for a path.
     ///
     /// # Errors

@@ -152,13 +152,11 @@ impl<'a> Graph<'a> {
                 }
                 !is_free
             });
-            match refuted {
-                Some(edge) => self.roadmap.cut(edge[0], edge[1]),
-                None => {
-                    let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
-                    return Some((way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal));
-                }
-            }
+            let Some(edge) = refuted else {
+                let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
+                return Some((way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal));
+            };
+            self.roadmap.cut(edge[0], edge[1]);
         }
     }
 }

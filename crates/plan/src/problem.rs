@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
 use crate::baseline_check::BaselineCheck;
-use crate::{NotChecked, PlanError};
+use crate::{GraspMeasure, NotChecked, PlanError, registry};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -18,13 +18,15 @@ pub struct Problem {
     target: Option<usize>,
     start: Vec<f64>,
     goal: Goal,
+    /// What grasps are measured by, if no set of them is given.
+    grasp_measure: Option<Arc<GraspMeasure>>,
     validity: Validity,
 }
 
 /// Where a path must end.
 #[derive(Clone, Debug)]
 pub enum Goal {
-    /// At any of these grasps.
+    /// At any of these grasps; a problem without a set has none of them, and a [`Problem::grasp_measure`].
     Grasps(GraspSet),
     /// At any of these configurations.
     Configurations(Vec<Vec<f64>>),
@@ -84,8 +86,8 @@ impl Problem {
             Some(target) => Cell::for_grasp(robot.clone(), world, target, margins)?,
             None => Cell::new(robot.clone(), world, margins)?,
         };
-        let mut problem =
-            Self { robot, target, start, goal, validity: Validity::Exact(Arc::new(cell)) }.checked()?;
+        let validity = Validity::Exact(Arc::new(cell));
+        let mut problem = Self { robot, target, start, goal, grasp_measure: None, validity }.checked()?;
         if let Validity::Exact(cell) = &problem.validity {
             let known = std::iter::once(&problem.start).chain(problem.goal_configurations());
             problem.validity = Validity::Exact(cell.with_pairs_free_at(known.map(Vec::as_slice)));
@@ -100,7 +102,8 @@ impl Problem {
     /// robot.
     pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
         let robot = cell.robot().clone();
-        Self { robot, target: None, start, goal, validity: Validity::Exact(cell) }.checked()
+        let validity = Validity::Exact(cell);
+        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
     }
 
     /// A problem under the `paper` criterion.
@@ -111,7 +114,19 @@ impl Problem {
     pub fn paper(check: ReleasedCheck, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
         let robot = check.robot().clone();
         let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD };
-        Self { robot, target: None, start, goal, validity }.checked()
+        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
+    }
+
+    /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
+    /// surface of the target, with this coefficient of friction between it and the pads.
+    ///
+    /// # Errors
+    /// [`PlanError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no surface, of a robot
+    /// whose hand cannot close, or for a friction that is not positive; [`PlanError::Collision`] for a target that has no
+    /// end.
+    pub fn without_grasp_set(&self, friction: f64) -> Result<Self, PlanError> {
+        let grasp_measure = Some(Arc::new(GraspMeasure::new(self, friction)?));
+        Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
     }
 
     /// The robot; its root frame is the planning frame.
@@ -132,6 +147,11 @@ impl Problem {
     /// Where to go.
     pub fn goal(&self) -> &Goal {
         &self.goal
+    }
+
+    /// What grasps are measured by, if no set of them is given ([`Self::without_grasp_set`]).
+    pub fn grasp_measure(&self) -> Option<&GraspMeasure> {
+        self.grasp_measure.as_deref()
     }
 
     /// The grasps to go to, if it is any of these.
@@ -176,7 +196,7 @@ impl Problem {
     /// # Errors
     /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a goal configuration that does not fit the robot.
     pub fn with_goal(&self, goal: Goal) -> Result<Self, PlanError> {
-        Self { goal, ..self.clone() }.checked()
+        Self { goal, grasp_measure: None, ..self.clone() }.checked()
     }
 
     /// The same problem, under `paper` with another threshold.
@@ -193,8 +213,18 @@ impl Problem {
     pub fn checking_all_pairs(mut self) -> Self {
         if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
             self.validity = Validity::Exact(Arc::new(cell.with_all_pairs()));
+            self.renew_grasp_measure();
         }
         self
+    }
+
+    /// The hand that closes is checked as the robot is.
+    fn renew_grasp_measure(&mut self) {
+        if let Some(measure) = &self.grasp_measure
+            && let Ok(renewed) = GraspMeasure::new(self, measure.friction())
+        {
+            self.grasp_measure = Some(Arc::new(renewed));
+        }
     }
 
     /// What touches and is not checked, under `exact`.
@@ -207,8 +237,11 @@ impl Problem {
         self.cell().ok_or(PlanError::Goal { planner: asker, needs: "the exact criterion" })
     }
 
-    /// The goal of a problem that has any.
+    /// The goal of a problem that has any, for a planner that makes no grasps of its own.
     pub(crate) fn some_goal(&self) -> Result<&Goal, PlanError> {
+        if self.grasp_measure.is_some() {
+            return Err(PlanError::NoGraspSet { planners: registry::grasp_makers().join(", ") });
+        }
         let is_empty = match &self.goal {
             Goal::Grasps(grasps) => grasps.is_empty(),
             Goal::Configurations(goals) => goals.is_empty(),
@@ -216,10 +249,17 @@ impl Problem {
         if is_empty { Err(PlanError::NoGoal) } else { Ok(&self.goal) }
     }
 
+    /// What grasps are measured by, for `planner`, which makes some of its own.
+    pub(crate) fn own_grasp_measure(&self, planner: &'static str) -> Result<&GraspMeasure, PlanError> {
+        self.exact_cell(planner)?;
+        self.grasp_measure().ok_or(PlanError::GraspSet { planner })
+    }
+
     /// The same problem with these pairs of links checked too (under `exact`).
     pub(crate) fn checking_pairs(&mut self, pairs: &[(usize, usize)]) {
         if let Validity::Exact(cell) = &mut self.validity {
             *cell = Arc::new(cell.with_pairs(pairs));
+            self.renew_grasp_measure();
         }
     }
 

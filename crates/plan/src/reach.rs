@@ -73,7 +73,26 @@ impl Planner for Reach {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
         let clock = Clock::new(budget);
-        let cell = problem.exact_cell("reach")?;
+        let cell = problem.exact_cell(self.name())?;
+        let pool = match problem.some_goal()? {
+            Goal::Grasps(grasps) => Some(GoalPool::new(problem, cell, grasps)),
+            Goal::Configurations(_) => None,
+        };
+        self.search(problem, pool, clock, seed, observer)
+    }
+}
+
+impl Reach {
+    /// The search for a way to the goals of a pool, or to those of the problem.
+    pub(crate) fn search(
+        &self,
+        problem: &Problem,
+        pool: Option<GoalPool>,
+        clock: Clock,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let cell = problem.exact_cell(self.name())?;
         let forest = Forest::new(problem.robot().dof(), JointMetric::by_reach(problem.robot()));
         let mut search = Search {
             settings: self,
@@ -92,7 +111,7 @@ impl Planner for Reach {
             statistics: Statistics::default(),
             failures: Vec::new(),
         };
-        let ended = search.run(problem.some_goal()?);
+        let ended = search.run(pool);
         let mut statistics = search.statistics;
         statistics.nodes = search.sides.iter().map(|side| side.len() as u64).sum();
         statistics.planning_time_s = clock.elapsed_s();
@@ -142,7 +161,7 @@ struct Growth {
 }
 
 impl Search<'_> {
-    fn run(&mut self, goal: &Goal) -> Result<Path, Outcome> {
+    fn run(&mut self, pool: Option<GoalPool>) -> Result<Path, Outcome> {
         // Start and goals in one look.
         let start = self.problem.start();
         let mut free = Vec::new();
@@ -152,24 +171,18 @@ impl Search<'_> {
             return Err(Outcome::StartInvalid);
         }
         self.add_root(0, start);
-        match goal {
-            Goal::Configurations(goals) => {
-                for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
-                    if let Some(path) = self.add_goal(goal) {
-                        return Ok(path);
-                    }
-                }
-                self.search(None)
-            }
-            Goal::Grasps(grasps) => {
-                let mut pool = GoalPool::new(self.problem, self.cell, grasps);
-                let ended = self.search(Some(&mut pool));
-                if ended.is_err() {
-                    self.failures = pool.failures(&mut self.scratch);
-                }
-                ended
+        let goals = self.problem.goal_configurations();
+        for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
+            if let Some(path) = self.add_goal(goal) {
+                return Ok(path);
             }
         }
+        let Some(mut pool) = pool else { return self.search(None) };
+        let ended = self.search(Some(&mut pool));
+        if ended.is_err() {
+            self.failures = pool.failures(&mut self.scratch);
+        }
+        ended
     }
 
     fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {

@@ -3,15 +3,17 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    Criterion, IkRbt, IkRrt, JPlusRbt, JPlusRrt, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect,
-    RrtStar,
+    Criterion, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, PlanError, Planner, Prm, Problem,
+    RbtConnect, Reach, Rrt, RrtConnect, RrtStar,
 };
+
+type Made = Result<Box<dyn Planner>, PlanError>;
 
 /// A planner as lists show it.
 struct Entry {
     default: Box<dyn Planner>,
     /// The same kind with these settings, all of them.
-    with: fn(&str, Map<String, Value>) -> Result<Box<dyn Planner>, PlanError>,
+    with: fn(&str, Map<String, Value>) -> Made,
 }
 
 impl Entry {
@@ -24,9 +26,10 @@ impl Entry {
 }
 
 /// Every planner, in the order in which lists show them.
-fn all() -> [Entry; 10] {
+fn all() -> [Entry; 12] {
     [
         Entry::of::<Reach>(),
+        Entry::of::<GraspReach>(),
         Entry::of::<RrtConnect>(),
         Entry::of::<RbtConnect>(),
         Entry::of::<Rrt>(),
@@ -36,6 +39,7 @@ fn all() -> [Entry; 10] {
         Entry::of::<IkRbt>(),
         Entry::of::<JPlusRrt>(),
         Entry::of::<JPlusRbt>(),
+        Entry::of::<GraspRrt>(),
     ]
 }
 
@@ -100,10 +104,10 @@ fn check_kind(planner: &str, setting: &str, default: &Value, value: &Value) -> R
     Err(PlanError::Setting { planner: planner.to_owned(), problem })
 }
 
-/// Probabilities (`p_…`) lie in [0, 1]; whatever else is a number is above 0, and a growth has but so many looks.
+/// Probabilities (`p_…`) and scores (`…_score`) lie in [0, 1]; whatever else is a number is above 0, and a growth has but so many looks.
 fn check_range(planner: &str, setting: &str, value: &Value) -> Result<(), PlanError> {
     let Some(number) = value.as_f64() else { return Ok(()) };
-    let (is_good, range) = if setting.starts_with("p_") {
+    let (is_good, range) = if setting.starts_with("p_") || setting.ends_with("_score") {
         ((0.0..=1.0).contains(&number), "in [0, 1]".to_owned())
     } else if setting == "looks" {
         (number > 0.0 && number <= LANES as f64, format!("above 0 and at most {LANES}"))
@@ -121,10 +125,17 @@ pub fn planner_names() -> Vec<&'static str> {
     all().iter().map(|entry| entry.default.name()).collect()
 }
 
-/// The planner to take where none is named: the flagship, or under `paper`, which it does not take, the
-/// better of the paper's two.
-pub fn default_planner(criterion: Criterion) -> Box<dyn Planner> {
-    match criterion {
+/// The names of those that make grasps of their own ([`Planner::makes_grasps`]).
+pub fn grasp_makers() -> Vec<&'static str> {
+    let makers = all().into_iter().filter(|entry| entry.default.makes_grasps());
+    makers.map(|entry| entry.default.name()).collect()
+}
+
+/// The planner to take where none is named: the flagship, or where no set of grasps is given the same with grasps of its
+/// own, or under `paper`, which it does not take, the better of the paper's two.
+pub fn default_planner(problem: &Problem) -> Box<dyn Planner> {
+    match problem.criterion() {
+        Criterion::Exact if problem.grasp_measure().is_some() => Box::new(GraspReach::default()),
         Criterion::Exact => Box::new(Reach::default()),
         Criterion::Paper => Box::new(IkRrt::default()),
     }

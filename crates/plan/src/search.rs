@@ -23,13 +23,11 @@ impl<'a> Search<'a> {
     /// # Errors
     /// Why the search must end instead.
     pub fn begin_iteration(&mut self) -> Result<(), Outcome> {
-        match self.clock.verdict(self.statistics.iterations, self.observer) {
-            Some(outcome) => Err(outcome),
-            None => {
-                self.statistics.iterations += 1;
-                Ok(())
-            }
+        if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
+            return Err(outcome);
         }
+        self.statistics.iterations += 1;
+        Ok(())
     }
 
     /// A configuration drawn uniformly from within the joint limits.

@@ -65,6 +65,8 @@ pub fn shortcut(
     let mut scratch = cell.scratch();
     let mut random = Stream::new(settings.seed, 1);
     let mut hold = match (problem.goal(), path.last()) {
+        // A grasp of one's own was measured at this very end.
+        _ if problem.grasp_measure().is_some() => None,
         (Goal::Grasps(_), Some(end)) => Some(Hold::at(problem.robot(), end)),
         _ => None,
     };

@@ -5,7 +5,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use strum::IntoStaticStr;
 
-use crate::{FailureReason, GoalError};
+use crate::{FailureReason, GoalError, OwnGrasp};
 
 /// One thing that is wrong with a path. It is shown in one sentence ([`fmt::Display`]); as JSON it is an object of
 /// `kind`, `edge`, `at`, `first`, `second`, `depth_m` and what the kind has besides.
@@ -79,6 +79,24 @@ pub enum Violation {
         way_point: usize,
         /// Why.
         reason: FailureReason,
+    },
+    /// The hand closes on the target in no grasp, or in one that is too bad.
+    #[strum(to_string = "grip")]
+    WeakGrasp {
+        /// Which way point.
+        way_point: usize,
+        /// Its score, in [0, 1]; 0 where its contacts are in no force closure.
+        score: f64,
+        /// The score that is demanded.
+        required: f64,
+    },
+    /// What is said of the grasp at which the path ends is not so.
+    #[strum(to_string = "grip")]
+    SaidGrasp {
+        /// Which way point.
+        way_point: usize,
+        /// What is said, and what is so.
+        said_and_measured: Box<[OwnGrasp; 2]>,
     },
     /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
     LiftOff {
@@ -162,6 +180,8 @@ impl Violation {
             | Self::Grasp { way_point, .. }
             | Self::Configuration { way_point, .. }
             | Self::Grip { way_point, .. }
+            | Self::WeakGrasp { way_point, .. }
+            | Self::SaidGrasp { way_point, .. }
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
@@ -194,6 +214,8 @@ impl Violation {
             | Self::Grasp { way_point, .. }
             | Self::Configuration { way_point, .. }
             | Self::Grip { way_point, .. }
+            | Self::WeakGrasp { way_point, .. }
+            | Self::SaidGrasp { way_point, .. }
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
@@ -250,6 +272,34 @@ impl fmt::Display for Violation {
                 write!(f, "the path ends with {joint} {off:.6} {unit} off the nearest goal")
             }
             Self::Grip { way_point, reason } => write!(f, "way point {way_point}: {}", reason.sentence()),
+            Self::WeakGrasp { way_point, score, required } => {
+                write!(
+                    f,
+                    "way point {way_point}: a grasp of score {score:.3} there, {required:.3} is demanded"
+                )
+            }
+            Self::SaidGrasp { way_point, said_and_measured } => {
+                let [said, measured] = said_and_measured.as_ref();
+                match measured.off(said) {
+                    Some(off) => write!(
+                        f,
+                        "way point {way_point}: the grasp there is {:.2} mm and {:.2}° from the one that is said, ",
+                        mm(off.translation_m),
+                        off.rotation_rad.to_degrees(),
+                    )?,
+                    None => {
+                        write!(f, "way point {way_point}: what is said to be the grasp there is no pose, ")?;
+                    }
+                }
+                write!(
+                    f,
+                    "of score {:.3} and not {:.3}, the fingers {:.2} mm apart and not {:.2}",
+                    measured.score,
+                    said.score,
+                    mm(measured.opening_m),
+                    mm(said.opening_m),
+                )
+            }
             Self::LiftOff { place: place @ Place { first, second, .. } } => {
                 write!(f, "{place}: {first} is not proven to stay off {second} as it was at rest")
             }
@@ -294,6 +344,16 @@ impl Serialize for Violation {
             }
             Self::LongLiftOff { length_m, most_m, .. } => &[("length_m", *length_m), ("most_m", *most_m)],
             Self::Hold { said, held, .. } => &[("said_opening_m", said.1), ("opening_m", held.1)],
+            Self::WeakGrasp { score, required, .. } => &[("score", *score), ("required", *required)],
+            Self::SaidGrasp { said_and_measured, .. } => {
+                let [said, measured] = said_and_measured.as_ref();
+                &[
+                    ("said_opening_m", said.opening_m),
+                    ("opening_m", measured.opening_m),
+                    ("said_score", said.score),
+                    ("score", measured.score),
+                ]
+            }
             Self::Unresolved { clearance_m, .. } => &[("clearance_m", *clearance_m)],
             Self::Step { excess_m, .. } => &[("excess_m", *excess_m)],
             Self::Grasp { nearest: Some(nearest), .. } => &[

@@ -1,6 +1,6 @@
 //! What is malformed is an error that names it, not an outcome.
 
-use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, paper};
+use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, makes_grasps, paper};
 use cranny_collision::{CollisionError, Margins, World};
 use cranny_plan::{
     Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Unobserved, audit, planner, planner_names,
@@ -71,6 +71,12 @@ fn a_problem_without_goals_is_refused_by_every_planner() {
     for name in planner_names() {
         let run =
             |problem| planner(name).and_then(|p| p.plan(problem, &Budget::default(), 0, &mut Unobserved));
+        if makes_grasps(name) {
+            // An empty set is one, too.
+            assert!(matches!(run(&no_grasps), Err(PlanError::GraspSet { .. })), "{name}");
+            assert!(matches!(run(&no_configurations), Err(PlanError::GraspSet { .. })), "{name}");
+            continue;
+        }
         assert!(matches!(run(&no_grasps), Err(PlanError::NoGoal)), "{name}");
         assert!(matches!(run(&no_configurations), Err(PlanError::NoGoal | PlanError::Goal { .. })), "{name}");
     }

@@ -9,6 +9,7 @@ mod grasp_choice;
 mod hand_filter;
 mod ik_annotation;
 mod optimise;
+mod own_grasps;
 mod planners;
 mod roadmap;
 mod shortcut;

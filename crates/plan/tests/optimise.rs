@@ -15,7 +15,7 @@ const FOR_EVER: Duration = Duration::from_hours(1);
 fn optimised(problem: &Problem, iterations: u64, time: Duration, seed: u64) -> Optimised {
     let budget = Budget { iterations, time: FOR_EVER };
     let settings = OptimiseSettings { time, ..OptimiseSettings::default() };
-    let planner = default_planner(problem.criterion());
+    let planner = default_planner(problem);
     optimise(planner.as_ref(), &mut problem.clone(), &budget, settings, seed, &mut Unobserved)
         .expect("a good problem")
 }
@@ -39,7 +39,7 @@ fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
 /// The path of the first search, shortened as it is without optimisation.
 fn first_shortened(problem: &Problem, seed: u64) -> Vec<Vec<f64>> {
     let budget = Budget { iterations: 1_000_000, time: FOR_EVER };
-    let first = default_planner(problem.criterion()).plan(problem, &budget, seed, &mut Unobserved);
+    let first = default_planner(problem).plan(problem, &budget, seed, &mut Unobserved);
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     shortcut(problem, &first.expect("a good problem").path, settings).expect("an exact problem").path
 }

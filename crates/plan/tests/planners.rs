@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    START, arm, ball, block, divided, easy, easy_grasps, exact, grasps, out_of_reach, plan, still_life,
-    walled_in,
+    GANTRY_START, START, arm, ball, block, divided, easy_for, easy_grasps, exact, grasps, makes_grasps,
+    out_of_reach_for, plan, still_life, walled_in_for, without_set,
 };
 use cranny_plan::{
     Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Unobserved, audit, planner,
@@ -13,7 +13,7 @@ use cranny_plan::{
 
 /// The names of those that also reach for configurations: they know too which grasps the hand alone can take.
 fn take_configurations() -> Vec<&'static str> {
-    planner_names().into_iter().filter(|name| !name.starts_with("j-plus")).collect()
+    planner_names().into_iter().filter(|name| !name.starts_with("j-plus") && !makes_grasps(name)).collect()
 }
 
 fn bits(report: &PlanReport) -> Vec<Vec<u64>> {
@@ -37,7 +37,7 @@ fn assert_solves(name: &str, problem: &Problem, seed: u64) -> PlanReport {
 fn a_solved_path_verifies() {
     for name in planner_names() {
         for seed in 0..3 {
-            let report = assert_solves(name, &easy(), seed);
+            let report = assert_solves(name, &easy_for(name), seed);
             assert!(report.path.len() > 1 && report.statistics.collision_checks > 0, "{name}");
         }
     }
@@ -64,7 +64,7 @@ fn under_the_papers_criterion_a_seed_gives_the_same_bytes_too() {
 #[test]
 fn a_seed_and_a_number_of_iterations_give_the_same_bytes() {
     for name in planner_names() {
-        let run = |seed| plan(name, &easy(), 100_000, seed);
+        let run = |seed| plan(name, &easy_for(name), 100_000, seed);
         let (first, again) = (run(7), run(7));
         assert_eq!(first.outcome, again.outcome, "{name}");
         assert_eq!(bits(&first), bits(&again), "{name}");
@@ -78,19 +78,22 @@ fn a_seed_and_a_number_of_iterations_give_the_same_bytes() {
 #[test]
 fn a_greater_budget_does_not_change_a_path_that_was_found() {
     for name in planner_names() {
-        let found = plan(name, &easy(), u64::MAX, 7);
-        let just_enough = plan(name, &easy(), found.statistics.iterations + 1, 7);
+        let found = plan(name, &easy_for(name), u64::MAX, 7);
+        let just_enough = plan(name, &easy_for(name), found.statistics.iterations + 1, 7);
         assert_eq!(bits(&found), bits(&just_enough), "{name}");
     }
 }
 
 #[test]
 fn a_start_at_a_grasp_is_solved() {
-    let path = assert_solves("reach", &easy(), 0).path;
-    let end = path.last().expect("a path has way points");
-    let problem = exact(&arm(), still_life(), end, grasps(easy_grasps()));
+    let end_of = |name| {
+        let path = assert_solves(name, &easy_for(name), 0).path;
+        path.last().expect("a path has way points").clone()
+    };
+    let problem = exact(&arm(), still_life(), &end_of("reach"), grasps(easy_grasps()));
+    let without = without_set(still_life(), &end_of("grasp-reach"));
     for name in planner_names() {
-        assert_solves(name, &problem, 0);
+        assert_solves(name, if makes_grasps(name) { &without } else { &problem }, 0);
     }
 }
 
@@ -100,8 +103,14 @@ fn a_start_in_collision_or_outside_the_limits_is_told() {
     bodies.push(block("rock", [START[0], 0.0, 0.3], [0.1; 3]));
     let in_rock = exact(&arm(), bodies, &START, grasps(easy_grasps()));
     let outside = exact(&arm(), still_life(), &[1.1, 1.5, 0.0, 0.0, 0.0], grasps(easy_grasps()));
+    let mut bodies = still_life();
+    let [x, y, z, ..] = GANTRY_START;
+    bodies.push(block("rock", [x, y, z], [0.1; 3]));
+    let gantry_in_rock = without_set(bodies, &GANTRY_START);
+    let gantry_outside = without_set(still_life(), &[1.1, 0.0, 0.5, 0.0, 0.0, 0.0]);
     for name in planner_names() {
-        for problem in [&in_rock, &outside] {
+        let own = [&gantry_in_rock, &gantry_outside];
+        for problem in if makes_grasps(name) { own } else { [&in_rock, &outside] } {
             let report = plan(name, problem, 1000, 0);
             assert_eq!((report.outcome, report.path.len()), (Outcome::StartInvalid, 0), "{name}");
         }
@@ -111,8 +120,8 @@ fn a_start_in_collision_or_outside_the_limits_is_told() {
 #[test]
 fn a_hand_that_collides_at_every_grasp_is_told_apart_from_a_spent_budget() {
     for name in planner_names() {
-        let excluded = plan(name, &walled_in(), 200, 0).outcome;
-        let unreached = plan(name, &out_of_reach(), 200, 0);
+        let excluded = plan(name, &walled_in_for(name), 200, 0).outcome;
+        let unreached = plan(name, &out_of_reach_for(name), 200, 0);
         assert_eq!((unreached.outcome, unreached.path.len()), (Outcome::BudgetExhausted, 0), "{name}");
         if take_configurations().contains(&name) {
             assert_eq!(excluded, Outcome::NoReachableGrasp, "{name}");
@@ -126,7 +135,7 @@ fn a_hand_that_collides_at_every_grasp_is_told_apart_from_a_spent_budget() {
 fn iterations_are_kept_to() {
     for name in planner_names() {
         for iterations in [0, 1, 33] {
-            let report = plan(name, &out_of_reach(), iterations, 0);
+            let report = plan(name, &out_of_reach_for(name), iterations, 0);
             assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
             assert_eq!(report.statistics.iterations, iterations, "{name}");
         }
@@ -140,7 +149,7 @@ fn iterations_are_kept_to() {
 #[test]
 fn time_ends_a_search_that_nothing_else_would_end() {
     let allowed = Duration::from_millis(50);
-    let mut cases: Vec<_> = planner_names().into_iter().map(|name| (name, out_of_reach())).collect();
+    let mut cases: Vec<_> = planner_names().into_iter().map(|name| (name, out_of_reach_for(name))).collect();
     cases.extend(take_configurations().into_iter().map(|name| (name, divided())));
     for (name, problem) in cases {
         let budget = Budget { time: allowed, ..Budget::default() };
@@ -179,7 +188,7 @@ fn an_observer_can_stop_a_search() {
     for name in planner_names() {
         let mut observer = Impatient { stop_after: 3, ..Impatient::default() };
         let planner = planner(name).expect("a planner of the registry");
-        let report = planner.plan(&out_of_reach(), &Budget::default(), 0, &mut observer);
+        let report = planner.plan(&out_of_reach_for(name), &Budget::default(), 0, &mut observer);
         let report = report.expect("a good problem");
         assert_eq!((report.outcome, report.path.len()), (Outcome::Cancelled, 0), "{name}");
         assert_eq!(observer.reports, 3, "{name}");
@@ -191,8 +200,9 @@ fn watching_does_not_change_a_search() {
     for name in planner_names() {
         let mut observer = Impatient { stop_after: u64::MAX, ..Impatient::default() };
         let planner = planner(name).expect("a planner of the registry");
-        let watched = planner.plan(&easy(), &Budget::default(), 7, &mut observer).expect("a good problem");
-        assert_eq!(bits(&watched), bits(&plan(name, &easy(), u64::MAX, 7)), "{name}");
+        let watched =
+            planner.plan(&easy_for(name), &Budget::default(), 7, &mut observer).expect("a good problem");
+        assert_eq!(bits(&watched), bits(&plan(name, &easy_for(name), u64::MAX, 7)), "{name}");
         assert!(observer.nodes >= watched.path.len() as u64, "{name}");
     }
 }

@@ -14,7 +14,7 @@ fn plans(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("plans");
     group.sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(SEEDS));
     for (id, problem) in task::all() {
-        let planner = default_planner(problem.criterion());
+        let planner = default_planner(&problem);
         group.bench_function(BenchmarkId::new("4 seeds", &id), |bencher| {
             bencher.iter(|| {
                 for seed in 0..SEEDS {

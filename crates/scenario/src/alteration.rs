@@ -71,7 +71,13 @@ impl Scenario {
     /// The same scenario with other grasps; known IK solutions are left out.
     #[must_use]
     pub fn with_grasps(&self, grasps: GraspSet) -> Self {
-        Self { grasps, ik: Vec::new(), ..self.clone() }
+        Self { grasps, has_grasp_set: true, ik: Vec::new(), ..self.clone() }
+    }
+
+    /// The same scenario without a set of grasps: whoever plans makes a grasp of its own. Known IK solutions are left out.
+    #[must_use]
+    pub fn without_grasps(&self) -> Self {
+        Self { has_grasp_set: false, ..self.with_grasps(GraspSet::default()) }
     }
 
     /// The same scenario from another start (m, rad; one value per joint).

@@ -102,6 +102,7 @@ pub(crate) fn open_texts(
         target_source,
         given_physics,
         grasps: parse_csv(&folder.join(GRASPS_FILE), &texts.grasps)?,
+        has_grasp_set: true,
         ik,
         export: None,
     }

@@ -4,8 +4,8 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, Statistics,
-    path_length,
+    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, OwnGrasp,
+    Statistics, path_length,
 };
 use cranny_solve::{Answer, Carry, Request};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
 use crate::plan_segment::{check_format, check_segments};
 use crate::plan_trajectory::PlanTiming;
-use crate::{Geometry, PlanSegment, ScenarioError, waypoints, write_whole_file};
+use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, waypoints, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -30,7 +30,7 @@ pub struct PlanFile {
     pub robot: Option<String>,
     /// The geometry of a released scenario, where it was asked for.
     pub geometry: Option<String>,
-    /// The file of grasps that was given instead of the scenario's own.
+    /// The file of grasps that was given instead of the scenario's own; `none` where no set was given.
     #[serde(default)]
     pub grasps: Option<String>,
     /// Name of the planner.
@@ -62,6 +62,9 @@ pub struct PlanFile {
     pub translation_error_m: Option<f64>,
     /// How far the gripper ends turned from it, in radians.
     pub rotation_error_rad: Option<f64>,
+    /// The grasp that the path ends at, where no set was given and the planner made it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_grasp: Option<OwnGrasp>,
     /// The least clearance along the whole path, proven, in metres.
     pub clearance_m: Option<f64>,
     /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
@@ -114,8 +117,8 @@ pub struct PlanSource {
     pub robot: Option<PathBuf>,
     /// The geometry of a released scenario, where it was asked for.
     pub geometry: Option<Geometry>,
-    /// The file of grasps that was given instead of the scenario's own.
-    pub grasps: Option<PathBuf>,
+    /// The grasps that were given.
+    pub grasps: GivenGrasps,
     /// The clearance that was demanded.
     pub margins: Margins,
 }
@@ -158,7 +161,7 @@ impl PlanFile {
             scenario: source.scenario.clone(),
             robot: source.robot.as_ref().map(|file| file.display().to_string()),
             geometry: source.geometry.map(|geometry| geometry.name().to_owned()),
-            grasps: source.grasps.as_ref().map(|file| file.display().to_string()),
+            grasps: source.grasps.text(),
             planner: answer.planner.clone(),
             settings: answer.settings.clone(),
             criterion: answer.criterion,
@@ -173,6 +176,7 @@ impl PlanFile {
             grasp: goal.map(|goal| goal.grasp),
             translation_error_m: goal.map(|goal| goal.translation_error_m),
             rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
+            own_grasp: answer.audit.as_ref().and_then(|audit| audit.own_grasp),
             clearance_m: answer.audit.as_ref().and_then(|audit| audit.clearance_m),
             not_checked: answer.not_checked.clone(),
             path_length: path_length(&waypoints),
@@ -211,6 +215,11 @@ impl PlanFile {
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
         }
+    }
+
+    /// The grasps that were given.
+    pub fn given_grasps(&self) -> GivenGrasps {
+        GivenGrasps::of_text(self.grasps.as_deref())
     }
 
     /// Where the object was to be carried, if it was.
@@ -286,7 +295,12 @@ impl PlanFile {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
             improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
         });
-        let fields: [(&'static str, Vec<f64>); 14] = [
+        let own_grasp = self.own_grasp.iter().flat_map(|grasp| {
+            let pose = grasp.world_from_gripper.iter().flatten().copied();
+            pose.chain([grasp.opening_m, grasp.score])
+        });
+        let fields: [(&'static str, Vec<f64>); 15] = [
+            ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
             ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
             ("carry_clear_m", self.carry_clear_m.into_iter().collect()),
@@ -338,6 +352,11 @@ mod tests {
             grasp: Some(7),
             translation_error_m: Some(1e-4 / 3.0),
             rotation_error_rad: Some(0.1 + 0.2),
+            own_grasp: Some(OwnGrasp {
+                world_from_gripper: [[0.1 + 0.2; 4]; 4],
+                opening_m: 0.1 / 3.0,
+                score: 1e-17,
+            }),
             clearance_m: None,
             segments: segments_of(&waypoints, &clearances_m),
             clearances_per_edge_m: clearances_m,

@@ -92,7 +92,8 @@ impl PlanFile {
         })
     }
 
-    /// What the judge says of the path, of all that it does; `None` for a plan without one.
+    /// What the judge says of the path, of all that it does, and of the grasp that it is said to end at where no set is
+    /// given; `None` for a plan without a path.
     ///
     /// # Errors
     /// As [`audit_segments`].
@@ -100,14 +101,19 @@ impl PlanFile {
         let carries = self.segments.len() > 1;
         let carrier = carries.then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()?;
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        match (self.waypoints.is_empty(), segments) {
-            (true, _) => Ok(None),
+        let audit = match (self.waypoints.is_empty(), segments) {
+            (true, _) => return Ok(None),
             (false, Ok(segments)) if carries => {
                 let end = self.carry_end();
-                Ok(Some(audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?))
+                audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?
             }
-            _ => Ok(Some(audit_with(problem, &self.waypoints, settings)?)),
-        }
+            _ => audit_with(problem, &self.waypoints, settings)?,
+        };
+        let [reach, _] = self.ways();
+        Ok(Some(match self.own_grasp {
+            Some(said) => audit.with_said_grasp(said, reach.len().saturating_sub(1)),
+            None => audit,
+        }))
     }
 
     /// Whether the plan, which was read from `path`, moves the joints of a robot.

@@ -115,6 +115,7 @@ impl Recipe {
             given_physics: self.given_physics,
             start: self.start.clone(),
             grasps: self.grasps.clone(),
+            has_grasp_set: true,
             ik: self.ik.clone(),
             export: None,
         }

@@ -93,6 +93,7 @@ pub(crate) fn open_with(
         given_physics,
         start,
         grasps: grasps(folder)?,
+        has_grasp_set: true,
         ik,
         export: exported.map(|exported| exported.surface),
     }

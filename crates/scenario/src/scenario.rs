@@ -11,8 +11,8 @@ use strum::{EnumString, IntoStaticStr};
 
 use crate::archive::Unpacked;
 use crate::{
-    ObjectSource, RecipeBody, RobotSource, ScenarioError, TargetPhysics, catalogue, hand, own_layout,
-    released,
+    DEFAULT_FRICTION, GivenGrasps, ObjectSource, RecipeBody, RobotSource, ScenarioError, TargetPhysics,
+    catalogue, hand, own_layout, released,
 };
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
@@ -39,6 +39,9 @@ pub struct Scenario {
     pub start: Vec<f64>,
     /// How the target can be grasped: poses of the gripper frame in the planning frame.
     pub grasps: GraspSet,
+    /// Whether a path must end at one of these. Where no set is given there is none of them, and whoever plans makes a
+    /// grasp of its own.
+    pub has_grasp_set: bool,
     /// Configurations that reach a grasp, as known from the files; often none.
     pub ik: Vec<Vec<f64>>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
@@ -58,8 +61,8 @@ pub struct OpenOptions {
     /// The geometry of a scenario in the released layout; others have but one. Default:
     /// [`Geometry::Scene`] under `exact`, [`Geometry::Export`] under `paper`.
     pub geometry: Option<Geometry>,
-    /// A file of grasps in the planning frame. Default: the scenario's own. Known IK solutions are then left out.
-    pub grasps: Option<PathBuf>,
+    /// Which grasps a path may end at. Default: the scenario's own. Of others no known IK solutions are left.
+    pub grasps: GivenGrasps,
 }
 
 /// The two geometries that a released scenario comes with.
@@ -98,8 +101,9 @@ impl Scenario {
     pub fn open(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
         let scenario = Self::open_own(what, options)?;
         match &options.grasps {
-            Some(file) => Ok(scenario.with_grasps(read_csv(file)?)),
-            None => Ok(scenario),
+            GivenGrasps::Own => Ok(scenario),
+            GivenGrasps::File(file) => Ok(scenario.with_grasps(read_csv(file)?)),
+            GivenGrasps::None => Ok(scenario.without_grasps()),
         }
     }
 
@@ -141,10 +145,22 @@ impl Scenario {
     /// the triangles of the export where there is one, else the boxes of the world's bodies, and the frames
     /// of the links from the second turning joint on, whose origins must stay 4 cm above the root frame.
     ///
+    /// Where no set of grasps is given, they are measured with the friction of [`Self::target_physics`], else with
+    /// [`DEFAULT_FRICTION`].
+    ///
     /// # Errors
-    /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none,
-    /// [`ScenarioError::MarginUnderPaper`] for a margin that nothing would check.
+    /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none, or without a set of grasps
+    /// for what has no grasp to measure ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a margin
+    /// that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
+        let problem = self.problem_with_grasp_set(margins)?;
+        if self.has_grasp_set {
+            return Ok(problem);
+        }
+        Ok(problem.without_grasp_set(self.target_physics().friction.unwrap_or(DEFAULT_FRICTION))?)
+    }
+
+    fn problem_with_grasp_set(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let (robot, start) = (self.robot.clone(), self.start.clone());
         let goal = Goal::Grasps(self.grasps.clone());
         match self.criterion {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use cranny_collision::{Body, Margins, Part, World};
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_plan::{
-    Budget, Criterion, IkAnnotationSettings, IkStatus, Outcome, Unobserved, annotate_ik, default_planner,
+    Budget, IkAnnotationSettings, IkStatus, Outcome, Unobserved, annotate_ik, default_planner,
 };
 use cranny_robot::{Robot, RobotFiles};
 use cranny_shape::{Solid, quick_lower_bound, separation};
@@ -245,7 +245,7 @@ fn meets(recipe: &Recipe, demand: ArmDemand) -> Result<bool, ScenarioError> {
 fn is_reached(recipe: &Recipe) -> Result<bool, ScenarioError> {
     const BUDGET: Budget = Budget { iterations: 5000, time: Duration::MAX };
     let problem = recipe.scenario("draw", &OpenOptions::default())?.problem(Margins::default())?;
-    let report = default_planner(Criterion::Exact).plan(&problem, &BUDGET, 0, &mut Unobserved)?;
+    let report = default_planner(&problem).plan(&problem, &BUDGET, 0, &mut Unobserved)?;
     Ok(report.outcome == Outcome::Solved)
 }
 

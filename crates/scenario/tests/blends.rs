@@ -13,7 +13,7 @@ fn a_blended_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
         let problem = scenario.problem(demands).expect("a problem");
         let cell = problem.cell().expect("exact is the default");
         let limits = MotionLimits::of(problem.robot(), TimingMethod::TimeOptimal).expect("limits");
-        let planner = default_planner(problem.criterion());
+        let planner = default_planner(&problem);
         for seed in 0..3 {
             let budget = Budget::default();
             let report = planner.plan(&problem, &budget, seed, &mut Unobserved).expect("a problem to plan");

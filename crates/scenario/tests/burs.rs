@@ -20,6 +20,9 @@ fn every_spine_of_a_bur_is_proven_again_by_the_judge() {
         let (mut burs, mut total) = (0, 0.0);
         while burs < BURS {
             let q = robot.random_configuration(&mut random);
+            if !cell.is_free(&q, &mut scratch) {
+                continue;
+            }
             let Some(bubble) = cell.bubble(&q, 0.01, &mut scratch) else { continue };
             burs += 1;
             for _ in 0..SPINES {

@@ -83,7 +83,7 @@ impl Request {
     /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or where a trajectory is
     /// demanded of a robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
-        self.planner_for(problem.criterion())?;
+        let planner = self.planner_for(problem)?;
         self.scored(problem)?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
         let is_paper = problem.criterion() == Criterion::Paper;
@@ -119,11 +119,10 @@ impl Request {
         }
         if let Some(carry) = &self.carry {
             check_end(&carry.end, problem)?;
-            let planner = self.planner_for(problem.criterion())?;
-            if is_paper || planner.name() != "reach" {
+            if is_paper || !["reach", "grasp-reach"].contains(&planner.name()) {
                 return refuse(
                     "carry",
-                    "only `reach` under the exact criterion looks for a way out".to_owned(),
+                    "only `reach` and `grasp-reach` under the exact criterion look for a way out".to_owned(),
                 );
             }
             if self.optimise.is_some() {
@@ -155,6 +154,9 @@ impl Request {
             return Ok(problem.clone());
         }
         let refuse = |problem| SolveError::Request { field: "score", problem };
+        if problem.grasp_measure().is_some() {
+            return Err(refuse("a grasp of the planner's own has the geometric score alone".to_owned()));
+        }
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
@@ -162,8 +164,8 @@ impl Request {
         Ok(problem.with_goal(Goal::Grasps(grasps))?)
     }
 
-    pub(crate) fn planner_for(&self, criterion: Criterion) -> Result<Box<dyn Planner>, SolveError> {
-        let default = default_planner(criterion);
+    pub(crate) fn planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {
+        let default = default_planner(problem);
         Ok(planner_with(self.planner.as_deref().unwrap_or(default.name()), &self.settings)?)
     }
 }

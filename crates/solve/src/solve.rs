@@ -80,7 +80,7 @@ fn solve_once(
     if let Some(threshold) = request.goal_threshold {
         problem = problem.with_goal_threshold(threshold);
     }
-    let planner = request.planner_for(problem.criterion())?;
+    let planner = request.planner_for(&problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
     let (mut task, mut watch) = match &request.carry {

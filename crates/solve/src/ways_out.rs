@@ -64,7 +64,7 @@ impl WaysOut {
         // The nearest to the grasp first.
         let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
         let mut narrow = grip.carrying(from, joints).map_err(not_carried)?;
-        let planner = cranny_plan::default_planner(narrow.criterion());
+        let planner = cranny_plan::default_planner(&narrow);
         let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
         let budget = Budget { iterations: FIRST_ITERATIONS << doublings, ..Budget::default() };
         let report = search(planner.as_ref(), &mut narrow, &budget, self.seed, &mut Stop(observer))

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use crate::Trial;
+use crate::{PathDemand, Trial};
 
 /// What must be the same for trials to be runs of one thing: everything but the seed and the goal.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,6 +38,9 @@ impl Configuration {
     }
 }
 
+/// What stands behind the name of a planner whose trials had no set of grasps.
+pub const NO_GRASP_SET: &str = " (no grasp set)";
+
 /// What configurations are called, so that two different ones never have one name.
 pub struct Names {
     scenario: BTreeMap<(String, String), String>,
@@ -67,7 +70,10 @@ impl Names {
             let difference =
                 if all.len() == 1 { String::new() } else { differing(&configuration.settings, all) };
             let each_goal = if configuration.goal_wise { " (best goal)" } else { "" };
-            format!("{}{difference}{each_goal}", configuration.planner)
+            // Also where nothing else has the name: what it solves is another problem.
+            let is_without = PathDemand::of_settings(&configuration.settings).without_grasp_set;
+            let without = if is_without { NO_GRASP_SET } else { "" };
+            format!("{}{difference}{each_goal}{without}", configuration.planner)
         };
         // Where two configurations of one scenario still have one name, their limits tell them apart.
         let mut taken: BTreeMap<(&str, &str, String), usize> = BTreeMap::new();
@@ -112,13 +118,16 @@ fn differing(own: &str, all: &BTreeSet<&str>) -> String {
         return format!(" [{own}]");
     };
     let keys: BTreeSet<&String> = all.iter().flat_map(|settings| settings.keys()).collect();
-    let differs = |key: &&String| all.iter().any(|settings| settings.get(*key) != all[0].get(*key));
+    // Whether a set of grasps was given every name says by itself.
+    let differs = |key: &&String| {
+        *key != PathDemand::GRASPS && all.iter().any(|settings| settings.get(*key) != all[0].get(*key))
+    };
     let text = |key: &String| {
         let value = own_settings.get(key).map_or("none".to_owned(), ToString::to_string);
         format!("{key}={}", value.trim_matches('"'))
     };
     let parts: Vec<String> = keys.into_iter().filter(differs).map(text).collect();
-    format!(" [{}]", parts.join(", "))
+    if parts.is_empty() { String::new() } else { format!(" [{}]", parts.join(", ")) }
 }
 
 fn limits(configuration: &Configuration) -> String {
@@ -159,6 +168,18 @@ mod tests {
         let expected =
             ["reach", "rrt [bias=0.1]", "rrt [bias=0.2]", "slow (limit 1 s)", "slow (limit 2.5 s)"];
         assert_eq!(planners, expected);
+    }
+
+    #[test]
+    fn what_had_no_set_of_grasps_says_so_and_is_nobody_elses_namesake() {
+        let all = [
+            configuration("mine", r#"{"step":1}"#, 1.0),
+            configuration("mine", r#"{"grasps":"none","step":1}"#, 1.0),
+            configuration("grasp-reach", r#"{"grasps":"none"}"#, 1.0),
+        ];
+        let names = Names::of(all.iter());
+        let planners: Vec<&str> = all.iter().map(|configuration| names.planner(configuration)).collect();
+        assert_eq!(planners, ["mine", "mine (no grasp set)", "grasp-reach (no grasp set)"]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
 use crate::{Run, RunInformation};
 
@@ -27,6 +28,7 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings.extend(pooled(groups, &runs, "memory limits", limit));
     let walls = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
     warnings.extend(pooled(groups, &runs, "walls around planners", walls));
+    warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
     warnings
 }
@@ -54,6 +56,17 @@ fn pooled(
         first.row.scenario_name,
         kinds.join(" and ")
     ))
+}
+
+/// That some planners had a set of grasps and others had none.
+fn other_problem(groups: &[Group]) -> Option<String> {
+    let without = groups.iter().filter(|group| group.row.planner_name.contains(NO_GRASP_SET)).count();
+    (without > 0 && without < groups.len()).then(|| {
+        format!(
+            "Planners marked{NO_GRASP_SET} were given none and made grasps of their own, which is another problem than that of \
+             the others: their figures stand beside each other and say nothing of which planner is the better."
+        )
+    })
 }
 
 /// That planners gave the same path under different seeds, one sentence for each.

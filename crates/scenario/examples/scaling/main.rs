@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Scratch};
-use cranny_plan::{Budget, Criterion, Outcome, Problem, Unobserved, audit};
+use cranny_plan::{Budget, Outcome, Problem, Unobserved, audit};
 use cranny_robot::between;
 use cranny_spatial::Stream;
 
@@ -172,7 +172,7 @@ fn proof_us(cell: &Cell, free: &[f64], scratch: &mut Scratch) -> Option<f64> {
 
 /// The time of one plan (ms), and whether it is verified if there is one.
 fn planned(problem: &Problem, seed: u64) -> (f64, Option<bool>) {
-    let planner = cranny_plan::default_planner(Criterion::Exact);
+    let planner = cranny_plan::default_planner(problem);
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     let report = planner.plan(problem, &budget, seed, &mut Unobserved).expect("a good problem");
     let is_valid = || audit(problem, &report.path).expect("a path of this robot").valid;

@@ -1,0 +1,100 @@
+use std::collections::BTreeMap;
+
+use cranny_spatial::{Stream, Vector};
+
+/// Nodes of a tree by the direction in which their grippers lie from an object, so that approaches to it come from all
+/// sides alike (the `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012).
+///
+/// The sphere is divided as an octahedron is whose faces are cut three times into four: 512 triangles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ApproachSphere {
+    faces: Vec<Face>,
+    /// The place in `faces` of each triangle that has ever had a node.
+    places: BTreeMap<Triangle, usize>,
+}
+
+/// An octant, a cell of its face, and whether it is the upper half of that.
+type Triangle = ([bool; 3], [u32; 2], bool);
+
+#[derive(Clone, Debug, Default)]
+struct Face {
+    /// How often a node of it was taken.
+    taken: u32,
+    nodes: Vec<usize>,
+}
+
+/// Cells along an edge of the octahedron.
+const CELLS: u32 = 8;
+
+/// Triangles that are looked at for one of which few nodes were taken.
+const LOOKS: u32 = 30;
+
+impl ApproachSphere {
+    /// Adds a node that lies in a direction from the middle; nothing for one without a direction.
+    pub fn add(&mut self, direction: &Vector, node: usize) {
+        let length = direction.iter().map(|x| x.abs()).sum::<f64>();
+        if length <= 0.0 || !length.is_finite() {
+            return;
+        }
+        let triangle = triangle(&(direction / length));
+        let place = *self.places.entry(triangle).or_insert(self.faces.len());
+        if place == self.faces.len() {
+            self.faces.push(Face::default());
+        }
+        self.faces[place].nodes.push(node);
+    }
+
+    /// Takes a random node out, of a triangle of which few were taken before; `None` if none is left there.
+    pub fn take(&mut self, random: &mut Stream) -> Option<usize> {
+        let mut best: Option<usize> = None;
+        for _ in 0..LOOKS.min(u32::try_from(self.faces.len()).unwrap_or(LOOKS)) {
+            let face = random.index(self.faces.len());
+            let is_better = |best: usize| self.faces[face].taken < self.faces[best].taken;
+            if !self.faces[face].nodes.is_empty() && best.is_none_or(is_better) {
+                best = Some(face);
+            }
+        }
+        let face = &mut self.faces[best?];
+        face.taken += 1;
+        let node = random.index(face.nodes.len());
+        Some(face.nodes.swap_remove(node))
+    }
+}
+
+/// Which triangle a point of the octahedron |x| + |y| + |z| = 1 lies in.
+fn triangle(point: &Vector) -> Triangle {
+    let scaled = [point.x, point.y].map(|x| x.abs() * f64::from(CELLS));
+    // They lie in [0, CELLS].
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let cell = scaled.map(|x| x.floor() as u32);
+    let is_upper = scaled.iter().map(|x| x.fract()).sum::<f64>() > 1.0;
+    ([point.x < 0.0, point.y < 0.0, point.z < 0.0], cell, is_upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_taken_alike_however_many_nodes_lie_in_them() {
+        let (mut sphere, mut random) = (ApproachSphere::default(), Stream::new(3, 0));
+        for node in 0..1000 {
+            sphere.add(&Vector::new(0.1, 0.2, 0.7), node);
+        }
+        for node in 1000..1010 {
+            sphere.add(&Vector::new(-0.1, 0.2, -0.7), node);
+        }
+        let taken: Vec<usize> = (0..20).filter_map(|_| sphere.take(&mut random)).collect();
+        let rare = taken.iter().filter(|node| **node >= 1000).count();
+        assert!((8..=10).contains(&rare), "{rare} of {}", taken.len());
+        assert!(taken.iter().enumerate().all(|(index, node)| !taken[..index].contains(node)));
+    }
+
+    #[test]
+    fn what_has_no_direction_is_left_out() {
+        let (mut sphere, mut random) = (ApproachSphere::default(), Stream::new(3, 0));
+        sphere.add(&Vector::zeros(), 0);
+        sphere.add(&Vector::repeat(f64::NAN), 1);
+        assert_eq!(sphere.take(&mut random), None);
+    }
+}

@@ -1,0 +1,138 @@
+//! Grasps that a planner makes itself: what is asked of them, and what is refused.
+
+use cranny_grasp::GraspSet;
+use cranny_plan::{
+    Audit, Budget, FailureReason, Goal, OwnGrasp, PlanError, Problem, Unobserved, Violation, audit, planner,
+    planner_names,
+};
+
+use crate::fixture::{
+    GANTRY_START, OBJECT, arm, block, easy, exact, gantry, grasps, makes_grasps, paper, still_life,
+    without_set,
+};
+
+/// The gantry with its gripper at the object, turned by so much about the vertical.
+fn at_object(yaw: f64, shift: [f64; 3]) -> Vec<f64> {
+    // The gripper frame is 105 mm before the palm.
+    let (sine, cosine) = yaw.sin_cos();
+    let [x, y, z] = std::array::from_fn(|axis| OBJECT[axis] + shift[axis]);
+    vec![x - 0.105 * cosine, y - 0.105 * sine, z, yaw, 0.0, 0.0]
+}
+
+/// What the judge says of standing at a configuration.
+fn standing_at(bodies: Vec<cranny_collision::Body>, q: &[f64]) -> Audit {
+    audit(&without_set(bodies, q), &[q.to_vec()]).expect("a configuration of the gantry")
+}
+
+#[test]
+fn the_score_is_that_of_the_angle_between_pads_and_faces() {
+    for yaw in [0.0, 0.05, -0.1, 0.15] {
+        let audit = standing_at(still_life(), &at_object(yaw, [0.0; 3]));
+        assert!(audit.valid, "{yaw}: {:?}", audit.violations);
+        let grasp = audit.own_grasp.expect("a grasp");
+        // Straight through the middle of a cube, the line between the contacts is turned by the yaw against its faces.
+        assert!((grasp.score - (1.0 - f64::tan(yaw).abs() / 0.24)).abs() < 1e-9, "{yaw}: {grasp:?}");
+        // Pads 50 mm long that meet two opposite edges of a cube of 30 mm.
+        let between = 0.03 * (yaw.cos() + yaw.sin().abs());
+        assert!((grasp.opening_m - between).abs() < 2e-4, "{yaw}: {grasp:?}");
+    }
+}
+
+#[test]
+fn a_grasp_that_is_none_is_a_violation() {
+    let first = |audit: Audit| audit.violations.into_iter().next().expect("a violation");
+    let weak = standing_at(still_life(), &at_object(0.2, [0.0; 3]));
+    assert!(matches!(first(weak), Violation::WeakGrasp { score, .. } if (0.1..0.2).contains(&score)));
+    let beside = standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0]));
+    let nothing = FailureReason::ClosesOnNothing;
+    assert!(matches!(first(beside), Violation::Grip { reason, .. } if reason == nothing));
+    // What a finger meets between where it stands open and the object.
+    let [x, y, z] = OBJECT;
+    let mut bodies = still_life();
+    bodies.push(block("peg", [x + 0.02, y + 0.027, z + 0.005], [0.003, 0.002, 0.003]));
+    let blocked = first(standing_at(bodies, &at_object(0.0, [0.0; 3])));
+    let Violation::Grip { reason: FailureReason::ClosingCollides { second, .. }, .. } = blocked else {
+        panic!("{blocked:?}");
+    };
+    assert_eq!(second, "peg");
+}
+
+#[test]
+fn what_is_said_of_a_grasp_must_be_so() {
+    let q = at_object(0.05, [0.0; 3]);
+    let problem = without_set(still_life(), &q);
+    let judged = audit(&problem, std::slice::from_ref(&q)).expect("a configuration");
+    let truth = judged.own_grasp.expect("a grasp");
+    assert!(judged.clone().with_said_grasp(truth, 0).valid);
+    let (mut elsewhere, mut nowhere) = (truth.world_from_gripper, truth.world_from_gripper);
+    elsewhere[0][3] += 1e-3;
+    nowhere[0][0] = f64::NAN;
+    for lie in [
+        OwnGrasp { score: 0.99, ..truth },
+        OwnGrasp { score: f64::NAN, ..truth },
+        OwnGrasp { opening_m: truth.opening_m + 2e-4, ..truth },
+        OwnGrasp { opening_m: f64::INFINITY, ..truth },
+        OwnGrasp { world_from_gripper: elsewhere, ..truth },
+        OwnGrasp { world_from_gripper: nowhere, ..truth },
+    ] {
+        let audit = judged.clone().with_said_grasp(lie, 0);
+        assert!(!audit.valid && matches!(audit.violations[..], [Violation::SaidGrasp { .. }]), "{lie:?}");
+        assert!(audit.violations[0].to_string().contains("said"), "{lie:?}");
+    }
+}
+
+#[test]
+fn a_grasp_is_read_back_bit_by_bit_and_what_is_none_is_refused() {
+    let q = at_object(0.05, [0.0; 3]);
+    let grasp = standing_at(still_life(), &q).own_grasp.expect("a grasp");
+    let text = serde_json::to_string(&grasp).expect("plain numbers");
+    let read: OwnGrasp = serde_json::from_str(&text).expect("a grasp");
+    assert_eq!(read, grasp);
+    for (from, to) in [("\"score\":", "\"score\":null,\"x\":"), ("[[", "[[1e999,"), ("[[", "[[1.0,")] {
+        assert!(text.contains(from), "{text}");
+        assert!(serde_json::from_str::<OwnGrasp>(&text.replace(from, to)).is_err(), "{to}");
+    }
+}
+
+#[test]
+fn planners_that_need_a_set_name_those_that_need_none() {
+    let (with, without) = (easy(), without_set(still_life(), &GANTRY_START));
+    for name in planner_names() {
+        let plan = |problem: &Problem| {
+            let planner = planner(name).expect("a planner of the registry");
+            planner.plan(problem, &Budget { iterations: 10, ..Budget::default() }, 0, &mut Unobserved)
+        };
+        if makes_grasps(name) {
+            let fault = plan(&with).expect_err("it makes grasps").to_string();
+            assert!(fault.contains(name) && fault.contains("--grasps none"), "{fault}");
+            assert!(plan(&without).is_ok(), "{name}");
+        } else {
+            let fault = plan(&without).expect_err("it needs a set").to_string();
+            assert!(fault.contains("grasp-reach, grasp-rrt"), "{name}: {fault}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_grasp_to_measure_is_refused_in_words() {
+    let none = || Goal::Grasps(GraspSet::default());
+    let fault = |problem: Problem, friction: f64| {
+        let fault = problem.without_grasp_set(friction).expect_err("nothing to measure");
+        assert!(matches!(fault, PlanError::NoGraspMeasure { .. } | PlanError::Collision(_)), "{fault:?}");
+        fault.to_string()
+    };
+    let without_fingers = exact(&arm(), still_life(), &crate::fixture::START, none());
+    assert!(fault(without_fingers, 0.24).contains("a hand that can close"));
+    let without_target = exact(&gantry(), vec![block("box", OBJECT, [0.01; 3])], &GANTRY_START, none());
+    assert!(fault(without_target, 0.24).contains("a target"));
+    let under_paper = paper(&gantry(), still_life(), &GANTRY_START, grasps(Vec::new()));
+    assert!(fault(under_paper, 0.24).contains("the exact criterion"));
+    let mut ground = cranny_collision::Body::floor(-1.0);
+    ground.name = "object".to_owned();
+    let without_end = exact(&gantry(), vec![ground], &GANTRY_START, none());
+    assert!(!fault(without_end, 0.24).is_empty());
+    for friction in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let slippery = exact(&gantry(), still_life(), &GANTRY_START, none());
+        assert!(fault(slippery, friction).contains("friction"));
+    }
+}
