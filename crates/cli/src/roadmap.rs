@@ -27,7 +27,7 @@ pub struct RoadmapArguments {
     #[command(flatten)]
     task: TaskArguments,
     /// How many configurations
-    #[arg(long, value_name = "N", default_value = "1000", value_parser = whole::<usize>(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = whole::<usize>(1..=100_000))]
     nodes: usize,
     /// How many nearest a configuration is joined with at most
     #[arg(long, value_name = "N", default_value_t = Prm::default().neighbours, value_parser = whole::<usize>(1..=1000))]

@@ -129,7 +129,7 @@ impl Pipeline<'_> {
         })
     }
 
-    /// Steps 3 and 4.
+    /// Steps 3 and 4 of [`IkRrt`](crate::IkRrt).
     fn connect(&mut self, goal: &[f64], search: &mut Search) -> Result<Option<Path>, Outcome> {
         let start = search.problem.start();
         let mut trees = [start, goal].map(|root| {

@@ -14,13 +14,13 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Unobserve
 ///
 /// 1. The roadmap is that of a file, or empty. The start becomes a node of it, and so do goals, which inverse kinematics
 ///    finds meanwhile.
-/// 2. Each iteration adds a uniform random configuration, if it is free. A new node is joined with the `neighbours` nearest
+/// 2. Where no goal is connected, an iteration adds a uniform random configuration, if it is free. A new node is joined with the `neighbours` nearest
 ///    (L2 in joint space) to which the edge is proven.
 /// 3. Where start and a goal are connected the shortest way between them is taken, and those of its edges are proven that
 ///    are as a file has them; one that cannot be is left out.
 ///
-/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
-/// publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
+/// One iteration is one random configuration, one way that is looked at, or one batch of inverse kinematics before there is a
+/// goal. Differs from the publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prm {
     /// How many nearest a node is joined with at most. Default 15.
@@ -132,33 +132,33 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// Step 3.
-    fn proven_way(&mut self, search: &mut Search) -> Option<(Path, usize)> {
-        loop {
-            let start = self.start;
-            let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
-            let reached: Vec<usize> =
-                goals.into_iter().filter(|goal| self.roadmap.are_connected(start, *goal)).collect();
-            if reached.is_empty() {
-                return None;
+    /// Step 3, once: a way is proven, or what cannot be is left out of it.
+    fn connected(&mut self, search: &mut Search) -> Option<Connected> {
+        let start = self.start;
+        let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
+        let reached: Vec<usize> =
+            goals.into_iter().filter(|goal| self.roadmap.are_connected(start, *goal)).collect();
+        let way = (!reached.is_empty()).then(|| self.roadmap.shortest_way(start, &reached)).flatten()?;
+        for edge in way.windows(2) {
+            let (a, b) = (edge[0], edge[1]);
+            if self.roadmap.is_proven(a, b) {
+                continue;
             }
-            let way = self.roadmap.shortest_way(start, &reached)?;
-            let refuted = way.windows(2).find(|edge| {
-                let (a, b) = (edge[0], edge[1]);
-                let is_free = self.roadmap.is_proven(a, b)
-                    || self.grower.edge(self.roadmap.q(a), self.roadmap.q(b), search);
-                if is_free {
-                    self.roadmap.set_proven(a, b);
-                }
-                !is_free
-            });
-            let Some(edge) = refuted else {
-                let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
-                return Some((way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal));
-            };
-            self.roadmap.cut(edge[0], edge[1]);
+            if !self.grower.edge(self.roadmap.q(a), self.roadmap.q(b), search) {
+                self.roadmap.cut(a, b);
+                return Some(Connected::Refuted);
+            }
+            self.roadmap.set_proven(a, b);
         }
+        let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
+        Some(Connected::Path(way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal))
     }
+}
+
+/// What became of a way in the roadmap from the start to a goal.
+enum Connected {
+    Path(Path, usize),
+    Refuted,
 }
 
 impl Connector for Graph<'_> {
@@ -172,11 +172,15 @@ impl Connector for Graph<'_> {
     }
 
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
-        // What is connected already needs no further node.
-        self.proven_way(search).or_else(|| {
-            self.add_random(search);
-            self.proven_way(search)
-        })
+        match self.connected(search) {
+            Some(Connected::Path(path, goal)) => Some((path, goal)),
+            // A roadmap of another world has many such ways: each is an iteration, so that time and watcher are asked.
+            Some(Connected::Refuted) => None,
+            None => {
+                self.add_random(search);
+                None
+            }
+        }
     }
 
     fn remove_goal(&mut self, goal: usize) {

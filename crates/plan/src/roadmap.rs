@@ -179,7 +179,7 @@ impl Roadmap {
         root
     }
 
-    /// The shortest way (L2) from a node to any of `goals`, and the first edge on it that is not proven.
+    /// The shortest way (L2) from a node to any of `goals`, by its nodes.
     pub(crate) fn shortest_way(&self, from: usize, goals: &[usize]) -> Option<Vec<usize>> {
         let mut costs = vec![f64::INFINITY; self.len()];
         let mut before = vec![None; self.len()];

@@ -9,7 +9,7 @@ use crate::near_set::NearSet;
 use crate::rrt::KnownGoals;
 use crate::search::Search;
 use crate::step::RELEASED_STEP_M;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Rrt};
+use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Problem, Rrt};
 
 /// RRT* with the k nearest (Karaman & Frazzoli 2011, Algorithm 6 and §3.3.3) to the goals of all grasps at once: its paths
 /// become as short as can be (L2 in joint space) as time goes on.
@@ -60,6 +60,7 @@ impl Planner for RrtStar {
         let mut tree = Tree {
             settings: self,
             nodes: Vec::new(),
+            index: NearestNeighbours::new(problem.robot().dof()),
             near: NearSet::new(problem.robot().dof()),
             goals: KnownGoals::default(),
             arrivals: Vec::new(),
@@ -82,6 +83,7 @@ struct Node {
 struct Tree<'a> {
     settings: &'a RrtStar,
     nodes: Vec<Node>,
+    index: NearestNeighbours,
     near: NearSet,
     goals: KnownGoals,
     /// Nodes at goals, and which.
@@ -96,7 +98,7 @@ impl Tree<'_> {
     fn extend(&mut self, search: &mut Search) -> Option<()> {
         let (target, goal) = self.goals.target(self.settings.p_goal, search);
         let begin = Instant::now();
-        let nearest = *self.near.nearest(&target, 1).first()?;
+        let nearest = self.index.nearest(&target)?;
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let from = self.nodes[nearest].q.clone();
         if from == target {
@@ -140,6 +142,7 @@ impl Tree<'_> {
 
     fn add(&mut self, q: &[f64], parent: Option<usize>, search: &mut Search) -> usize {
         search.observer.node_added(0, q, parent);
+        self.index.add(q);
         let node = self.near.add(q);
         let cost = parent.map_or(0.0, |parent| self.nodes[parent].cost + distance(&self.nodes[parent].q, q));
         self.nodes.push(Node { q: q.to_vec(), parent, children: Vec::new(), cost });
