@@ -19,12 +19,29 @@ pub(crate) enum Growth {
     Bur { spines: usize, critical_m: f64, step_m: f64 },
 }
 
+impl Growth {
+    fn step_m(self) -> f64 {
+        match self {
+            Self::Step { step_m } | Self::Bur { step_m, .. } => step_m,
+        }
+    }
+}
+
 /// What a tree grows by, from one of its nodes.
 pub(crate) struct Grown {
-    /// Towards the target: where that ends, unless it is blocked, and whether that is the target.
-    pub ahead: Option<(Vec<f64>, bool)>,
-    /// The ends of the other spines.
-    pub aside: Vec<Vec<f64>>,
+    /// Towards the target.
+    pub ahead: Branch,
+    /// The other spines.
+    pub aside: Vec<Branch>,
+}
+
+/// The new nodes in one direction, each grown from the one before.
+#[derive(Default)]
+pub(crate) struct Branch {
+    /// None where it is blocked. A spine is one node, but where way points may be no farther apart than a step.
+    pub nodes: Vec<Vec<f64>>,
+    /// Whether the last is the target.
+    pub is_target: bool,
 }
 
 /// Grows trees along ways that are free by the criterion of a problem.
@@ -43,28 +60,26 @@ impl<'a> Grower<'a> {
 
     /// Grows from `q` towards `target`, another configuration; a bur has its random spines only where it `explores`.
     pub fn grow(&mut self, q: &[f64], target: &[f64], explores: bool, search: &mut Search) -> Grown {
-        let (bubble, step_m, spines) = match self.growth {
-            Growth::Step { step_m } => (None, step_m, 0),
-            Growth::Bur { spines, critical_m, step_m } => {
+        let bur = match self.growth {
+            Growth::Step { .. } => None,
+            Growth::Bur { spines, critical_m, .. } => {
                 let begin = Instant::now();
                 let bubble = self.check.bubble(q, critical_m);
                 search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
-                (bubble, step_m, if explores { spines } else { 1 })
+                let spines = if explores { spines } else { 1 };
+                bubble.and_then(|bubble| self.bur(q, &bubble, target, spines, search))
             }
         };
-        let bur = bubble.and_then(|bubble| self.bur(q, &bubble, target, (spines, step_m), search));
-        bur.unwrap_or_else(|| Grown { ahead: self.step(q, target, step_m, search), aside: Vec::new() })
+        bur.unwrap_or_else(|| {
+            let step = self.step(q, target, search);
+            let ahead = step.map(|(end, is_target)| Branch { nodes: vec![end], is_target });
+            Grown { ahead: ahead.unwrap_or_default(), aside: Vec::new() }
+        })
     }
 
     /// A step from `q` towards `target`, unless it is blocked: where it ends, and whether that is the target.
-    pub fn step(
-        &mut self,
-        q: &[f64],
-        target: &[f64],
-        step_m: f64,
-        search: &mut Search,
-    ) -> Option<(Vec<f64>, bool)> {
-        let (_, is_target) = self.stepper.towards(self.robot, q, target, step_m);
+    pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
+        let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
         let (to, frames) = (self.stepper.q(), self.stepper.frames());
         let begin = Instant::now();
         let is_free = self.check.edge_to_frames_is_free(q, to, frames);
@@ -89,23 +104,51 @@ impl<'a> Grower<'a> {
         q: &[f64],
         bubble: &Bubble,
         target: &[f64],
-        (spines, step_m): (usize, f64),
+        spines: usize,
         search: &mut Search,
     ) -> Option<Grown> {
+        let first = self.spine(q, bubble, target, search);
+        let (end, is_target) = &first;
+        let is_long =
+            *is_target || self.stepper.displacement_between(self.robot, q, end) >= self.growth.step_m();
+        is_long.then(|| {
+            let ahead = self.branch(q, first, search);
+            let aside = (1..spines)
+                .map(|_| {
+                    let target = search.sample();
+                    let spine = self.spine(q, bubble, &target, search);
+                    self.branch(q, spine, search)
+                })
+                .collect();
+            Grown { ahead, aside }
+        })
+    }
+
+    /// The end of a spine towards `target`, and whether that is the target.
+    fn spine(&mut self, q: &[f64], bubble: &Bubble, target: &[f64], search: &mut Search) -> (Vec<f64>, bool) {
         let begin = Instant::now();
-        search.statistics.collision_checks += spines as u64;
-        let check = &mut self.check;
-        let mut spine = |target: &[f64]| {
-            let share = check.free_share(bubble, target);
-            (between(q, target, share).collect::<Vec<f64>>(), share >= 1.0)
-        };
-        let (end, is_target) = spine(target);
-        let is_long = is_target || self.stepper.displacement_between(self.robot, q, &end) >= step_m;
-        let grown = is_long.then(|| {
-            let aside = (1..spines).map(|_| spine(&search.sample()).0).filter(|end| end != q).collect();
-            Grown { ahead: Some((end, is_target)), aside }
-        });
+        let share = self.check.free_share(bubble, target);
+        search.statistics.collision_checks += 1;
         search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
-        grown
+        (between(q, target, share).collect(), share >= 1.0)
+    }
+
+    /// The nodes of a spine from `q`.
+    fn branch(&mut self, q: &[f64], (end, is_target): (Vec<f64>, bool), search: &mut Search) -> Branch {
+        if self.check.is_proven_by_bubbles() {
+            let nodes = if end == q { Vec::new() } else { vec![end] };
+            return Branch { nodes, is_target };
+        }
+        let mut nodes: Vec<Vec<f64>> = Vec::new();
+        loop {
+            let from = nodes.last().map_or(q, Vec::as_slice);
+            if from == end {
+                return Branch { nodes, is_target };
+            }
+            let Some((next, _)) = self.step(from, &end, search) else {
+                return Branch { nodes, is_target: false };
+            };
+            nodes.push(next);
+        }
     }
 }

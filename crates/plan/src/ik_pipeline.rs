@@ -19,10 +19,28 @@ pub(crate) struct PipelineSettings {
     pub growth: Growth,
     /// Probability of growing towards the goal itself.
     pub p_goal: f64,
-    /// At most so many iterations for one goal.
+    /// At most so many iterations for one goal, or times the share that it has.
     pub goal_iterations: u64,
+    pub shares: Shares,
     /// At most so many attempts of inverse kinematics for one grasp in one round.
     pub ik_attempts: usize,
+}
+
+/// How iterations are shared out among goals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shares {
+    /// As many for each, which has both trees of its own; configurations that are given have their turn once.
+    Equal,
+    /// One goal after the other, over and over, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman (1993,
+    /// "Optimal speedup of Las Vegas algorithms", §2), while the tree from the start grows on.
+    Luby,
+}
+
+/// The `index`-th share of [`Shares::Luby`], from 1 on.
+fn luby_share(index: u64) -> u64 {
+    // A run of 2ᵏ − 1 shares ends with 2ᵏ⁻¹, and before that it is the run of 2ᵏ⁻¹ − 1 shares twice.
+    let run = (index + 1).next_power_of_two();
+    if run == index + 1 { run / 2 } else { luby_share(index + 1 - run / 2) }
 }
 
 /// One goal after the other, each with a tree from the start and one from it ([`IkRrt`](crate::IkRrt)).
@@ -40,6 +58,8 @@ pub(crate) fn plan_goal_by_goal(
         settings,
         check: BaselineCheck::of(problem),
         grower: Grower::new(problem, settings.growth),
+        start_tree: None,
+        turns: 0,
     };
     let ended = pipeline.run(problem.some_goal()?, &mut search);
     Ok(search.report(ended))
@@ -49,6 +69,10 @@ struct Pipeline<'a> {
     settings: PipelineSettings,
     check: BaselineCheck<'a>,
     grower: Grower<'a>,
+    /// The tree from the start, where it is kept.
+    start_tree: Option<Forest>,
+    /// How many goals have had their turn.
+    turns: u64,
 }
 
 impl Pipeline<'_> {
@@ -58,18 +82,22 @@ impl Pipeline<'_> {
         }
         match goal {
             Goal::Configurations(goals) => {
-                let mut outcome = Outcome::GoalsInvalid;
-                for goal in goals {
-                    search.statistics.goals_tried += 1;
-                    if self.check.checks_goals() && !self.check.is_free(goal) {
-                        continue;
-                    }
-                    if let Some(path) = self.accepted_path(goal, search)? {
-                        return Ok(path);
-                    }
-                    outcome = Outcome::GaveUp;
+                let is_free = |goal: &&Vec<f64>| !self.check.checks_goals() || self.check.is_free(goal);
+                let free: Vec<&Vec<f64>> = goals.iter().filter(is_free).collect();
+                if free.is_empty() {
+                    return Err(Outcome::GoalsInvalid);
                 }
-                Err(outcome)
+                loop {
+                    for goal in &free {
+                        search.statistics.goals_tried += 1;
+                        if let Some(path) = self.accepted_path(goal, search)? {
+                            return Ok(path);
+                        }
+                    }
+                    if self.settings.shares == Shares::Equal {
+                        return Err(Outcome::GaveUp);
+                    }
+                }
             }
             Goal::Grasps(grasps) => self.all_grasps(grasps, search),
         }
@@ -131,16 +159,23 @@ impl Pipeline<'_> {
 
     /// Steps 3 and 4 of [`IkRrt`](crate::IkRrt).
     fn connect(&mut self, goal: &[f64], search: &mut Search) -> Result<Option<Path>, Outcome> {
-        let start = search.problem.start();
-        let mut trees = [start, goal].map(|root| {
+        let rooted = |index: usize, root: &[f64], search: &mut Search| {
             let mut tree = Forest::new(root.len(), JointMetric::plain(root.len()));
+            search.observer.node_added(index, root, None);
             tree.add(root, None);
             tree
-        });
-        search.observer.node_added(0, start, None);
-        search.observer.node_added(1, goal, None);
+        };
+        let kept = self.start_tree.take();
+        let known = kept.as_ref().map_or(0, Forest::len);
+        let from_start = kept.unwrap_or_else(|| rooted(0, search.problem.start(), search));
+        let mut trees = [from_start, rooted(1, goal, search)];
         let mut found = Ok(None);
-        for _ in 0..self.settings.goal_iterations {
+        self.turns += 1;
+        let share = match self.settings.shares {
+            Shares::Equal => 1,
+            Shares::Luby => luby_share(self.turns),
+        };
+        for _ in 0..self.settings.goal_iterations.saturating_mul(share) {
             if let Err(outcome) = search.begin_iteration() {
                 found = Err(outcome);
                 break;
@@ -157,7 +192,9 @@ impl Pipeline<'_> {
                 break;
             }
         }
-        search.statistics.nodes += trees.iter().map(|tree| tree.len() as u64).sum::<u64>();
+        search.statistics.nodes += (trees[0].len() + trees[1].len() - known) as u64;
+        let [from_start, _] = trees;
+        self.start_tree = Some(from_start).filter(|_| self.settings.shares == Shares::Luby);
         found
     }
 
@@ -177,16 +214,31 @@ impl Pipeline<'_> {
         while !is_there {
             let from = tree.q(node).to_vec();
             let grown = self.grower.grow(&from, target, explores, search);
-            for end in &grown.aside {
-                search.observer.node_added(index, end, Some(node));
-                tree.add(end, Some(node));
+            let mut add = |nodes: &[Vec<f64>]| {
+                nodes.iter().fold(None, |last, q| {
+                    let parent = last.or(Some(node));
+                    search.observer.node_added(index, q, parent);
+                    Some(tree.add(q, parent))
+                })
+            };
+            for branch in &grown.aside {
+                add(&branch.nodes);
             }
-            let end;
-            (end, is_there) = grown.ahead?;
-            search.observer.node_added(index, &end, Some(node));
-            node = tree.add(&end, Some(node));
+            node = add(&grown.ahead.nodes)?;
+            is_there = grown.ahead.is_target;
             explores = false;
         }
         Some(node)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_those_of_the_publication() {
+        let shares: Vec<u64> = (1..=15).map(luby_share).collect();
+        assert_eq!(shares, [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
     }
 }

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::growth::Growth;
-use crate::ik_pipeline::{PipelineSettings, plan_goal_by_goal};
+use crate::ik_pipeline::{PipelineSettings, Shares, plan_goal_by_goal};
 use crate::step::RELEASED_STEP_M;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
 
@@ -56,8 +56,13 @@ impl Planner for IkRrt {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
         let Self { p_goal, step_m, goal_iterations, ik_attempts } = *self;
-        let settings =
-            PipelineSettings { growth: Growth::Step { step_m }, p_goal, goal_iterations, ik_attempts };
+        let settings = PipelineSettings {
+            growth: Growth::Step { step_m },
+            p_goal,
+            goal_iterations,
+            shares: Shares::Equal,
+            ik_attempts,
+        };
         plan_goal_by_goal(settings, problem, (budget, seed), observer)
     }
 }

@@ -48,10 +48,9 @@ impl Planner for JPlusRbt {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
-        problem.exact_cell(self.name())?;
         let Self { p_goal, spines, critical_m, step_m, choice, damping } = *self;
         let growth = Growth::Bur { spines, critical_m, step_m };
-        let settings = JacobianSettings { p_goal, growth, step_m, choice, damping };
+        let settings = JacobianSettings { p_goal, growth, choice, damping };
         plan_by_jacobian(self.name(), settings, problem, (budget, seed), observer)
     }
 }

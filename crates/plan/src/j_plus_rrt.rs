@@ -51,7 +51,7 @@ impl Planner for JPlusRrt {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
         let Self { p_goal, step_m, choice, damping } = *self;
-        let settings = JacobianSettings { p_goal, growth: Growth::Step { step_m }, step_m, choice, damping };
+        let settings = JacobianSettings { p_goal, growth: Growth::Step { step_m }, choice, damping };
         plan_by_jacobian(self.name(), settings, problem, (budget, seed), observer)
     }
 }

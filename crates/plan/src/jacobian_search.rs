@@ -31,10 +31,8 @@ const ROTATION_ENTERS_BELOW: f64 = 100.0;
 pub(crate) struct JacobianSettings {
     /// Probability of going towards a grasp.
     pub p_goal: f64,
-    /// How the tree grows towards random configurations.
+    /// How the tree grows towards random configurations; towards a grasp it steps.
     pub growth: Growth,
-    /// How far a step towards a grasp goes, in metres.
-    pub step_m: f64,
     pub choice: GraspChoice,
     pub damping: f64,
 }
@@ -120,10 +118,17 @@ impl<'a> JacobianTree<'a> {
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let from = self.nodes.q(nearest).to_vec();
         let grown = self.grower.grow(&from, &sample, true, search);
-        let ends = grown.ahead.map(|(end, _)| end).into_iter().chain(grown.aside);
-        ends.map(|end| self.add(&end, Some(nearest), search))
-            .find(|(_, arrived)| *arrived)
-            .map(|(node, _)| node)
+        for branch in std::iter::once(&grown.ahead).chain(&grown.aside) {
+            let mut parent = nearest;
+            for q in &branch.nodes {
+                let (node, arrived) = self.add(q, Some(parent), search);
+                if arrived {
+                    return Some(node);
+                }
+                parent = node;
+            }
+        }
+        None
     }
 
     /// Pseudo-inverse steps towards a grasp, from the node that is nearest to it, until the gripper arrives, the motion is
@@ -171,7 +176,7 @@ impl<'a> JacobianTree<'a> {
             for ((target, q), step) in target.iter_mut().zip(&q).zip(&step) {
                 *target = q + step;
             }
-            let end = self.grower.step(&q, &target, self.settings.step_m, search)?.0;
+            let end = self.grower.step(&q, &target, search)?.0;
             let (added, arrived) = self.add(&end, Some(node), search);
             if arrived {
                 return Some(added);

@@ -57,8 +57,8 @@ pub(crate) enum Validity {
     /// Exact shapes, and proofs of whole motions.
     Exact(Arc<Cell>),
     /// The released check of single configurations, and the value of `d = ½·mm + ½·deg` below which the gripper has
-    /// arrived.
-    Paper { check: Arc<ReleasedCheck>, threshold: f64 },
+    /// arrived; and the cell that tells planners of distances, which the released check does not know.
+    Paper { check: Arc<ReleasedCheck>, threshold: f64, distances: Arc<Cell> },
 }
 
 /// The released planners stop below this value of `d = ½·mm + ½·deg`.
@@ -106,14 +106,15 @@ impl Problem {
         Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
     }
 
-    /// A problem under the `paper` criterion.
+    /// A problem under the `paper` criterion: `check` decides; of distances to `world` planners may ask for how far to go.
     ///
     /// # Errors
     /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not
     /// fit the robot.
-    pub fn paper(check: ReleasedCheck, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
+    pub fn paper(check: ReleasedCheck, world: World, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
         let robot = check.robot().clone();
-        let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD };
+        let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
+        let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
         Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
     }
 

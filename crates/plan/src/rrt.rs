@@ -88,7 +88,7 @@ impl Connector for Tree<'_> {
         if from == target {
             return Some((self.nodes.path_to(nearest), goal?));
         }
-        let (end, is_target) = self.grower.grow(&from, &target, true, search).ahead?;
+        let (end, is_target) = self.grower.step(&from, &target, search)?;
         search.observer.node_added(0, &end, Some(nearest));
         let node = self.nodes.add(&end, Some(nearest));
         goal.filter(|_| is_target).map(|goal| (self.nodes.path_to(node), goal))

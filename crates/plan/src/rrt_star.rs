@@ -105,7 +105,7 @@ impl Tree<'_> {
             self.arrive(nearest, goal?);
             return None;
         }
-        let (q, is_target) = self.grower.grow(&from, &target, true, search).ahead?;
+        let (q, is_target) = self.grower.step(&from, &target, search)?;
         let begin = Instant::now();
         let near = self.near.nearest(&q, rewired(self.nodes.len(), q.len()));
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();

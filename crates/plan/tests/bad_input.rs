@@ -49,7 +49,7 @@ fn a_value_that_is_not_finite_is_refused_by_the_name_of_its_joint() {
 fn a_problem_under_the_papers_criterion_is_held_to_the_same() {
     let check = |start: Vec<f64>| {
         let check = cranny_collision::ReleasedCheck::new(ball(), Vec::new(), Vec::new(), 0.0);
-        Problem::paper(check.expect("good triangles"), start, to(vec![0.0; 3])).map(|_| ())
+        Problem::paper(check.expect("good triangles"), World::default(), start, to(vec![0.0; 3])).map(|_| ())
     };
     assert!(matches!(check(vec![0.0; 2]), Err(PlanError::JointCount { what: "start", .. })));
     assert!(matches!(check(vec![0.0, f64::NAN, 0.0]), Err(PlanError::NotFinite { what: "start", .. })));

@@ -176,7 +176,7 @@ impl Scenario {
                 let floor_links = hand::floor_links(&robot);
                 let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M)
                     .map_err(cranny_plan::PlanError::from)?;
-                Ok(Problem::paper(check, start, goal)?)
+                Ok(Problem::paper(check, self.world.clone(), start, goal)?)
             }
         }
     }
