@@ -42,21 +42,10 @@ impl<'a> Bidirectional<'a> {
         let q = self.sides[side].q(from).to_vec();
         let grown = self.grower.grow(&q, target, explores, search);
         for branch in &grown.aside {
-            self.add_branch(side, &branch.nodes, from, search);
+            branch.add_to(&mut self.sides[side], side, from, search.observer);
         }
-        let end = self.add_branch(side, &grown.ahead.nodes, from, search)?;
+        let end = grown.ahead.add_to(&mut self.sides[side], side, from, search.observer)?;
         Some((end, grown.ahead.is_target))
-    }
-
-    /// Adds the nodes of a branch, one after the other, and gives the last.
-    fn add_branch(
-        &mut self,
-        side: usize,
-        nodes: &[Vec<f64>],
-        from: usize,
-        search: &mut Search,
-    ) -> Option<usize> {
-        nodes.iter().fold(None, |last, q| Some(self.add(side, q, last.or(Some(from)), search)))
     }
 
     /// The path through two nodes at the same configuration, and its goal.

@@ -3,10 +3,11 @@ use std::time::Instant;
 use cranny_collision::Bubble;
 use cranny_robot::{Robot, between};
 
-use crate::Problem;
 use crate::baseline_check::BaselineCheck;
+use crate::forest::Forest;
 use crate::search::Search;
 use crate::step::Stepper;
+use crate::{Observer, Problem};
 
 /// How a tree grows from one of its nodes.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +43,23 @@ pub(crate) struct Branch {
     pub nodes: Vec<Vec<f64>>,
     /// Whether the last is the target.
     pub is_target: bool,
+}
+
+impl Branch {
+    /// Adds the nodes to a forest, which observers know by the index `tree`, the first below `from`; gives the last.
+    pub fn add_to(
+        &self,
+        forest: &mut Forest,
+        tree: usize,
+        from: usize,
+        observer: &mut dyn Observer,
+    ) -> Option<usize> {
+        self.nodes.iter().fold(None, |last, q| {
+            let parent = last.or(Some(from));
+            observer.node_added(tree, q, parent);
+            Some(forest.add(q, parent))
+        })
+    }
 }
 
 /// Grows trees along ways that are free by the criterion of a problem.

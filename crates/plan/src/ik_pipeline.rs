@@ -214,17 +214,10 @@ impl Pipeline<'_> {
         while !is_there {
             let from = tree.q(node).to_vec();
             let grown = self.grower.grow(&from, target, explores, search);
-            let mut add = |nodes: &[Vec<f64>]| {
-                nodes.iter().fold(None, |last, q| {
-                    let parent = last.or(Some(node));
-                    search.observer.node_added(index, q, parent);
-                    Some(tree.add(q, parent))
-                })
-            };
             for branch in &grown.aside {
-                add(&branch.nodes);
+                branch.add_to(tree, index, node, search.observer);
             }
-            node = add(&grown.ahead.nodes)?;
+            node = grown.ahead.add_to(tree, index, node, search.observer)?;
             is_there = grown.ahead.is_target;
             explores = false;
         }

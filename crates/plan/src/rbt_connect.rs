@@ -18,8 +18,8 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
 ///
 /// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
 /// publication in that each pair of things has its own distance, where they take the least of all, in that the robot itself
-/// counts among them, and in that 3 looks at the spine where they ask for a critical distance (0.1 m in the released program):
-/// a robot is always closer than that to itself.
+/// counts among them: a robot is always closer to itself than the critical distance, which is asked of the world alone, as is
+/// in 3 the length of the spine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RbtConnect {
     /// Spines of a bur, the one towards the target included. Default 7, that of the released planners.
