@@ -6,13 +6,28 @@ use crate::cell::{Cell, Scratch};
 use crate::lanes::Interest;
 
 impl Cell {
-    /// Whether each of many configurations is free: the same verdicts as [`Cell::is_free`], many times as
+    /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of
+    /// [`Self::is_clear`], many times as fast.
+    ///
+    /// The law `is_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        assert_eq!(q.len(), self.robot().dof(), "one value per joint");
+        scratch.lanes.set_lane(0, q);
+        let exact = |_, exact: &mut [f64]| exact.copy_from_slice(q);
+        self.robot().within_limits(q)
+            && self.judge_lanes(simd_level(), first_lanes(1), Interest::AllOrNothing, exact, scratch) == 1
+    }
+
+    /// Whether each of many configurations is free: the same verdicts as [`Cell::is_free`], several times as
     /// fast.
     ///
     /// `configurations` holds one row of dof values (m, rad) after the other; one verdict for each row is
     /// written to `verdicts`, which is emptied first.
     ///
-    /// The law `are_free = is_free` is tested by `lanes_and_exact_check_agree`.
+    /// The law `are_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
     ///
     /// # Panics
     /// If `configurations` does not consist of whole rows.

@@ -37,15 +37,10 @@ pub struct Cell {
     pub(crate) lanes: Arc<Lanes>,
 }
 
-/// In a world of many parts, so many pairs are asked first, at most: those that touched lately.
-const MOST_FIRST: usize = 32;
-
 /// What one asker needs to compute with; made by [`Cell::scratch`].
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(crate) frames: LinkFrames,
-    /// The pairs that single configurations are asked about first, in this order.
-    order: Vec<u32>,
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
     pub(crate) slope: Vec<f64>,
@@ -55,13 +50,6 @@ pub struct Scratch {
     pub(crate) next_work: WorkList,
     pub(crate) rest: WorkList,
     pub(crate) lanes: LaneScratch,
-}
-
-impl Scratch {
-    /// The link frames of the configuration that was asked about last.
-    pub fn frames(&self) -> &LinkFrames {
-        &self.frames
-    }
 }
 
 impl Cell {
@@ -185,7 +173,6 @@ impl Cell {
         }
         Scratch {
             frames,
-            order: if self.around.tree.is_trivial() { self.all_pairs().collect() } else { Vec::new() },
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
             slope: vec![0.0; self.robot.dof()],
@@ -197,39 +184,14 @@ impl Cell {
         }
     }
 
-    /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
-        self.robot.within_limits(q) && self.is_clear(q, scratch)
-    }
-
-    /// Whether every pair keeps its distance at `q`, joint limits aside.
+    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), joint limits aside: by exact distances alone,
+    /// the reference of [`Self::is_free`].
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn is_clear(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         self.robot.forward_kinematics(q, &mut scratch.frames);
-        let blocked = scratch
-            .order
-            .iter()
-            .position(|&pair| !self.keeps_distance(&self.pairs.get(pair), &scratch.frames));
-        // Who has just touched is likely to touch again: asked earlier, it ends the next check sooner. The
-        // order changes no verdict.
-        if let Some(place) = blocked {
-            scratch.order.swap(place, place / 2);
-            return false;
-        }
-        if scratch.order.len() == self.pairs.len() {
-            return true;
-        }
-        let blocked = self.first_close_pair(&scratch.frames);
-        if let Some(pair) = blocked {
-            scratch.order.truncate(MOST_FIRST - 1);
-            scratch.order.push(pair);
-        }
-        blocked.is_none()
+        self.first_close_pair(&scratch.frames).is_none()
     }
 
     /// The first pair that does not keep its distance.

@@ -79,13 +79,13 @@ fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64
     while all.len() < count {
         let mut ends = [draw(), draw()];
         all.push(ends[0].clone());
-        let free = ends.each_ref().map(|q| cell.is_free(q, &mut scratch));
+        let free = ends.each_ref().map(|q| cell.is_clear(q, &mut scratch));
         if free[0] == free[1] {
             continue;
         }
         while ends[0].iter().zip(&ends[1]).any(|(a, b)| (a - b).abs() > tolerance) {
             let middle: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-            let is_free = cell.is_free(&middle, &mut scratch);
+            let is_free = cell.is_clear(&middle, &mut scratch);
             ends[usize::from(is_free != free[0])] = middle;
         }
         all.extend(ends);
@@ -96,7 +96,7 @@ fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64
 /// How many of the verdicts of the lanes differ from those of the exact check.
 fn disagreements(cell: &Cell, configurations: &[Vec<f64>], level: Level) -> usize {
     let mut scratch = cell.scratch();
-    let exact: Vec<bool> = configurations.iter().map(|q| cell.is_free(q, &mut scratch)).collect();
+    let exact: Vec<bool> = configurations.iter().map(|q| cell.is_clear(q, &mut scratch)).collect();
     let mut verdicts = Vec::new();
     cell.are_free_with(level, &configurations.concat(), &mut scratch, &mut verdicts);
     exact.iter().zip(&verdicts).filter(|(exact, lanes)| exact != lanes).count()
@@ -129,7 +129,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
         let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| cell.robot().random_configuration(&mut random));
         let places = (1..=11).map(|index| f64::from(index) / 11.0);
         let mut is_free = |place: f64| {
-            cell.is_free(&cranny_robot::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch)
+            cell.is_clear(&cranny_robot::between(&a, &b, place).collect::<Vec<_>>(), &mut scratch)
         };
         let expected = places.clone().position(|place| !is_free(place)).unwrap_or(11);
         assert_eq!(cell.free_ahead(&a, &b, &places.collect::<Vec<_>>(), &mut scratch), expected);
@@ -171,7 +171,7 @@ fn a_second_look_at_what_is_in_doubt_agrees_with_the_exact_check() {
             assert!(second.iter().all(within), "{second:?} of {first:?}");
             let doubt = second.iter().fold(0, |all, (_, lanes)| all | lanes);
             for lane in lanes_of(first_lanes(rows.len()) & !first_contact & !doubt) {
-                assert_eq!(cell.is_free(&rows[lane], &mut scratch), contact >> lane & 1 == 0);
+                assert_eq!(cell.is_clear(&rows[lane], &mut scratch), contact >> lane & 1 == 0);
             }
         }
     }
@@ -185,7 +185,7 @@ fn a_look_that_contact_ends_names_where_it_is() {
     for rows in configurations(&cell, &mut random, 1600, 1e-2).chunks(LANES) {
         let [(_, contact), _] = looks(&cell, rows, Interest::AllOrNothing, 0.02);
         for lane in lanes_of(contact) {
-            assert!(!cell.is_free(&rows[lane], &mut scratch), "lane {lane} of {contact:b}");
+            assert!(!cell.is_clear(&rows[lane], &mut scratch), "lane {lane} of {contact:b}");
         }
     }
 }

@@ -22,7 +22,7 @@ pub enum Motion {
         contact: Contact,
     },
     /// No contact was found, but neither could it be excluded: a pair comes within 1 µm of what
-    /// is demanded.
+    /// is demanded, or the effort was spent.
     Unresolved {
         /// Where, in [0, 1] along the motion.
         at: f64,
@@ -76,11 +76,13 @@ pub(crate) struct Demand {
     pub factor: f64,
     /// How much farther than they must be all pairs are to keep apart, in metres.
     pub beyond_m: f64,
+    /// The proof is given up where more than so many intervals need exact distances.
+    pub effort: u64,
 }
 
 impl Default for Demand {
     fn default() -> Self {
-        Self { factor: 1.0, beyond_m: 0.0 }
+        Self { factor: 1.0, beyond_m: 0.0, effort: u64::MAX }
     }
 }
 
@@ -162,12 +164,21 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn motion_is_free(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
+        self.motion_is_free_within(u64::MAX, a, b, scratch)
+    }
+
+    /// [`Self::motion_is_free`] that is given up, as [`Motion::Unresolved`], where more than so many intervals need exact
+    /// distances: a motion that passes something very closely takes thousands, and a planner may know another.
+    ///
+    /// # Panics
+    /// If `a` or `b` has not one value per joint.
+    pub fn motion_is_free_within(&self, effort: u64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
         for end in [a, b] {
             if let Some(violation) = self.robot().first_limit_violation(end) {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.prove(a, b, scratch, Demand::default())
+        self.prove(a, b, scratch, Demand { effort, ..Demand::default() })
     }
 
     /// [`Self::motion_is_free`] without joint limits.
@@ -301,10 +312,12 @@ impl Cell {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut motion = Motion::Proven;
+        let mut intervals: u64 = 0;
         'levels: while !work.intervals.is_empty() {
             next.clear();
             for interval in &work.intervals {
                 self.look_at(a, b, interval.middle, interval.half_width, scratch, demand.factor);
+                intervals += 1;
                 let begin = next.pairs.len();
                 for &index in &work.pairs[interval.pairs.0..interval.pairs.1] {
                     let pair = &self.pairs.get(index);
@@ -321,7 +334,7 @@ impl Cell {
                     }
                     // 3.
                     let is_contact = gap.upper_m <= required_m;
-                    if is_contact || travel < RESOLUTION_M {
+                    if is_contact || travel < RESOLUTION_M || intervals > demand.effort {
                         let (at, contact) = (interval.middle, self.describe(pair, &scratch.frames));
                         motion = if is_contact {
                             Motion::Contact { at, contact }

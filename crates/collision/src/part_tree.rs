@@ -60,11 +60,6 @@ impl PartTree {
         &self.nodes
     }
 
-    /// Whether parts are looked at one by one anyway.
-    pub fn is_trivial(&self) -> bool {
-        self.nodes.len() == 1
-    }
-
     /// The places of all parts that may be closer than `reach_m` to a point, in order.
     pub fn near(&self, center: Point, reach_m: f64) -> impl Iterator<Item = usize> {
         let mut next = 0;

@@ -152,7 +152,7 @@ proptest! {
             let mut verdicts = Vec::new();
             cell.are_free(&configurations.concat(), &mut scratch, &mut verdicts);
             for (q, lanes) in configurations.iter().zip(&verdicts) {
-                prop_assert_eq!(cell.is_free(q, &mut scratch), *lanes, "the law of the lanes at {:?}", q);
+                prop_assert_eq!(cell.is_clear(q, &mut scratch), *lanes, "the law of the lanes at {:?}", q);
                 let [own, theirs] = [cell.clearance(q, &mut scratch), expected.clearance(q, &mut other)];
                 prop_assert!((own - theirs).abs() < 1e-7, "{own} and {theirs} at {q:?}");
             }

@@ -26,7 +26,8 @@ pub fn ik_statuses(problem: &Problem, known: &[Vec<f64>]) -> Result<Vec<IkStatus
         if q.len() != problem.robot().dof() || !cell.is_free(q, &mut scratch) {
             continue;
         }
-        let gripper = scratch.frames().link(problem.robot().tip());
+        let frames = problem.robot().frames_at(q);
+        let gripper = frames.link(problem.robot().tip());
         for (status, grasp) in statuses.iter_mut().zip(grasps.grasps()) {
             if grasp.difference(gripper).is_exact() {
                 *status = IkStatus::Solved;
