@@ -397,6 +397,7 @@ def plan(
     goal_threshold: float | None = None,
     shortcut: bool = True,
     optimise_s: float | None = None,
+    cost: str = "length",
     score_weight: float = 1.0,
     jerk_limited: bool = False,
     blend: bool = False,

@@ -56,7 +56,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `strict_pairs`: pairs of links that touch in every sample are checked too, see `plan.not_checked`. Under "paper",
 /// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
-/// seconds, `score_weight` being what a grasp of score 1 is worth in units of path length. The path gets its time:
+/// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
+/// plain; "time", the seconds of the trajectory) less `score_weight` for a grasp of score 1. The path gets its time:
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
 /// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
@@ -66,7 +67,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
+    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
     carry=None, clear_m=0.05))]
 #[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
 pub fn plan(
@@ -82,6 +83,7 @@ pub fn plan(
     goal_threshold: Option<f64>,
     shortcut: bool,
     optimise_s: Option<f64>,
+    cost: &str,
     score_weight: f64,
     jerk_limited: bool,
     blend: bool,
@@ -95,6 +97,9 @@ pub fn plan(
         task.problem = task.problem.checking_all_pairs();
     }
     let optimise = optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?;
+    let cost = cost
+        .parse()
+        .map_err(|_| bad_value(format!("cost is '{cost}', but 'length', 'l2' or 'time' is expected")))?;
     let request = Request {
         planner: planner.map(str::to_owned),
         settings: settings_of(settings)?,
@@ -108,7 +113,7 @@ pub fn plan(
         })?,
         goal_threshold,
         keep_path: !shortcut,
-        optimise: optimise.map(|time| OptimiseSettings { time, score_weight }),
+        optimise: optimise.map(|time| OptimiseSettings { time, score_weight, cost }),
         timing: Some(Timing {
             method: if jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal },
             blend,

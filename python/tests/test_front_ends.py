@@ -35,6 +35,8 @@ EXACT: list[Request] = [
     (["--optimise", "60", "--iterations", "40"], {"optimise_s": 60.0, "iterations": 40}),
     (["--optimise", "60", "--iterations", "40", "--score-weight", "0"],
      {"optimise_s": 60.0, "iterations": 40, "score_weight": 0.0}),
+    (["--optimise", "60", "--iterations", "40", "--cost", "time"],
+     {"optimise_s": 60.0, "iterations": 40, "cost": "time"}),
 ]
 PAPER: list[Request] = [
     ([], {}),

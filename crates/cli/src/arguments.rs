@@ -5,7 +5,7 @@ use clap::builder::ArgPredicate;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Criterion, MAX_SAMPLE_RATE_HZ};
+use cranny_plan::{CostKind, Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
 
 use crate::bench::BenchArguments;
@@ -155,6 +155,7 @@ pub struct TaskArguments {
   cranny plan 021 --margin 5 --grasp-margin 1
   cranny plan 021 --rate 100 --jerk-limited
   cranny plan 021 --optimise 5
+  cranny plan 021 --optimise 0.1 --cost time --score-weight 0
   cranny plan 021 --planner ik-rbt --set critical_m=0.05
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
@@ -208,11 +209,14 @@ pub struct PlanArguments {
     #[arg(long)]
     pub no_shortcut: bool,
     /// Look for better paths for so many seconds after the first; with --iterations too, over all searches,
-    /// the same seed gives the same path. Cost: length, each joint weighted by how far it moves the arm,
-    /// minus the weighted score of the grasp
+    /// the same seed gives the same path. Better costs less: what --cost measures, minus the weighted score of
+    /// the grasp
     #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "no_shortcut")]
     pub optimise: Option<Duration>,
-    /// What a grasp of score 1 is worth against one of score 0, in metres of the base's way
+    /// What --optimise measures of a path
+    #[arg(long, value_enum, default_value_t = CostArgument::Length, requires = "optimise")]
+    pub cost: CostArgument,
+    /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost
     #[arg(long, value_name = "W", default_value_t = 1.0, requires = "optimise")]
     pub score_weight: f64,
     /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
@@ -313,6 +317,26 @@ impl From<CriterionArgument> for Criterion {
         match argument {
             CriterionArgument::Exact => Self::Exact,
             CriterionArgument::Paper => Self::Paper,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CostArgument {
+    /// Its length, each joint weighted by how far it moves the arm, in metres
+    Length,
+    /// Its plain L2 length, metres and radians alike
+    L2,
+    /// The seconds of the time-optimal trajectory along it
+    Time,
+}
+
+impl From<CostArgument> for CostKind {
+    fn from(argument: CostArgument) -> Self {
+        match argument {
+            CostArgument::Length => Self::Length,
+            CostArgument::L2 => Self::L2,
+            CostArgument::Time => Self::Time,
         }
     }
 }

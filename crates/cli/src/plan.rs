@@ -134,9 +134,11 @@ fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
         score: arguments.score.into(),
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
-        optimise: arguments
-            .optimise
-            .map(|time| OptimiseSettings { time, score_weight: arguments.score_weight }),
+        optimise: arguments.optimise.map(|time| OptimiseSettings {
+            time,
+            score_weight: arguments.score_weight,
+            cost: arguments.cost.into(),
+        }),
         carry,
         timing: Some(Timing {
             method: if arguments.jerk_limited {

@@ -136,5 +136,9 @@ impl Goals<'_> {
 /// The goals that one more iteration brings, unless there can be none.
 fn draw(pool: &mut GoalPool, scratch: &mut Scratch, search: &mut Search) -> Result<Path, Outcome> {
     let goals = pool.draw(&mut search.random, scratch, &mut search.statistics, search.observer);
-    if pool.is_hopeless() { Err(Outcome::NoReachableGrasp) } else { Ok(goals) }
+    if pool.is_hopeless() {
+        Err(Outcome::NoReachableGrasp)
+    } else {
+        Ok(goals.into_iter().map(|(_, q)| q).collect())
+    }
 }

@@ -13,6 +13,8 @@ pub(crate) struct Forest {
     parents: Vec<Option<usize>>,
     /// Per node where the straight way begins that leads to it; itself for a root.
     begins: Vec<usize>,
+    /// Per node the length of the path from its root, and what the root costs.
+    costs: Vec<f64>,
     /// Whether that way is proven.
     proven: Vec<bool>,
     index: NearestNeighbours,
@@ -29,11 +31,17 @@ impl Forest {
             configurations: Vec::new(),
             parents: Vec::new(),
             begins: Vec::new(),
+            costs: Vec::new(),
             proven: Vec::new(),
             index: NearestNeighbours::new(dof),
             indexed: Vec::new(),
             scaled: vec![0.0; dof],
         }
+    }
+
+    /// Takes all nodes out.
+    pub fn clear(&mut self) {
+        *self = Self::new(self.dof, self.metric.clone());
     }
 
     /// How many nodes can be grown from.
@@ -43,6 +51,22 @@ impl Forest {
 
     pub fn q(&self, node: usize) -> &[f64] {
         &self.configurations[node * self.dof..(node + 1) * self.dof]
+    }
+
+    /// Length of the path from its root to a node, and what the root costs.
+    pub fn cost(&self, node: usize) -> f64 {
+        self.costs[node]
+    }
+
+    pub fn metric(&self) -> &JointMetric {
+        &self.metric
+    }
+
+    /// A new root that costs so much by itself.
+    pub fn add_root(&mut self, q: &[f64], cost: f64) -> usize {
+        let node = self.add(q, None);
+        self.costs[node] = cost;
+        node
     }
 
     /// A new node at the end of an edge from its parent; without a parent, a root.
@@ -57,6 +81,7 @@ impl Forest {
 
     fn add_on_way(&mut self, q: &[f64], parent: Option<usize>, begin: usize) -> usize {
         self.configurations.extend_from_slice(q);
+        self.costs.push(parent.map_or(0.0, |parent| self.costs[parent] + self.distance(self.q(parent), q)));
         self.parents.push(parent);
         self.begins.push(begin);
         self.proven.push(parent.is_none());

@@ -7,7 +7,7 @@ use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
 use crate::grasp_source::GraspSource;
-use crate::{FailureReason, GraspFailure, Observer, Problem, Statistics};
+use crate::{FailureReason, GraspFailure, Observer, PlanError, Problem, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is looked at: so many cost
 /// as much as looking at poses until the hand is free at one.
@@ -59,6 +59,18 @@ struct Record {
 }
 
 impl<'a> GoalPool<'a> {
+    /// The pool of a problem; none where its goals are configurations.
+    ///
+    /// # Errors
+    /// [`PlanError`] for a problem under another criterion than `exact`.
+    pub fn of(problem: &'a Problem) -> Result<Option<Self>, PlanError> {
+        let cell = problem.exact_cell("reach")?;
+        if let Some(measure) = problem.grasp_measure() {
+            return Ok(Some(Self::sampling(problem, cell, GraspSource::new(measure, 0.5)?)));
+        }
+        Ok(problem.grasps().map(|grasps| Self::new(problem, cell, grasps)))
+    }
+
     /// The pool of all grasps and their twins.
     pub fn new(problem: &'a Problem, cell: &'a Cell, grasps: &GraspSet) -> Self {
         let both = |(index, grasp)| poses(grasp).map(|pose| (index, pose));
@@ -92,14 +104,14 @@ impl<'a> GoalPool<'a> {
         self.poses.is_empty() && self.source.is_none()
     }
 
-    /// The goals that one more iteration of the search brings.
+    /// The goals that one more iteration of the search brings, each with its grasp.
     pub fn draw(
         &mut self,
         random: &mut Stream,
         scratch: &mut Scratch,
         statistics: &mut Statistics,
         observer: &mut dyn Observer,
-    ) -> Vec<Vec<f64>> {
+    ) -> Vec<(usize, Vec<f64>)> {
         let begin = Instant::now();
         self.waited += 1;
         if !self.is_due() {
@@ -141,7 +153,7 @@ impl<'a> GoalPool<'a> {
                 record.blocked = q;
             } else if self.source.as_mut().is_none_or(|source| source.holds(&q)) {
                 record.goals += 1;
-                goals.push(q);
+                goals.push((grasp, q));
             }
         }
         self.attempts += IK_BATCH as u64;

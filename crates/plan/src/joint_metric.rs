@@ -1,5 +1,7 @@
 use cranny_robot::Robot;
 
+use crate::MotionLimits;
+
 /// A metric of configuration space whose joints weigh as much as they move: the farthest that any point of
 /// the robot beyond the joint lies from its origin at `q = 0`, in metres, at most 1; 1 for a prismatic joint.
 ///
@@ -22,10 +24,22 @@ impl JointMetric {
         Self { weights: vec![1.0; dof] }
     }
 
+    /// Joints weigh as many seconds as they take for a unit.
+    pub fn by_speed(limits: &MotionLimits) -> Self {
+        Self { weights: limits.velocity.iter().map(|velocity| velocity.recip()).collect() }
+    }
+
     /// Writes `q` in coordinates in which the plain L2 distance is this metric.
     pub fn scale(&self, q: &[f64], scaled: &mut [f64]) {
         for ((scaled, q), weight) in scaled.iter_mut().zip(q).zip(&self.weights) {
             *scaled = q * weight;
+        }
+    }
+
+    /// The inverse of [`Self::scale`].
+    pub fn unscale(&self, scaled: &[f64], q: &mut [f64]) {
+        for ((q, scaled), weight) in q.iter_mut().zip(scaled).zip(&self.weights) {
+            *q = scaled / weight;
         }
     }
 

@@ -1,28 +1,35 @@
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
-use cranny_grasp::GraspSet;
 use serde::{Deserialize, Serialize};
 
+use crate::goal_pool::GoalPool;
+use crate::lane_search::LaneSearch;
+use crate::planner::Clock;
+use crate::shortcut::shortcut_unless;
 use crate::{
-    Budget, Goal, Observer, Outcome, PathCost, PlanError, PlanReport, Planner, Problem, ShortcutSettings,
-    audit, search, shortcut,
+    AuditSettings, Budget, Clearances, CostKind, Observer, Outcome, PathCost, PlanError, PlanReport, Planner,
+    Problem, Reach, ShortcutSettings, audit_with, search,
 };
 
 /// How to go on once there is a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiseSettings {
-    /// How long after the first path. It may only cut short what the seed and the iterations determine.
+    /// How long after the first path, which is shortened and proven in any case. It may only cut short what the seed and
+    /// the iterations determine.
     /// Default: 10 s.
     pub time: Duration,
-    /// What a grasp of score 1 is worth against one of score 0, in units of the path's length. Default 1:
-    /// as much as one metre of the base, a fifth to a half of a usual path, so that a better grasp is worth
-    /// a detour but not any detour.
+    /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost. Default 1: by length as
+    /// much as one metre of the base, a fifth to a half of a usual path, so that a better grasp is worth a detour
+    /// but not any detour.
     pub score_weight: f64,
+    /// What a path costs. Default: its length.
+    pub cost: CostKind,
 }
 
 impl Default for OptimiseSettings {
     fn default() -> Self {
-        Self { time: Duration::from_secs(10), score_weight: 1.0 }
+        Self { time: Duration::from_secs(10), score_weight: 1.0, cost: CostKind::default() }
     }
 }
 
@@ -51,11 +58,13 @@ pub struct Optimised {
 }
 
 /// Looks for a path, and then for better ones until time or iterations are over (anytime planning by
-/// restarts: Luna, Şucan, Moll & Kavraki 2013, without their hybridisation).
+/// restarts: Luna, Şucan, Moll & Kavraki 2013, without their hybridisation; bounded as in AORRTC: Wilson, Thomason,
+/// Kingston & Gammell 2025).
 ///
 /// 1. The planner's first path, shortened, is the best so far.
-/// 2. Again and again the planner searches with another seed, every other time for grasps of a higher score
-///    alone where there are any. A path that it finds is shortened.
+/// 2. Again and again [`Reach`] searches anew from the start and from all goals that were ever found, each with what its
+///    grasp costs, for a path whose cost stays below a little more than the best so far: it draws nothing by which that
+///    cannot be (informed sampling: Gammell, Srinivasa & Barfoot 2014). A path that it finds is shortened.
 /// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
 ///    few times running.
 /// 4. Whatever costs less than the best so far and is proven takes its place.
@@ -76,7 +85,7 @@ pub fn optimise(
 ) -> Result<Optimised, PlanError> {
     let begin = Instant::now();
     problem.exact_cell("optimise")?;
-    let cost = PathCost::new(problem.robot(), settings.score_weight)?;
+    let cost = PathCost::new(problem.robot(), settings.cost, settings.score_weight)?;
     // 1.
     let mut report = search(planner, problem, budget, seed, observer)?;
     let first_iterations = report.statistics.iterations;
@@ -85,6 +94,7 @@ pub fn optimise(
         problem: &*problem,
         cost,
         begin,
+        end: found.checked_add(settings.time),
         path: Vec::new(),
         score: None,
         iterations: first_iterations,
@@ -94,9 +104,20 @@ pub fn optimise(
         best.challenge_shortened(&report.path, seed)?;
     }
     if !best.path.is_empty() {
-        let deadline = found.checked_add(settings.time);
-        let mut rounds = Rounds { planner, budget, seed, deadline, first_iterations, round: 0 };
-        rounds.run(&mut best, observer)?;
+        let rest = Budget { iterations: u64::MAX, time: settings.time.saturating_sub(found.elapsed()) };
+        let mut offset = Offset { observer, before: best.iterations };
+        let mut pool = GoalPool::of(problem)?;
+        let metric = best.cost.metric().clone();
+        let mut lanes = LaneSearch::new(
+            Reach::default(),
+            problem,
+            metric,
+            (Clock::new(&rest), other_seed(seed, 1)),
+            &mut offset,
+        )?;
+        lanes.know_goals();
+        lanes.set_grasp_costs(best.cost.of_grasps(problem));
+        best.improve(&mut lanes, pool.as_mut(), budget.iterations, seed)?;
         report.path = best.path;
     }
     let Best { improvements, iterations, .. } = best;
@@ -108,6 +129,8 @@ struct Best<'a> {
     problem: &'a Problem,
     cost: PathCost,
     begin: Instant,
+    /// When to stop looking for better ones; nothing for a time that no clock tells.
+    end: Option<Instant>,
     path: Vec<Vec<f64>>,
     score: Option<f64>,
     iterations: u64,
@@ -118,17 +141,34 @@ impl Best<'_> {
     /// Whether the path, shortened, took the place of the best. Step 4.
     fn challenge_shortened(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
         self.iterations += 1;
-        let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-        let path = shortcut(self.problem, path, settings)?.path;
-        let bar = self.improvements.last().map_or(f64::INFINITY, |best| best.cost);
-        // No grasp scores more than 1, so that longer paths need no proof.
-        if self.cost.of(&path, Some(1.0)) >= bar {
+        let end = self.end.filter(|_| !self.path.is_empty());
+        let is_over = || end.is_some_and(|end| Instant::now() >= end);
+        let shortened = |path: &[Vec<f64>], attempts| {
+            shortcut_unless(&is_over, self.problem, path, ShortcutSettings { attempts, seed })
+        };
+        let ShortcutSettings { attempts, .. } = ShortcutSettings::default();
+        let mut path = Cow::Borrowed(path);
+        // Costs are counted from those of the best grasp that there can be: what is measured is the least.
+        let mut bar = f64::INFINITY;
+        if let Some(best) = self.improvements.last() {
+            bar = best.cost + self.cost.score_weight();
+            let Some(shorter) = shortened(&path, FEW_SHORTCUTS)? else { return Ok(false) };
+            path = Cow::Owned(shorter);
+        }
+        // What costs far more than the best after a few shortcuts seldom beats it after many.
+        if self.cost.measure(&path)? >= bar * PROMISING {
             return Ok(false);
         }
-        let verification = audit(self.problem, &path)?;
+        let Some(path) = shortened(&path, attempts)? else { return Ok(false) };
+        // What cannot win needs no proof.
+        if self.cost.measure(&path)? >= bar {
+            return Ok(false);
+        }
+        let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
+        let verification = audit_with(self.problem, &path, settings)?;
         let score = verification.grasp_score(self.problem);
-        let cost = self.cost.of(&path, score);
-        if !verification.valid || cost >= bar {
+        let cost = self.cost.of(&path, score)?;
+        if !verification.valid || self.improvements.last().is_some_and(|best| cost >= best.cost) {
             return Ok(false);
         }
         let time_s = self.begin.elapsed().as_secs_f64();
@@ -137,80 +177,56 @@ impl Best<'_> {
         Ok(true)
     }
 
-    /// The problem with those grasps alone that are worth more than the best path's; `None` if there are none.
-    fn with_better_grasps(&self) -> Option<Problem> {
-        let set = self.problem.grasps()?;
-        let reward = self.cost.reward(self.score);
-        let better: Vec<_> =
-            set.grasps().iter().filter(|grasp| self.cost.reward(grasp.score) > reward).copied().collect();
-        let goal = Goal::Grasps(GraspSet::new(better).ok().filter(|set| !set.is_empty())?);
-        self.problem.with_goal(goal).ok()
-    }
-}
-
-/// The searches after the first.
-struct Rounds<'a> {
-    planner: &'a dyn Planner,
-    budget: &'a Budget,
-    seed: u64,
-    deadline: Option<Instant>,
-    first_iterations: u64,
-    round: u64,
-}
-
-/// A search is given up after so many times the iterations of the first: another seed is likelier to be
-/// quick.
-const PATIENCE: u64 = 4;
-
-/// A search gets at least so many iterations, for a first path may be found by luck.
-const LEAST_ITERATIONS: u64 = 1000;
-
-/// So many shortenings running without a gain, and the best path is taken for as short as it gets.
-const IDLE_SHORTENINGS: u32 = 3;
-
-impl Rounds<'_> {
-    fn run(&mut self, best: &mut Best, observer: &mut dyn Observer) -> Result<(), PlanError> {
+    /// Steps 2 and 3, until the time of the search is spent, or so many iterations are.
+    fn improve(
+        &mut self,
+        lanes: &mut LaneSearch,
+        mut pool: Option<&mut GoalPool>,
+        most_iterations: u64,
+        seed: u64,
+    ) -> Result<(), PlanError> {
         let mut idle = 0;
-        let mut better_are_hopeless = false;
-        while self.left(best).is_some() && !observer.should_stop() {
-            self.round += 1;
-            let seed = other_seed(self.seed, self.round);
-            // 2.
-            let narrowed =
-                if self.round % 2 == 1 && !better_are_hopeless { best.with_better_grasps() } else { None };
-            let Some(budget) = self.left(best) else { break };
-            let mut offset = Offset { observer, before: best.iterations };
-            let problem = narrowed.as_ref().unwrap_or(best.problem);
-            let report = self.planner.plan(problem, &budget, seed, &mut offset)?;
-            // A search that ends at once counts too, so that every budget of iterations ends.
-            best.iterations += report.statistics.iterations.max(1);
-            better_are_hopeless |= narrowed.is_some() && report.outcome == Outcome::NoReachableGrasp;
-            if report.outcome == Outcome::Solved
-                && self.left(best).is_some()
-                && best.challenge_shortened(&report.path, seed)?
-            {
-                (idle, better_are_hopeless) = (0, false);
+        for round in 1.. {
+            let seed = other_seed(seed, round);
+            let bound = self.cost.search_bound(&self.path, self.score) * SLACK;
+            let before = lanes.iterations();
+            let patience = PATIENCE.min(most_iterations.saturating_sub(self.iterations));
+            let found = lanes.run_below(bound, patience, pool.as_deref_mut());
+            self.iterations += lanes.iterations() - before;
+            if self.iterations >= most_iterations {
+                break;
             }
-            // 3.
-            if idle < IDLE_SHORTENINGS && self.left(best).is_some() {
-                let path = best.path.clone();
-                idle = if best.challenge_shortened(&path, seed)? { 0 } else { idle + 1 };
+            match found {
+                Ok(path) => {
+                    if self.challenge_shortened(&path, seed)? {
+                        idle = 0;
+                    }
+                }
+                Err(Outcome::GaveUp) => {}
+                Err(_) => break,
+            }
+            if idle < IDLE_SHORTENINGS && self.iterations < most_iterations {
+                let path = self.path.clone();
+                idle = if self.challenge_shortened(&path, seed)? { 0 } else { idle + 1 };
             }
         }
         Ok(())
     }
-
-    /// What the next search may spend, if anything is left.
-    fn left(&self, best: &Best) -> Option<Budget> {
-        let time = match self.deadline {
-            Some(deadline) => deadline.checked_duration_since(Instant::now()).filter(|t| !t.is_zero())?,
-            None => Duration::MAX,
-        };
-        let left = self.budget.iterations.checked_sub(best.iterations).filter(|left| *left > 0)?;
-        let most = PATIENCE.saturating_mul(self.first_iterations).max(LEAST_ITERATIONS);
-        Some(Budget { iterations: left.min(most), time })
-    }
 }
+
+/// A search is given up after so many iterations.
+const PATIENCE: u64 = 300;
+
+/// A raw path may be so many times as long as the best shortened one: another way round is worth more than the last per cent
+/// of this one.
+const SLACK: f64 = 1.8;
+
+/// A path that was found is shortened so hard at first, and harder if it then costs less than so many times the best.
+const FEW_SHORTCUTS: usize = 20;
+const PROMISING: f64 = 1.05;
+
+/// So many shortenings running without a gain, and the best path is taken for as short as it gets.
+const IDLE_SHORTENINGS: u32 = 3;
 
 /// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
 pub fn other_seed(seed: u64, round: u64) -> u64 {

@@ -168,7 +168,7 @@ mod tests {
         let fault =
             |name, value: Value| planner_with(name, &settings(&value)).err().expect("a fault").to_string();
         let message = fault("reach", serde_json::json!({"stepp": 1}));
-        assert!(message.contains("'stepp'") && message.contains("looks, patience, step"), "{message}");
+        assert!(message.contains("'stepp'") && message.contains("looks, step"), "{message}");
         let message = fault("ik-rrt", serde_json::json!({"p_goal": 1.5}));
         assert!(message.contains("'p_goal' is 1.5") && message.contains("[0, 1]"), "{message}");
         assert!(fault("reach", serde_json::json!({"looks": 17})).contains("at most 16"));

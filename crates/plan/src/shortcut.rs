@@ -36,6 +36,9 @@ pub struct Shortened {
 /// A shortcut that saves less than this share of its detour is not worth its proof.
 const LEAST_GAIN: f64 = 0.02;
 
+/// A shortcut that takes more intervals than this to prove passes something very closely: another will do.
+const MOST_EFFORT: u64 = 300;
+
 /// Shortens a proven path and keeps the proof: every new edge is proven with the cell's margins before it
 /// replaces a detour.
 ///
@@ -61,6 +64,17 @@ pub fn shortcut(
     settings: ShortcutSettings,
 ) -> Result<Shortened, PlanError> {
     let begin = Instant::now();
+    let path = shortcut_unless(&|| false, problem, path, settings)?.unwrap_or_default();
+    Ok(Shortened { path, time_s: begin.elapsed().as_secs_f64() })
+}
+
+/// The path of [`shortcut`], or nothing if it `is_over` before that is done.
+pub(crate) fn shortcut_unless(
+    is_over: &dyn Fn() -> bool,
+    problem: &Problem,
+    path: &[Vec<f64>],
+    settings: ShortcutSettings,
+) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
     let cell = problem.exact_cell("shortcut")?;
     let mut scratch = cell.scratch();
     let mut random = Stream::new(settings.seed, 1);
@@ -73,13 +87,16 @@ pub fn shortcut(
     let mut path = path.to_vec();
     skip_way_points(cell, &mut path, hold.is_some(), &mut scratch);
     for attempt in 0..settings.attempts {
+        if is_over() {
+            return Ok(None);
+        }
         match &mut hold {
             Some(hold) if attempt % 2 == 1 => hold.cut_to_end(cell, &mut path, &mut random, &mut scratch),
             _ => cut_at_random(cell, &mut path, &mut random, &mut scratch),
         }
     }
     skip_way_points(cell, &mut path, hold.is_some(), &mut scratch);
-    Ok(Shortened { path, time_s: begin.elapsed().as_secs_f64() })
+    Ok(Some(path))
 }
 
 /// Steps 1 and 4.
@@ -215,5 +232,6 @@ fn is_shortcut(cell: &Cell, a: &[f64], b: &[f64], detour: f64, scratch: &mut Scr
 /// Whether the straight motion is proven; a row of looks up to its end saves the proof where it would fail.
 fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
     let places: [f64; LANES] = std::array::from_fn(|look| (look + 1) as f64 / LANES as f64);
-    cell.free_ahead(a, b, &places, scratch) == LANES && cell.motion_is_free(a, b, scratch).is_proven()
+    cell.free_ahead(a, b, &places, scratch) == LANES
+        && cell.motion_is_free_within(MOST_EFFORT, a, b, scratch).is_proven()
 }

@@ -5,8 +5,8 @@ use std::time::Duration;
 use crate::fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use cranny_grasp::Grasp;
 use cranny_plan::{
-    Budget, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem, ShortcutSettings,
-    Unobserved, audit, default_planner, optimise, planner, shortcut,
+    Budget, CostKind, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
+    ShortcutSettings, Unobserved, audit, default_planner, optimise, planner, shortcut,
 };
 use proptest::prelude::*;
 
@@ -32,8 +32,8 @@ fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
     let goal = audit(problem, path).expect("way points of the robot").goal.expect("a grasp");
     let set = problem.grasps().expect("a problem of grasps");
     let weight = OptimiseSettings::default().score_weight;
-    let cost = PathCost::new(problem.robot(), weight).expect("a good weight");
-    cost.of(path, set.grasps()[goal.grasp].score)
+    let cost = PathCost::new(problem.robot(), CostKind::Length, weight).expect("a good weight");
+    cost.of(path, set.grasps()[goal.grasp].score).expect("a path")
 }
 
 /// The path of the first search, shortened as it is without optimisation.
@@ -95,7 +95,7 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
     let set = problem.grasps().expect("a problem of grasps");
     let score = |score_weight: f64| {
         let budget = Budget { iterations: 400, time: FOR_EVER };
-        let settings = OptimiseSettings { time: FOR_EVER, score_weight };
+        let settings = OptimiseSettings { time: FOR_EVER, score_weight, ..OptimiseSettings::default() };
         let reach = planner("reach").expect("the flagship");
         let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 1, &mut Unobserved);
         let path = found.expect("a good problem").report.path;
@@ -144,22 +144,26 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
 
 #[test]
 fn a_detour_costs_and_a_way_point_on_the_way_does_not() {
-    let cost = PathCost::new(&arm(), 1.0).expect("a good weight");
+    let cost = PathCost::new(&arm(), CostKind::Length, 1.0).expect("a good weight");
     let (a, b) = (START.to_vec(), vec![0.5, -1.0, 0.3, 0.1, 0.2]);
     let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
     let mut aside = middle.clone();
     aside[1] += 0.3;
-    let straight = cost.length(&[a.clone(), b.clone()]);
-    assert!((cost.length(&[a.clone(), middle, b.clone()]) - straight).abs() < 1e-12);
-    assert!(cost.length(&[a.clone(), aside, b.clone()]) > straight + 1e-3);
-    assert!((cost.length(&[b, a.clone()]) - straight).abs() < 1e-12);
-    assert!((cost.of(&[a], Some(0.25)) + 0.25).abs() < 1e-12);
+    let length = |path: &[Vec<f64>]| cost.measure(path).expect("a path");
+    let straight = length(&[a.clone(), b.clone()]);
+    assert!((length(&[a.clone(), middle, b.clone()]) - straight).abs() < 1e-12);
+    assert!(length(&[a.clone(), aside, b.clone()]) > straight + 1e-3);
+    assert!((length(&[b, a.clone()]) - straight).abs() < 1e-12);
+    assert!((cost.of(&[a], Some(0.25)).expect("a path") + 0.25).abs() < 1e-12);
 }
 
 #[test]
 fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     for weight in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(PathCost::new(&arm(), weight), Err(PlanError::ScoreWeight { .. })), "{weight}");
+        assert!(
+            matches!(PathCost::new(&arm(), CostKind::Length, weight), Err(PlanError::ScoreWeight { .. })),
+            "{weight}"
+        );
     }
     let problem = crate::fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()));
     let ik_rrt = planner("ik-rrt").expect("a baseline");

@@ -1,21 +1,27 @@
 //! Plans every problem of a folder of `MotionBenchMaker` families, several seeds each:
-//! `cargo run --release -p cranny-scenario --example motion_bench -- FOLDER [PLANNER] [SEEDS] [--real]`
+//! `cargo run --release -p cranny-scenario --example motion_bench -- FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]`,
+//! SETTINGS of the planner as JSON.
 //!
 //! FOLDER holds a folder for each family, with `sceneNNNN.yaml` and `requestNNNN.yaml`, and beside them
 //! `panda_spherized.urdf` and `panda.srdf`. With `--real` the robot is the one of detailed meshes in
 //! `$CRANNY_DATA/jogramop/robots/franka_panda/panda.urdf`, each link as its hull.
 //!
 //! Times are in microseconds, over the solved runs; "search" is planning without the proof of the path that
-//! was found, as far as the planner tells the two apart. A problem is valid if its start and a goal are free.
+//! was found, as far as the planner tells the two apart; "iteration" is one of the search, "verdict" that on a uniform
+//! random configuration by itself. A problem is valid if its start and a goal are free.
 
 use std::error::Error;
-use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, planner};
+use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, planner_with};
 use cranny_scenario::{MoveItOptions, MoveItProblem};
+use cranny_spatial::Stream;
+
+use motion_bench_maker::{folders_in, request_of, scenes_in};
+
+mod motion_bench_maker;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (flags, words): (Vec<String>, Vec<String>) =
@@ -25,8 +31,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["--real"] => true,
         _ => return Err("the only flag is --real".into()),
     };
-    let folder = words.first().ok_or("usage: motion_bench FOLDER [PLANNER] [SEEDS] [--real]")?;
-    let planner = planner(words.get(1).map_or("reach", String::as_str))?;
+    let folder = words.first().ok_or("usage: motion_bench FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]")?;
+    let settings = words.get(3).map_or(Ok(serde_json::Map::new()), |text| serde_json::from_str(text))?;
+    let planner = planner_with(words.get(1).map_or("reach", String::as_str), &settings)?;
     let seeds: u64 = words.get(2).map_or(Ok(1), |word| word.parse())?;
     let robot = match (is_real, std::env::var_os("CRANNY_DATA")) {
         (false, _) => None,
@@ -41,12 +48,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         if is_real { "real geometry" } else { "spheres" }
     );
     println!(
-        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>23} | {:>23}",
-        "", "", "", "", "", "", "search: median p95 max", "with proof"
+        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>39} | {:>39} | {:>9} {:>7}",
+        "", "", "", "", "", "", "search: median mean p95 p99 max", "with proof", "iteration", "verdict"
     );
     println!(
-        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}",
-        "family", "problems", "valid", "runs", "solved", "proven", "µs", "µs", "µs", "µs", "µs", "µs"
+        "{:<22} {:>8} {:>5} {:>6} {:>6} {:>6} | {:>39} | {:>39} | {:>9} {:>7}",
+        "family", "problems", "valid", "runs", "solved", "proven", "µs", "µs", "µs", "µs"
     );
     let mut total = Tally::default();
     for family in folders_in(Path::new(folder))? {
@@ -76,6 +83,9 @@ struct Tally {
     proven: usize,
     search_s: Vec<f64>,
     planning_s: Vec<f64>,
+    iterations: u64,
+    /// Seconds of each verdict, as the mean over those of a problem.
+    verdict_s: Vec<f64>,
     /// Problems that are not valid, and runs that failed.
     notes: Vec<String>,
 }
@@ -89,17 +99,25 @@ impl Tally {
         self.proven += other.proven;
         self.search_s.extend(other.search_s);
         self.planning_s.extend(other.planning_s);
+        self.iterations += other.iterations;
+        self.verdict_s.extend(other.verdict_s);
         self.notes.extend(other.notes);
     }
 
     fn print(&self, name: &str) {
         let [search, planning] = [&self.search_s, &self.planning_s].map(|times| {
-            let microseconds = |fraction| format!("{:>7.0}", quantile(times, fraction) * 1e6);
-            [0.5, 0.95, 1.0].map(microseconds).join(" ")
+            let mean = times.iter().sum::<f64>() / times.len() as f64;
+            let of = |fraction| quantile(times, fraction);
+            [of(0.5), mean, of(0.95), of(0.99), of(1.0)]
+                .map(|time_s| format!("{:>7.0}", time_s * 1e6))
+                .join(" ")
         });
         let Self { problems, valid, runs, solved, proven, .. } = self;
+        let iteration = 1e6 * self.search_s.iter().sum::<f64>() / self.iterations as f64;
+        let verdict = 1e6 * self.verdict_s.iter().sum::<f64>() / self.verdict_s.len() as f64;
         println!(
-            "{name:<22} {problems:>8} {valid:>5} {runs:>6} {solved:>6} {proven:>6} | {search} | {planning}"
+            "{name:<22} {problems:>8} {valid:>5} {runs:>6} {solved:>6} {proven:>6} | {search} | {planning} | \
+             {iteration:>9.2} {verdict:>7.2}"
         );
     }
 }
@@ -131,6 +149,7 @@ fn run(
         return Ok(());
     }
     tally.valid += 1;
+    tally.verdict_s.push(seconds_per_verdict(cell));
     for seed in 0..seeds {
         let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
         let report = planner.plan(&problem, &budget, seed, &mut Unobserved)?;
@@ -141,6 +160,7 @@ fn run(
         }
         tally.solved += 1;
         let statistics = report.statistics;
+        tally.iterations += statistics.iterations;
         tally.planning_s.push(statistics.planning_time_s);
         tally.search_s.push(statistics.planning_time_s - statistics.proof_time_s);
         // Proven once more, by whichever planner: the reports of all are compared.
@@ -163,6 +183,16 @@ fn run(
         }
     }
     Ok(())
+}
+
+fn seconds_per_verdict(cell: &Cell) -> f64 {
+    const COUNT: usize = 2000;
+    let (mut random, mut scratch) = (Stream::new(0, 0), cell.scratch());
+    let all: Vec<Vec<f64>> = (0..COUNT).map(|_| cell.robot().random_configuration(&mut random)).collect();
+    let begin = Instant::now();
+    let free = all.iter().filter(|q| cell.is_free(q, &mut scratch)).count();
+    std::hint::black_box(free);
+    begin.elapsed().as_secs_f64() / COUNT as f64
 }
 
 /// What is wrong with start and goals; nothing if the start and a goal are free.
@@ -188,30 +218,4 @@ fn faults(problem: &Problem, cell: &Cell) -> Vec<String> {
         }
     }
     faults
-}
-
-fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let entries: std::io::Result<Vec<PathBuf>> =
-        fs::read_dir(folder)?.map(|entry| entry.map(|e| e.path())).collect();
-    let mut folders: Vec<PathBuf> = entries?.into_iter().filter(|path| path.is_dir()).collect();
-    folders.sort();
-    Ok(folders)
-}
-
-fn scenes_in(family: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let entries: std::io::Result<Vec<PathBuf>> =
-        fs::read_dir(family)?.map(|entry| entry.map(|e| e.path())).collect();
-    let is_scene = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.starts_with("scene") && path.extension().is_some_and(|extension| extension == "yaml")
-    };
-    let mut scenes: Vec<PathBuf> = entries?.into_iter().filter(is_scene).collect();
-    scenes.sort();
-    Ok(scenes)
-}
-
-/// `scene0001.yaml` → `request0001.yaml`
-fn request_of(scene: &Path) -> PathBuf {
-    let name = scene.file_name().unwrap_or_default().to_string_lossy();
-    scene.with_file_name(name.replacen("scene", "request", 1))
 }

@@ -1,4 +1,4 @@
-use cranny_plan::Improvement;
+use cranny_plan::{CostKind, Improvement};
 use cranny_solve::{Optimisation, Shortening};
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,10 @@ impl PlanShortening {
 pub struct PlanOptimisation {
     /// How long it was to go on after the first path, in seconds.
     pub time_limit_s: f64,
-    /// What a grasp of score 1 is worth, in units of the length of a path.
+    /// What was measured of a path.
+    #[serde(default)]
+    pub cost: CostKind,
+    /// What a grasp of score 1 is worth, in the unit of the cost.
     pub score_weight: f64,
     /// How long it went on, in seconds.
     pub time_s: f64,
@@ -34,6 +37,7 @@ impl PlanOptimisation {
     pub(crate) fn of(optimisation: &Optimisation) -> Self {
         Self {
             time_limit_s: optimisation.settings.time.as_secs_f64(),
+            cost: optimisation.settings.cost,
             score_weight: optimisation.settings.score_weight,
             time_s: optimisation.time_s,
             iterations: optimisation.iterations,

@@ -322,7 +322,7 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use cranny_plan::{FailureReason, Improvement, NotCheckedReason, TimingMethod};
+    use cranny_plan::{CostKind, FailureReason, Improvement, NotCheckedReason, TimingMethod};
 
     use std::fs;
 
@@ -373,6 +373,7 @@ mod tests {
             shortening: Some(PlanShortening { attempts: 100 }),
             optimisation: Some(PlanOptimisation {
                 time_limit_s: 2.0,
+                cost: CostKind::Time,
                 score_weight: 0.1,
                 time_s: 2.1,
                 iterations: 70,
