@@ -24,7 +24,7 @@ use crate::{Budget, Goal, Observer, PlanError, PlanReport, Planner, Problem};
 pub struct Reach {
     /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
     pub step: f64,
-    /// Configurations looked at between two nodes, the second included. One growth looks at [`LANES`].
+    /// Configurations looked at between two nodes, the second included. One growth looks at 16 (`LANES`).
     /// Default 4.
     pub looks: usize,
     /// Goals that are enough at first. Default 100: more do not help, unless all are cut off; one more for every 100
