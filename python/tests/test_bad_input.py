@@ -120,6 +120,7 @@ def test_what_is_no_pose_is_refused(scenario: cranny.Scenario, pose: Any, messag
         lambda s: cranny.plan(s, time_limit_s=0.0),
         lambda s: cranny.plan(s, time_limit_s=NAN),
         lambda s: cranny.plan(s, optimise_s=1.0, score_weight=-1.0),
+        lambda s: cranny.plan(s, optimise_s=1.0, cost="speed"),
         lambda s: cranny.plan(s.with_criterion("paper"), "ik-rrt", margin_m=0.1),
         lambda s: cranny.plan(s).sample(0.0),
         lambda s: cranny.plan(s).sample(1e9),

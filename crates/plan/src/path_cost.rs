@@ -84,7 +84,7 @@ impl PathCost {
         &self.metric
     }
 
-    /// The cost of a path that leads nowhere to a grasp of score 0, counted from the best that there can be.
+    /// What a grasp of score 1 is worth.
     pub(crate) fn score_weight(&self) -> f64 {
         self.score_weight
     }
@@ -95,7 +95,8 @@ impl PathCost {
         set.iter().map(|grasp| self.score_weight - self.reward(grasp.score)).collect()
     }
 
-    /// What a search finds no longer paths than, counted so, if it is to find none longer than this one.
+    /// What a path like this costs a search, whose goals cost as [`Self::of_grasps`] says: its length in the metric of the
+    /// search, and what its grasp costs.
     pub(crate) fn search_bound(&self, path: &[Vec<f64>], score: Option<f64>) -> f64 {
         self.length(path) - self.reward(score) + self.score_weight
     }

@@ -108,6 +108,12 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
 }
 
 #[test]
+fn an_arm_without_limits_has_no_time() {
+    let cost = PathCost::new(&arm(), CostKind::Time, 1.0);
+    assert!(matches!(cost, Err(PlanError::MissingLimit { .. })), "{cost:?}");
+}
+
+#[test]
 fn without_a_first_path_there_is_nothing_to_better() {
     let found = optimised(&walled_in(), 200, FOR_EVER, 0);
     assert_ne!(found.report.outcome, Outcome::Solved);

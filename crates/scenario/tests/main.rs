@@ -21,6 +21,7 @@ mod moveit;
 mod objects;
 mod other_robots;
 mod own_layout;
+mod quicker;
 mod released_layout;
 mod round_trip;
 mod sharing;
