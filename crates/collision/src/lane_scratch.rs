@@ -1,4 +1,4 @@
-use cranny_robot::{LaneFrame, LanePlace};
+use cranny_robot::{LaneFrame, LanePlace, LaneTwist};
 use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -9,18 +9,43 @@ use crate::lane_part::bits;
 /// that a motion passes between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneTravel {
-    /// Per link body, against the world, in metres.
-    pub bodies: Vec<f32>,
+    /// Per link body, against the world, in metres; of a motion, written by the look itself.
+    pub bodies: Vec<LaneArray>,
+    /// The straight motion that all lanes lie on.
+    pub motion: LaneMotion,
     /// Per pair of links, against each other, in metres.
     pub link_pairs: Vec<f32>,
     /// Per joint, in metres or radians.
     pub joints: Vec<f32>,
 }
 
+/// A straight motion, of which each lane stands for the interval about its configuration: how far a body can move within
+/// that follows from its velocity there (see [`Travel`](crate::travel::Travel)).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneMotion {
+    /// Half the width of the intervals, as a share of the motion; 0 where there is none.
+    pub half_width: f32,
+    /// Per joint, in metres or radians along the whole of the motion.
+    pub rates: Vec<f32>,
+    /// Per link body.
+    pub paces: Vec<LanePace>,
+}
+
+/// What is known of how a body moves within all intervals, in metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LanePace {
+    /// No point of it moves farther.
+    pub most_m: f32,
+    /// What is to be added to how far it would move at the velocity in the middle.
+    pub beside_m: f32,
+}
+
 /// What one asker needs to compute with.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
+    /// How the frames move, where there is a motion.
+    pub twists: Vec<LaneTwist>,
     /// Per joint.
     pub q: Vec<LaneArray>,
     /// Where loose links stand on the tip.
@@ -64,7 +89,8 @@ pub(crate) struct Near {
 impl LaneTravel {
     /// Nothing beyond the configurations themselves.
     pub fn clear(&mut self) {
-        self.bodies.fill(0.0);
+        self.bodies.fill([0.0; LANES]);
+        self.motion.half_width = 0.0;
         self.link_pairs.fill(0.0);
         self.joints.fill(0.0);
     }
@@ -77,9 +103,11 @@ impl LaneScratch {
         Self {
             q: vec![[0.0; LANES]; dof],
             frames: vec![LaneFrame::IDENTITY; frames],
+            twists: vec![LaneTwist::STILL; frames],
             boxes: vec![nowhere; bodies],
             travel: LaneTravel {
-                bodies: vec![0.0; bodies],
+                bodies: vec![[0.0; LANES]; bodies],
+                motion: LaneMotion::default(),
                 link_pairs: vec![0.0; link_pairs],
                 joints: vec![0.0; dof],
             },

@@ -141,7 +141,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
 fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
     let mut lanes = cell.scratch().lanes;
     rows.iter().enumerate().for_each(|(lane, q)| lanes.set_lane(lane, q));
-    lanes.travel.bodies.fill(travel_m);
+    lanes.travel.bodies.fill([travel_m; LANES]);
     lanes.travel.link_pairs.fill(travel_m);
     let asked = first_lanes(rows.len());
     let mut look = |again: bool| {

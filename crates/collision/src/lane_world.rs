@@ -1,5 +1,5 @@
 use cranny_robot::LaneFrame;
-use cranny_spatial::LaneVector;
+use cranny_spatial::{LaneArray, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
@@ -40,7 +40,7 @@ impl Lanes {
                 }
                 let LaneBody { frame, outer, inner, hulls, .. } = &self.bodies[body];
                 let frame = &frames[*frame];
-                let travel_m = scratch.travel.bodies[body];
+                let travel = self.travel_of(simd, body, frame, scratch);
                 // 1.
                 self.find_near(simd, body, wanted, frame, scratch, open);
                 if scratch.near.is_empty() {
@@ -81,7 +81,7 @@ impl Lanes {
                         if lanes == 0 {
                             continue;
                         }
-                        let reach = f32x16::splat(simd, pair.free_m + travel_m + ball.radius);
+                        let reach = travel + (pair.free_m + ball.radius);
                         let lanes =
                             self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
                         if lanes == 0 {
@@ -116,7 +116,15 @@ impl Lanes {
                 }
                 for (pair, lanes) in &mut scratch.doubts[rough_doubt..] {
                     let pair = &pairs[(*pair - pairs[0].pair) as usize];
-                    *lanes = self.part_one_by_one(simd, body, pair, *lanes & *open, frame, travel_m, open);
+                    *lanes = self.part_one_by_one(
+                        simd,
+                        body,
+                        pair,
+                        *lanes & *open,
+                        frame,
+                        &scratch.travel.bodies[body],
+                        open,
+                    );
                 }
             },
         );
@@ -134,20 +142,20 @@ impl Lanes {
         open: &mut u32,
     ) {
         let pairs = &self.part_pairs[body];
+        let travel = f32x16::from_slice(simd, &scratch.travel.bodies[body]);
         let link = scratch.boxes[body].load(simd);
-        let travel_m = scratch.travel.bodies[body];
         // The boxes.
         scratch.near.clear();
         if let Some(wanted) = wanted {
             for (pair, lanes) in wanted {
                 let index = pair - pairs[0].pair;
-                let lanes = self.box_near(simd, body, index, link, travel_m) & lanes & *open;
+                let lanes = self.box_near(body, index, link, travel) & lanes & *open;
                 if lanes != 0 {
                     scratch.near.push(Near { index, lanes });
                 }
             }
         } else {
-            let farthest = f32x16::splat(simd, self.farthest_free_m[body] + travel_m);
+            let farthest = travel + self.farthest_free_m[body];
             let mut next = 0;
             while next < self.branches.len() {
                 let branch = &self.branches[next];
@@ -161,7 +169,7 @@ impl Lanes {
                 }
                 next += 1;
                 for index in branch.begin..branch.end {
-                    let lanes = self.box_near(simd, body, index, link, travel_m) & *open;
+                    let lanes = self.box_near(body, index, link, travel) & *open;
                     if lanes != 0 {
                         scratch.near.push(Near { index, lanes });
                     }
@@ -178,7 +186,7 @@ impl Lanes {
         for candidate in 0..scratch.near.len() {
             let Near { index, lanes } = scratch.near[candidate];
             let pair = &pairs[index as usize];
-            let reach = f32x16::splat(simd, pair.free_m + travel_m + root.radius);
+            let reach = travel + (pair.free_m + root.radius);
             let part = &self.parts[pair.other as usize];
             let lanes = part.solid.within_reach(simd, center, reach) & lanes & *open;
             if lanes.count_ones() > FEW_LANES {
@@ -186,7 +194,8 @@ impl Lanes {
                 kept += 1;
                 continue;
             }
-            let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travel_m, open);
+            let travels_m = &scratch.travel.bodies[body];
+            let doubt = self.part_one_by_one(simd, body, pair, lanes, frame, travels_m, open);
             if doubt != 0 {
                 scratch.doubts.push((pair.pair, doubt));
             }
@@ -196,9 +205,9 @@ impl Lanes {
 
     /// The lanes in which the box around a link is near the box around a part.
     #[inline(always)]
-    fn box_near<S: Simd>(&self, simd: S, body: usize, index: u32, link: BoxLanes<S>, travel_m: f32) -> u32 {
-        let reach = f32x16::splat(simd, self.part_pairs[body][index as usize].free_m + travel_m);
-        self.arounds[index as usize].within_reach(simd, link, reach)
+    fn box_near<S: Simd>(&self, body: usize, index: u32, link: BoxLanes<S>, travel: f32x16<S>) -> u32 {
+        let reach = travel + self.part_pairs[body][index as usize].free_m;
+        self.arounds[index as usize].within_reach(travel.token(), link, reach)
     }
 
     /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are
@@ -213,12 +222,14 @@ impl Lanes {
         pair: &LanePair,
         lanes: u32,
         frame: &LaneFrame,
-        travel_m: f32,
+        travels_m: &LaneArray,
         open: &mut u32,
     ) -> u32 {
         let part = &self.parts[pair.other as usize];
-        let bars = Bars { free_m: pair.free_m + travel_m, contact_m: pair.contact_m };
-        let against = |lane| self.bodies[body].against_part(simd, &SingleFrame::of(frame, lane), part, bars);
+        let against = |lane: usize| {
+            let bars = Bars { free_m: pair.free_m + travels_m[lane], contact_m: pair.contact_m };
+            self.bodies[body].against_part(simd, &SingleFrame::of(frame, lane), part, bars)
+        };
         Verdict::one_by_one(lanes, against, open)
     }
 

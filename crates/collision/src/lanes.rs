@@ -9,7 +9,7 @@ use crate::batch::lanes_of;
 use crate::joint_table::{self, JointTable};
 use crate::lane_body::LaneBody;
 use crate::lane_part::{LaneAround, LanePart, RELATIVE_ROUNDING};
-use crate::lane_scratch::{LaneScratch, as_index};
+use crate::lane_scratch::{LaneMotion, LanePace, LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
 use crate::pairs::{Other, Pair, Pairs};
 use crate::part_tree::PartTree;
@@ -321,10 +321,37 @@ impl Lanes {
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, frames: &mut [LaneFrame], scratch: &mut LaneScratch) {
         self.kinematics.forward(simd, &scratch.q, &scratch.places, frames);
+        if scratch.travel.motion.half_width > 0.0 {
+            self.kinematics.twists(simd, &scratch.travel.motion.rates, frames, &mut scratch.twists);
+        }
         for (body, lanes) in self.bodies.iter().zip(&mut scratch.boxes) {
             frames[body.frame].point(simd, body.middle).store(&mut lanes.middle);
             frames[body.frame].box_around(simd, body.half_extents).store(&mut lanes.half_extents);
         }
+    }
+
+    /// How far a body can move within the interval of each lane.
+    #[inline(always)]
+    pub fn travel_of<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        frame: &LaneFrame,
+        scratch: &mut LaneScratch,
+    ) -> f32x16<S> {
+        let travels = &mut scratch.travel.bodies[body];
+        let LaneMotion { half_width, paces, .. } = &scratch.travel.motion;
+        if *half_width > 0.0 {
+            let LaneBody { frame: number, outer, .. } = &self.bodies[body];
+            let ball = &outer[0].ball;
+            let center = frame.point(simd, ball.center);
+            let (turn, velocity) = scratch.twists[*number].at(simd, frame, center);
+            let fastest = velocity.norm_squared().sqrt() + turn.norm_squared().sqrt() * ball.radius;
+            let LanePace { most_m, beside_m } = paces[body];
+            let travel = (fastest * *half_width + beside_m).min(f32x16::splat(simd, most_m));
+            travel.store_slice(travels);
+        }
+        f32x16::from_slice(simd, travels)
     }
 
     /// Step 3 of [`Self::look`] for one pair, in the lanes that it is asked about in.

@@ -5,8 +5,10 @@ use fearless_simd::Level;
 use crate::batch::{first_lanes, lanes_of};
 use crate::cell::{Cell, Scratch};
 use crate::contact::Contact;
+use crate::lane_scratch::{LaneMotion, LanePace};
 use crate::lanes::Interest;
 use crate::pairs::{Other, Pair};
+use crate::travel::Pace;
 
 /// What is known about a straight motion from one configuration to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,7 +232,7 @@ impl Cell {
         while !work.intervals.is_empty() && contact_at.is_none() {
             next.clear();
             let share = 2.0 * half_width;
-            self.set_travel(a, b, share, demand.beyond_m, scratch);
+            self.set_travel(a, b, share, demand, scratch);
             for intervals in work.intervals.chunks(LANES) {
                 scratch.lanes.wanted.clear();
                 scratch.lanes.set_lanes_along(a, b, intervals.iter().map(|interval| interval.middle));
@@ -257,7 +259,11 @@ impl Cell {
                         }
                         let known = self.pairs.get(*pair);
                         let blur_m = self.lanes.blur_m(&known).max(FINEST_IN_LANES_M);
-                        if travel_of(&known, scratch) * share > blur_m {
+                        let travel_m = match known.second {
+                            Other::Part(_) => f64::from(scratch.lanes.travel.bodies[known.first][lane]),
+                            Other::Link { .. } => travel_of(&known, scratch) * share,
+                        };
+                        if travel_m > blur_m + demand.beyond_m {
                             next.pairs.push(*pair);
                         } else {
                             rest.pairs.push(*pair);
@@ -283,22 +289,39 @@ impl Cell {
     // At most `MOST_FIRST_PASSES` passes.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn first_intervals(&self, scratch: &Scratch) -> usize {
-        let farthest_m = (0..self.bodies.len()).map(|body| scratch.travel.of(body)).fold(0.0, f64::max);
-        let passes = (farthest_m / (FIRST_TRAVEL_M * LANES as f64)).ceil();
-        passes.clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
+        // As many as make `Pace::travel_m` as much, by the velocity half way.
+        let intervals = |Pace { now, acceleration, .. }: Pace| {
+            (now + (now * now + 2.0 * FIRST_TRAVEL_M * acceleration).sqrt()) / (4.0 * FIRST_TRAVEL_M)
+        };
+        let most =
+            (0..self.bodies.len()).map(|body| intervals(scratch.travel.pace(body))).fold(0.0, f64::max);
+        (most / LANES as f64).ceil().clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
     /// Tells the lanes how far everything can move within an interval that has this share of the edge whose
     /// travel `scratch` holds; what must be kept beyond what is demanded is as if it moved so much farther.
     // Lanes are `f32` by design; what is rounded away is added.
     #[allow(clippy::cast_possible_truncation)]
-    fn set_travel(&self, a: &[f64], b: &[f64], share: f64, beyond_m: f64, scratch: &mut Scratch) {
-        let lane = |travel: f64| ((travel * share + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
-        for body in 0..self.bodies.len() {
-            scratch.lanes.travel.bodies[body] = lane(scratch.travel.of(body));
-        }
+    pub(crate) fn set_travel(&self, a: &[f64], b: &[f64], share: f64, demand: Demand, scratch: &mut Scratch) {
+        /// The velocity of a point is off by less than this share of what its joints could add up to: a hundred times
+        /// what `f32` rounds.
+        const ROUNDED: f64 = 1e-4;
+        let Demand { factor, beyond_m, .. } = demand;
+        let lane = |travel: f64| ((travel + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
+        let half_width = 0.5 * share * factor;
+        let pace = |body: usize| {
+            let Pace { most, acceleration, .. } = scratch.travel.pace(body);
+            let beside = half_width * (0.5 * half_width * acceleration + ROUNDED * most);
+            LanePace { most_m: lane(half_width * most), beside_m: lane(beside) }
+        };
+        let LaneMotion { half_width: lanes_half_width, rates, paces } = &mut scratch.lanes.travel.motion;
+        *lanes_half_width = half_width as f32;
+        rates.clear();
+        rates.extend(scratch.slope.iter().map(|slope| *slope as f32));
+        paces.clear();
+        paces.extend((0..self.bodies.len()).map(pace));
         for (slot, pair) in self.lanes.link_pairs().enumerate() {
-            scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch));
+            scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch) * share);
         }
         for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
             let turn = (0.5 * (b[joint] - a[joint]).abs() * share + ROUNDING_M) * (1.0 + 1e-6);

@@ -5,10 +5,13 @@ use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::Solid;
-use cranny_spatial::{Pose, Stream, Vector};
+use cranny_spatial::{LANES, Pose, Stream, Vector};
+use fearless_simd::Level;
 use proptest::prelude::*;
 
 use crate::Measuring;
+use crate::batch::first_lanes;
+use crate::lanes::Interest;
 use crate::motion::Demand;
 use crate::travel::Travel;
 use crate::{Body, Cell, Margins, Motion, World};
@@ -143,6 +146,7 @@ proptest! {
     #[test]
     fn no_point_of_a_link_moves_farther_than_its_bound(seed in any::<u64>(), half_width in 0.001..0.5) {
         prop_assert!(!bound_is_broken(seed, half_width, 1.0));
+        prop_assert!(!bound_of_lanes_is_broken(seed, half_width / 8.0, 1.0));
     }
 }
 
@@ -153,28 +157,53 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let cell = cell(&robot, Vec::new(), 0.0);
     let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
     let slope: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
-    let (mut middle, mut other) = (robot.frames(), robot.frames());
-    robot.forward_kinematics(&between(&a, &b, 0.5), &mut middle);
     let mut travel = Travel::new(&robot, &cell.bodies);
-    travel.update(&robot, &cell.bodies, &middle, &slope, half_width, factor);
-    (0..=20).any(|i| {
-        let at = 0.5 + half_width * (f64::from(i) / 10.0 - 1.0);
-        robot.forward_kinematics(&between(&a, &b, at), &mut other);
-        cell.bodies.iter().enumerate().any(|(index, body)| {
-            body.shapes.iter().any(|(link_from_shape, solid)| {
-                let (points, _) = solid.bounding_points().expect("links are bounded");
-                points.iter().map(|p| link_from_shape * p).any(|point| {
-                    let moved = (middle.link(body.link) * point - other.link(body.link) * point).norm();
-                    moved > travel.of(index) + 1e-12
-                })
-            })
+    travel.update(&robot, &cell.bodies, &robot.frames_at(&between(&a, &b, 0.5)), &slope, half_width, factor);
+    (0..cell.bodies.len())
+        .any(|body| most_moved_m(&cell, body, [&a, &b], 0.5, half_width) > travel.of(body) + 1e-12)
+}
+
+/// The same for every one of the intervals that the lanes look at at once.
+fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
+    let (robot, mut random) = (arm(), Stream::new(seed, 2));
+    // The floor is what the lanes look at.
+    let cell = cell(&robot, vec![Body::floor(-9.0)], 0.0);
+    let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
+    let middles = (0..LANES).map(|lane| (lane as f64 + 0.5) / LANES as f64);
+    let mut scratch = cell.scratch();
+    scratch.slope = a.iter().zip(&b).map(|(a, b)| b - a).collect();
+    cell.look_at(&a, &b, 0.5, 0.5, &mut scratch, factor);
+    cell.set_travel(&a, &b, 2.0 * half_width, Demand { factor, ..Demand::default() }, &mut scratch);
+    scratch.lanes.set_lanes_along(&a, &b, middles.clone());
+    cell.lanes.look(Level::new(), &mut scratch.lanes, first_lanes(LANES), Interest::Each);
+    (0..cell.bodies.len()).any(|body| {
+        let travels_m = &scratch.lanes.travel.bodies[body];
+        middles.clone().zip(travels_m).any(|(middle, travel_m)| {
+            most_moved_m(&cell, body, [&a, &b], middle, half_width) > f64::from(*travel_m)
         })
     })
+}
+
+/// How far some point of a body is from where it is in the middle of an interval of the edge, at samples.
+fn most_moved_m(cell: &Cell, body: usize, [a, b]: [&[f64]; 2], middle: f64, half_width: f64) -> f64 {
+    let (robot, link) = (cell.robot(), &cell.bodies[body]);
+    let here = *robot.frames_at(&between(a, b, middle)).link(link.link);
+    let there = (0..=20).map(|i| between(a, b, middle + half_width * (f64::from(i) / 10.0 - 1.0)));
+    let mut most_m: f64 = 0.0;
+    for there in there.map(|q| *robot.frames_at(&q).link(link.link)) {
+        for (link_from_shape, solid) in &link.shapes {
+            let (points, _) = solid.bounding_points().expect("links are bounded");
+            let moved = points.iter().map(|p| link_from_shape * p).map(|p| (here * p - there * p).norm());
+            most_m = moved.fold(most_m, f64::max);
+        }
+    }
+    most_m
 }
 
 #[test]
 fn half_of_the_bound_is_not_a_bound() {
     assert!((0..200).any(|seed| bound_is_broken(seed, 0.1, 0.5)));
+    assert!((0..200).any(|seed| bound_of_lanes_is_broken(seed, 0.01, 0.9)));
 }
 
 #[test]

@@ -62,9 +62,10 @@ pub struct Optimised {
 /// Kingston & Gammell 2025).
 ///
 /// 1. The planner's first path, shortened, is the best so far.
-/// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches anew from the start and from all goals that were ever found, each with what its
-///    grasp costs, for a path whose cost stays below a little more than the best so far: it draws nothing by which that
-///    cannot be (informed sampling: Gammell, Srinivasa & Barfoot 2014). A path that it finds is shortened.
+/// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches anew from the start
+///    and from all goals that were ever found, each with what its grasp costs, for a path whose cost stays below a
+///    little more than the best so far: it draws nothing by which that cannot be (informed sampling: Gammell, Srinivasa
+///    & Barfoot 2014). A path that it finds is shortened.
 /// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
 ///    few times running.
 /// 4. Whatever costs less than the best so far and is proven takes its place.

@@ -51,6 +51,16 @@ pub struct LaneFrame {
     pub origin: [LaneArray; 3],
 }
 
+/// How a frame moves, for every lane, per unit of what its joints run along.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct LaneTwist {
+    /// Angular velocity, in radians.
+    pub turn: [LaneArray; 3],
+    /// Velocity of the frame's origin, in metres.
+    pub velocity: [LaneArray; 3],
+}
+
 #[derive(Clone, Copy, Debug)]
 struct LaneStep {
     parent: usize,
@@ -194,6 +204,61 @@ impl LaneKinematics {
         for (place, frame) in places.iter().zip(loose) {
             place.follow(simd, &arm[self.tip.frame], frame);
         }
+    }
+}
+
+impl LaneKinematics {
+    /// Writes how all `frames` move while joint j moves at `rates[j]` (m or rad per unit).
+    ///
+    /// # Panics
+    /// If there are too few rates, frames or twists.
+    #[inline(always)]
+    pub fn twists<S: Simd>(&self, simd: S, rates: &[f32], frames: &[LaneFrame], twists: &mut [LaneTwist]) {
+        twists[0] = LaneTwist::STILL;
+        for (index, step) in self.steps.iter().enumerate() {
+            let (frame, rate) = (&frames[index + 1], rates[step.joint] * step.multiplier);
+            let (done, rest) = twists.split_at_mut(index + 1);
+            let (mut turn, mut velocity) =
+                done[step.parent].at(simd, &frames[step.parent], LaneVector::load(simd, &frame.origin));
+            if rate != 0.0 {
+                let moved = LaneVector::load(simd, &frame.axes[2]).times(f32x16::splat(simd, rate));
+                match step.kind {
+                    JointKind::Prismatic => velocity = velocity.plus(moved),
+                    JointKind::Revolute => turn = turn.plus(moved),
+                }
+            }
+            rest[0].store(turn, velocity);
+        }
+        let (arm, loose) = twists.split_at_mut(self.steps.len() + 1);
+        for (twist, frame) in loose.iter_mut().zip(&frames[self.steps.len() + 1..]) {
+            let origin = LaneVector::load(simd, &frame.origin);
+            let (turn, velocity) = arm[self.tip.frame].at(simd, &frames[self.tip.frame], origin);
+            twist.store(turn, velocity);
+        }
+    }
+}
+
+impl LaneTwist {
+    /// That of a frame which does not move.
+    pub const STILL: Self = Self { turn: [[0.0; LANES]; 3], velocity: [[0.0; LANES]; 3] };
+
+    /// Angular velocity of `frame`, which moves so, and velocity of a point that is fixed to it, in root coordinates.
+    #[inline(always)]
+    pub fn at<S: Simd>(
+        &self,
+        simd: S,
+        frame: &LaneFrame,
+        point: LaneVector<S>,
+    ) -> (LaneVector<S>, LaneVector<S>) {
+        let turn = LaneVector::load(simd, &self.turn);
+        let arm = point.minus(LaneVector::load(simd, &frame.origin));
+        (turn, LaneVector::load(simd, &self.velocity).plus(turn.cross(arm)))
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, turn: LaneVector<S>, velocity: LaneVector<S>) {
+        turn.store(&mut self.turn);
+        velocity.store(&mut self.velocity);
     }
 }
 

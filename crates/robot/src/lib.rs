@@ -78,7 +78,7 @@ pub use inverse_kinematics::{IkSettings, IkSolution, IkSolver};
 pub use jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
 pub use joint_space::{between, distance};
 pub use kinematics::LinkFrames;
-pub use lane_kinematics::{LaneFrame, LaneKinematics, LanePlace, LanePlacement};
+pub use lane_kinematics::{LaneFrame, LaneKinematics, LanePlace, LanePlacement, LaneTwist};
 pub use limits::{
     CONTINUOUS_LIMIT_RAD, FREE_JOINT_LIMIT_M, JointLimits, JointUnit, LimitViolation, LimitsFile,
 };

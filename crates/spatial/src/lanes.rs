@@ -137,6 +137,16 @@ impl<S: Simd> LaneVector<S> {
         self.x * x + self.y * y + self.z * z
     }
 
+    /// The vector product with another vector.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
     /// The square of the length.
     #[inline(always)]
     pub fn norm_squared(self) -> f32x16<S> {
