@@ -57,7 +57,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
 /// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
-/// plain; "time", the seconds of the trajectory) less `score_weight` for a grasp of score 1. The path gets its time:
+/// plain; "time", the seconds of the trajectory; "clearance", the length, up to eleven times as much where the robot is
+/// nearer than 20 mm to the world) less `score_weight` for a grasp of score 1. The path gets its time:
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
 /// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
@@ -97,9 +98,9 @@ pub fn plan(
         task.problem = task.problem.checking_all_pairs();
     }
     let optimise = optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?;
-    let cost = cost
-        .parse()
-        .map_err(|_| bad_value(format!("cost is '{cost}', but 'length', 'l2' or 'time' is expected")))?;
+    let cost = cost.parse().map_err(|_| {
+        bad_value(format!("cost is '{cost}', but 'length', 'l2', 'time' or 'clearance' is expected"))
+    })?;
     let request = Request {
         planner: planner.map(str::to_owned),
         settings: settings_of(settings)?,
@@ -113,7 +114,12 @@ pub fn plan(
         })?,
         goal_threshold,
         keep_path: !shortcut,
-        optimise: optimise.map(|time| OptimiseSettings { time, score_weight, cost }),
+        optimise: optimise.map(|time| OptimiseSettings {
+            time,
+            score_weight,
+            cost,
+            ..OptimiseSettings::default()
+        }),
         timing: Some(Timing {
             method: if jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal },
             blend,

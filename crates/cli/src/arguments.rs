@@ -329,6 +329,8 @@ pub enum CostArgument {
     L2,
     /// The seconds of the time-optimal trajectory along it
     Time,
+    /// Its length, up to eleven times as much where the robot is nearer than 20 mm to the world
+    Clearance,
 }
 
 impl From<CostArgument> for CostKind {
@@ -337,6 +339,7 @@ impl From<CostArgument> for CostKind {
             CostArgument::Length => Self::Length,
             CostArgument::L2 => Self::L2,
             CostArgument::Time => Self::Time,
+            CostArgument::Clearance => Self::Clearance,
         }
     }
 }

@@ -138,6 +138,7 @@ fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
             time,
             score_weight: arguments.score_weight,
             cost: arguments.cost.into(),
+            ..OptimiseSettings::default()
         }),
         carry,
         timing: Some(Timing {

@@ -90,7 +90,7 @@ impl Cell {
     }
 
     /// Whether no joint changes how far a link is above a plane: the base of a mobile robot, which stands close to the floor.
-    fn is_constant(&self, pair: &Pair, frames: &LinkFrames) -> bool {
+    pub(crate) fn is_constant(&self, pair: &Pair, frames: &LinkFrames) -> bool {
         /// Of a unit vector, what rounding leaves.
         const NOTHING: f64 = 1e-12;
         let Other::Part(index) = pair.second else { return false };

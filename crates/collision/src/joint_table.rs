@@ -289,8 +289,9 @@ impl Builder<'_> {
     /// lies on a straight motion from `q` whose slope is no greater. Of these doubts those that are left are added.
     fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
+        self.travel.forget();
         for body in [pair.first, body] {
-            self.travel.update_body(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
+            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
         let links = [pair.first, body].map(|body| &self.bodies[body]);

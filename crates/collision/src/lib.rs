@@ -50,6 +50,7 @@ mod single_lane;
 mod travel;
 mod unchecked;
 mod world;
+mod world_clearance;
 
 #[cfg(test)]
 mod lane_tests;

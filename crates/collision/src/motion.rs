@@ -119,6 +119,16 @@ const FIRST_TRAVEL_M: f64 = 0.04;
 /// A proof begins with so many passes at most.
 const MOST_FIRST_PASSES: f64 = 64.0;
 
+/// Where a proof ends without being one.
+#[derive(Clone, Copy, Debug)]
+struct Failure {
+    /// In [0, 1] along the motion.
+    at: f64,
+    /// The pair that is in contact or in doubt; nothing where the lanes alone have seen contact.
+    pair: Option<u32>,
+    is_contact: bool,
+}
+
 /// A piece of the motion that is not certified yet, and the pairs in doubt there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {
@@ -166,42 +176,63 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn motion_is_free(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
-        self.motion_is_free_within(u64::MAX, a, b, scratch)
-    }
-
-    /// [`Self::motion_is_free`] that is given up, as [`Motion::Unresolved`], where more than so many intervals need exact
-    /// distances: a motion that passes something very closely takes thousands, and a planner may know another.
-    ///
-    /// # Panics
-    /// If `a` or `b` has not one value per joint.
-    pub fn motion_is_free_within(&self, effort: u64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
         for end in [a, b] {
             if let Some(violation) = self.robot().first_limit_violation(end) {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.prove(a, b, scratch, Demand { effort, ..Demand::default() })
+        self.prove(a, b, scratch, Demand::default())
+    }
+
+    /// Where in [0, 1] the proof of [`Self::motion_is_free`] fails; nothing for a motion that is proven. It is given up
+    /// where more than so many intervals need exact distances: a motion that passes something very closely takes
+    /// thousands, and a planner may know another.
+    ///
+    /// # Panics
+    /// If `a` or `b` has not one value per joint.
+    pub fn unproven_at(&self, effort: u64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Option<f64> {
+        let beyond = [(a, 0.0), (b, 1.0)].into_iter().find(|(end, _)| !self.robot().within_limits(end));
+        beyond.map(|(_, at)| at).or_else(|| {
+            let failure = self.first_failure(a, b, scratch, Demand { effort, ..Demand::default() });
+            failure.map(|failure| failure.at)
+        })
     }
 
     /// [`Self::motion_is_free`] without joint limits.
     pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
+        let mut failure = self.first_failure(a, b, scratch, demand);
+        if let Some(Failure { at, pair: None, .. }) = failure {
+            self.look_at(a, b, at, 0.0, scratch, demand.factor);
+            if let Some(pair) = self.first_close_pair(&scratch.frames) {
+                failure = Some(Failure { at, pair: Some(pair), is_contact: true });
+            } else {
+                // The lanes are certain of contact only where the exact check is; were it not so, it would have
+                // to look at everything itself.
+                scratch.work.clear();
+                scratch.work.pairs.extend(self.all_pairs());
+                let pairs = (0, self.pairs.len());
+                scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
+                failure = self.certify_exactly(a, b, scratch, demand);
+            }
+        }
+        let Some((Failure { at, is_contact, .. }, pair)) =
+            failure.and_then(|failure| Some((failure, failure.pair?)))
+        else {
+            return Motion::Proven;
+        };
+        let contact = self.describe(&self.pairs.get(pair), &scratch.frames);
+        if is_contact { Motion::Contact { at, contact } } else { Motion::Unresolved { at, contact } }
+    }
+
+    /// What keeps the proof from being one; a pair that it names stands as it is there in the frames of `scratch`.
+    fn first_failure(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        if let Some(at) = self.certify_in_lanes(simd_level(), a, b, scratch, demand) {
-            self.look_at(a, b, at, 0.0, scratch, demand.factor);
-            let frames = &scratch.frames;
-            if let Some(pair) = self.first_close_pair(frames) {
-                return Motion::Contact { at, contact: self.describe(&self.pairs.get(pair), frames) };
-            }
-            // The lanes are certain of contact only where the exact check is; were it not so, it would have
-            // to look at everything itself.
-            scratch.work.clear();
-            scratch.work.pairs.extend(self.all_pairs());
-            let pairs = (0, self.pairs.len());
-            scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
+        match self.certify_in_lanes(simd_level(), a, b, scratch, demand) {
+            Some(at) => Some(Failure { at, pair: None, is_contact: true }),
+            None => self.certify_exactly(a, b, scratch, demand),
         }
-        self.certify_exactly(a, b, scratch, demand)
     }
 
     /// Step 2 in lanes. What is left is in `scratch.work`; a place where something is in contact is returned.
@@ -223,7 +254,10 @@ impl Cell {
         let mut half_width = 0.5 / first_intervals as f64;
         // At first nothing is certified: these intervals have all pairs, and list none.
         let mut is_first = true;
-        work.intervals.extend((0..first_intervals).map(|index| Interval {
+        // Each pass looks along the whole edge: contact shows the sooner.
+        let passes = first_intervals / LANES;
+        let along = (0..passes).flat_map(|pass| (0..LANES).map(move |lane| lane * passes + pass));
+        work.intervals.extend(along.map(|index| Interval {
             middle: (2 * index + 1) as f64 * half_width,
             half_width,
             pairs: (0, 0),
@@ -331,19 +365,27 @@ impl Cell {
     }
 
     /// Steps 2 to 4 for what is in `scratch.work`, with exact distances.
-    fn certify_exactly(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
+    fn certify_exactly(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+        demand: Demand,
+    ) -> Option<Failure> {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
-        let mut motion = Motion::Proven;
+        let mut failure = None;
         let mut intervals: u64 = 0;
         'levels: while !work.intervals.is_empty() {
             next.clear();
             for interval in &work.intervals {
-                self.look_at(a, b, interval.middle, interval.half_width, scratch, demand.factor);
+                self.place_at(a, b, interval.middle, scratch);
+                scratch.travel.forget();
                 intervals += 1;
                 let begin = next.pairs.len();
                 for &index in &work.pairs[interval.pairs.0..interval.pairs.1] {
                     let pair = &self.pairs.get(index);
+                    self.know_travel(pair, interval.half_width * demand.factor, scratch);
                     // 2.
                     let travel = travel_of(pair, scratch) + ROUNDING_M;
                     let required_m = pair.required_m + demand.beyond_m;
@@ -358,12 +400,7 @@ impl Cell {
                     // 3.
                     let is_contact = gap.upper_m <= required_m;
                     if is_contact || travel < RESOLUTION_M || intervals > demand.effort {
-                        let (at, contact) = (interval.middle, self.describe(pair, &scratch.frames));
-                        motion = if is_contact {
-                            Motion::Contact { at, contact }
-                        } else {
-                            Motion::Unresolved { at, contact }
-                        };
+                        failure = Some(Failure { at: interval.middle, pair: Some(index), is_contact });
                         break 'levels;
                     }
                     next.pairs.push(index);
@@ -375,7 +412,7 @@ impl Cell {
         }
         scratch.work = work;
         scratch.next_work = next;
-        motion
+        failure
     }
 
     /// The least distance over all pairs along the straight motion from `a` to `b`, in metres: a certified
@@ -459,10 +496,27 @@ impl Cell {
         scratch: &mut Scratch,
         factor: f64,
     ) {
-        scratch.q.iter_mut().zip(between(a, b, middle)).for_each(|(q, between)| *q = between);
-        self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
+        self.place_at(a, b, middle, scratch);
         let Scratch { travel, frames, slope, .. } = scratch;
         travel.update(self.robot(), &self.bodies, frames, slope, half_width, factor);
+    }
+
+    /// Frames at `middle`.
+    fn place_at(&self, a: &[f64], b: &[f64], middle: f64, scratch: &mut Scratch) {
+        scratch.q.iter_mut().zip(between(a, b, middle)).for_each(|(q, between)| *q = between);
+        self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
+    }
+
+    /// How far the links of a pair can move within `half_width` of the frames of `scratch`, unless that is known.
+    fn know_travel(&self, pair: &Pair, half_width: f64, scratch: &mut Scratch) {
+        let other = match pair.second {
+            Other::Link { body, .. } => Some(body),
+            Other::Part(_) => None,
+        };
+        let Scratch { travel, frames, slope, .. } = scratch;
+        for body in std::iter::once(pair.first).chain(other) {
+            travel.know(self.robot(), &self.bodies, body, frames, slope, half_width);
+        }
     }
 }
 

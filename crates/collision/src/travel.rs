@@ -28,6 +28,17 @@ pub(crate) struct Travel {
     /// Per link body.
     paces: Vec<Pace>,
     travels_m: Vec<f64>,
+    /// Whether these have been worked out since [`Self::forget`].
+    is_known: Vec<bool>,
+    /// Per link what moves it against the one before, if that is known.
+    axes: Vec<Option<Axis>>,
+}
+
+/// Where the axis of a joint is.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    direction: Vector,
+    origin: Vector,
 }
 
 /// How a link body moves, per unit of `t`, in metres.
@@ -54,6 +65,8 @@ impl Travel {
             sums: bodies.iter().map(|b| vec![0.0; robot.ancestors(b.link).len() + 1]).collect(),
             paces: vec![Pace::default(); bodies.len()],
             travels_m: vec![0.0; bodies.len()],
+            is_known: vec![false; bodies.len()],
+            axes: vec![None; robot.links().len()],
         }
     }
 
@@ -68,13 +81,20 @@ impl Travel {
         half_width: f64,
         factor: f64,
     ) {
+        self.forget();
         for index in 0..bodies.len() {
-            self.update_body(robot, bodies, index, frames, slope, half_width * factor);
+            self.know(robot, bodies, index, frames, slope, half_width * factor);
         }
     }
 
-    /// The same for one link body.
-    pub fn update_body(
+    /// What is known holds no more: other frames, or another interval.
+    pub fn forget(&mut self) {
+        self.is_known.fill(false);
+        self.axes.fill(None);
+    }
+
+    /// Bounds the motion of one link body, unless that is known.
+    pub fn know(
         &mut self,
         robot: &Robot,
         bodies: &[LinkBody],
@@ -83,6 +103,9 @@ impl Travel {
         slope: &[f64],
         half_width: f64,
     ) {
+        if std::mem::replace(&mut self.is_known[index], true) {
+            return;
+        }
         let (body, sums) = (&bodies[index], &mut self.sums[index]);
         let center = (frames.link(body.link) * body.bounds.ball.center).coords;
         let radius_m = body.bounds.ball.radius_m;
@@ -93,8 +116,12 @@ impl Travel {
             let rate = slope[ancestor.joint] * ancestor.multiplier;
             let speed = rate.abs();
             if speed > 0.0 {
-                let joint = frames.link(ancestor.child_link);
-                let (axis, origin) = (joint.rotation * ancestor.axis_in_child, joint.translation.vector);
+                let known = &mut self.axes[ancestor.child_link];
+                let Axis { direction: axis, origin } = *known.get_or_insert_with(|| {
+                    let joint = frames.link(ancestor.child_link);
+                    let direction = joint.rotation * ancestor.axis_in_child;
+                    Axis { direction, origin: joint.translation.vector }
+                });
                 way_m += (beyond - origin).norm();
                 beyond = origin;
                 pace.most += speed

@@ -259,6 +259,15 @@ fn judge_end(
     (goal, own_grasp)
 }
 
+/// The score of the grasp at which a path ends that ends at one.
+pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
+    if let Some(measure) = problem.grasp_measure() {
+        return GraspJudge::new(measure).grasp_at(q, 0).ok().map(|grasp| grasp.score);
+    }
+    let grasps = problem.grasps()?;
+    grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
+}
+
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
 /// else the nearest.
 fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {

@@ -58,10 +58,6 @@ impl Forest {
         self.costs[node]
     }
 
-    pub fn metric(&self) -> &JointMetric {
-        &self.metric
-    }
-
     /// A new root that costs so much by itself.
     pub fn add_root(&mut self, q: &[f64], cost: f64) -> usize {
         let node = self.add(q, None);

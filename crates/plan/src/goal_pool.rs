@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
-use cranny_robot::{IK_BATCH, IkBatch, IkSettings};
+use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
 use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
@@ -112,21 +112,40 @@ impl<'a> GoalPool<'a> {
         statistics: &mut Statistics,
         observer: &mut dyn Observer,
     ) -> Vec<(usize, Vec<f64>)> {
-        let begin = Instant::now();
         self.waited += 1;
         if !self.is_due() {
             return Vec::new();
         }
+        self.draw_batch(&[], random, scratch, statistics, observer)
+    }
+
+    /// The goals of one more batch, each with its grasp; with a path, every other attempt starts at a random point of it.
+    pub fn draw_batch(
+        &mut self,
+        path: &[Vec<f64>],
+        random: &mut Stream,
+        scratch: &mut Scratch,
+        statistics: &mut Statistics,
+        observer: &mut dyn Observer,
+    ) -> Vec<(usize, Vec<f64>)> {
+        let begin = Instant::now();
         self.waited = 0;
         // 1.
-        self.open_poses(random, scratch, observer);
+        let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
+        self.open_poses(wanted, random, scratch, observer);
         if self.open == 0 {
             return Vec::new();
         }
         // 2.
         let grasps: [usize; IK_BATCH] = std::array::from_fn(|attempt| {
             let (grasp, pose) = &self.poses[random.index(self.open)];
-            self.batch.draw(attempt, pose, random);
+            if path.len() > 1 && attempt % 2 == 0 {
+                let edge = random.index(path.len() - 1);
+                let start: Vec<f64> = between(&path[edge], &path[edge + 1], random.uniform()).collect();
+                self.batch.begin_at(attempt, pose, &start);
+            } else {
+                self.batch.draw(attempt, pose, random);
+            }
             *grasp
         });
         self.batch.run(IK_BATCH);
@@ -158,7 +177,7 @@ impl<'a> GoalPool<'a> {
         }
         self.attempts += IK_BATCH as u64;
         self.goals += goals.len() as u64;
-        statistics.ik_attempts = self.attempts;
+        statistics.ik_attempts += IK_BATCH as u64;
         statistics.goals_tried = self.goals;
         statistics.ik_time_s += begin.elapsed().as_secs_f64();
         goals
@@ -170,9 +189,14 @@ impl<'a> GoalPool<'a> {
             || self.waited * ATTEMPTS_PER_ITERATION * self.goals >= self.attempts
     }
 
-    /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
-    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch, observer: &mut dyn Observer) {
-        let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
+    /// Looks for poses that are open to the hand until there are so many.
+    fn open_poses(
+        &mut self,
+        wanted: usize,
+        random: &mut Stream,
+        scratch: &mut Scratch,
+        observer: &mut dyn Observer,
+    ) {
         if let Some(source) = &mut self.source {
             source.begin_batch(self.goals);
         }

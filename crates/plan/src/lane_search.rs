@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-use cranny_collision::{Cell, Motion, Scratch};
+use cranny_collision::{Cell, Scratch};
 use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
 
@@ -9,7 +9,6 @@ use crate::forest::Forest;
 use crate::goal_pool::GoalPool;
 use crate::joint_metric::JointMetric;
 use crate::planner::Clock;
-use crate::spheroid::Spheroid;
 use crate::{GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem, Reach, Statistics};
 
 /// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
@@ -18,6 +17,10 @@ const ITERATIONS_PER_DETOUR: u64 = 100;
 /// A proof may take so many intervals at first, and so many more with each iteration.
 const FIRST_EFFORT: u64 = 200;
 const EFFORT_PER_ITERATION: u64 = 2;
+
+/// A path as a search finds it may cost so many times the bound: shortened it may cost less, and another way round is worth
+/// more than the last per cent of the same.
+const SLACK: f64 = 3.0;
 
 /// After so many iterations there is one goal more than [`Reach::goals`].
 const ITERATIONS_PER_GOAL: u64 = 100;
@@ -36,9 +39,12 @@ pub(crate) struct LaneSearch<'a> {
     goals: Vec<usize>,
     /// All goals that were ever found, and what each costs by itself.
     known: Vec<(Vec<f64>, f64)>,
-    /// A path must cost less than this.
+    /// Goals for the next search.
+    drawn: Vec<(Vec<f64>, f64)>,
+    /// A path must cost less than [`SLACK`] times this, straight ways to goals less than this itself.
     bound: f64,
-    /// The iteration at which this search ends.
+    /// The iteration at which this search began, and at which it ends.
+    began: u64,
     last: u64,
     /// What a goal of each grasp costs by itself; nothing, if there are none.
     grasp_costs: Vec<f64>,
@@ -53,6 +59,13 @@ pub(crate) struct LaneSearch<'a> {
     observer: &'a mut dyn Observer,
     statistics: Statistics,
     failures: Vec<GraspFailure>,
+}
+
+/// What a further search begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Begins {
+    Anew,
+    WithItsTrees,
 }
 
 /// How a growth follows on the way that led to where it begins.
@@ -93,7 +106,9 @@ impl<'a> LaneSearch<'a> {
             domains: [Vec::new(), Vec::new()],
             goals: Vec::new(),
             known: Vec::new(),
+            drawn: Vec::new(),
             bound: f64::INFINITY,
+            began: 0,
             last: u64::MAX,
             grasp_costs: Vec::new(),
             scratch: cell.scratch(),
@@ -213,24 +228,48 @@ impl<'a> LaneSearch<'a> {
         );
     }
 
-    /// Looks once more for a path, one that costs less than `bound`, in at most so many iterations.
-    pub fn run_below(
-        &mut self,
-        bound: f64,
-        iterations: u64,
-        pool: Option<&mut GoalPool>,
-    ) -> Result<Path, Outcome> {
-        self.bound = bound;
-        self.last = self.statistics.iterations.saturating_add(iterations);
-        self.begin_anew();
-        self.search(pool)
+    /// Draws goals of one more batch, about a path that is known, for the next search. Says whether there are any to which
+    /// a path may cost less than `bound`.
+    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) -> bool {
+        let Self { random, scratch, statistics, observer, .. } = self;
+        let found = pool.draw_batch(path, random, scratch, statistics, *observer);
+        let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
+        self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
+        let [side, _] = &self.sides;
+        let start = self.problem.start();
+        let may_do = |(goal, cost): &(Vec<f64>, f64)| side.distance(start, goal) + cost < bound;
+        self.drawn.retain(may_do);
+        self.known.iter().chain(&self.drawn).any(may_do)
     }
 
-    /// Adds a goal to those that are known, and as a root unless every path to it costs too much.
+    /// Looks once more for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to
+    /// which the straight line costs more are forgotten. The trees begin anew, or grow on.
+    pub fn run_below(&mut self, bound: f64, iterations: u64, begins: Begins) -> Result<Path, Outcome> {
+        self.bound = bound;
+        self.last = self.statistics.iterations.saturating_add(iterations);
+        let drawn = std::mem::take(&mut self.drawn);
+        match begins {
+            Begins::Anew => {
+                self.began = self.statistics.iterations;
+                self.known.extend(drawn);
+                self.begin_anew();
+            }
+            Begins::WithItsTrees => {
+                for (goal, cost) in drawn {
+                    if let Some(path) = self.add_goal(&goal, cost) {
+                        return Ok(path);
+                    }
+                }
+            }
+        }
+        self.search(None)
+    }
+
+    /// Adds a goal to those that are known, and as a root, unless every path to it costs too much.
     fn remember_goal(&mut self, goal: &[f64], cost: f64) -> Option<usize> {
-        self.known.push((goal.to_vec(), cost));
         let least = self.sides[0].distance(self.problem.start(), goal) + cost;
         (least < self.bound).then(|| {
+            self.known.push((goal.to_vec(), cost));
             let root = self.add_root(1, goal, cost);
             self.goals.push(root);
             root
@@ -272,39 +311,14 @@ impl<'a> LaneSearch<'a> {
     /// A random configuration about the box between the start and a random goal.
     fn draw(&mut self, sample: &mut [f64]) {
         let root = self.goals[self.random.index(self.goals.len())];
-        if self.bound < f64::INFINITY {
-            self.draw_informed(root, sample);
-            return;
-        }
         let goal = self.sides[1].q(root);
-        let beyond =
-            self.settings.detour * (1.0 + self.statistics.iterations as f64 / ITERATIONS_PER_DETOUR as f64);
+        let beyond = self.settings.detour
+            * (1.0 + (self.statistics.iterations - self.began) as f64 / ITERATIONS_PER_DETOUR as f64);
         let joints = self.problem.start().iter().zip(goal).zip(self.problem.robot().limits());
         for (value, ((start, goal), limits)) in sample.iter_mut().zip(joints) {
             let lower = limits.lower.max(start.min(*goal) - beyond);
             let upper = limits.upper.min(start.max(*goal) + beyond);
             *value = self.random.uniform_between(lower, upper);
-        }
-    }
-
-    /// A random configuration by which a path to a goal may cost less than the bound.
-    fn draw_informed(&mut self, root: usize, sample: &mut [f64]) {
-        /// Draws beyond the joint limits before one is brought back to them.
-        const MOST_DRAWS: usize = 16;
-        let forest = &self.sides[1];
-        let [mut start, mut goal] = [vec![0.0; sample.len()], vec![0.0; sample.len()]];
-        forest.metric().scale(self.problem.start(), &mut start);
-        forest.metric().scale(forest.q(root), &mut goal);
-        let spheroid = Spheroid::between(&start, &goal, self.bound - forest.cost(root));
-        let robot = self.problem.robot();
-        for _ in 0..MOST_DRAWS {
-            forest.metric().unscale(&spheroid.draw(&mut self.random), sample);
-            if robot.within_limits(sample) {
-                return;
-            }
-        }
-        for (value, limits) in sample.iter_mut().zip(robot.limits()) {
-            *value = value.clamp(limits.lower, limits.upper);
         }
     }
 
@@ -322,7 +336,7 @@ impl<'a> LaneSearch<'a> {
         } else {
             forest.distance(self.problem.start(), q)
         };
-        to_come + to_go < self.bound
+        to_come + to_go < SLACK * self.bound
     }
 
     /// The other side's way to a node, as far as it goes; a path if it gets there.
@@ -334,7 +348,7 @@ impl<'a> LaneSearch<'a> {
             other = self.grow(1 - side, other.node, Way::GoesOn, &meeting);
         }
         let cost = self.sides[side].cost(node) + self.sides[1 - side].cost(other.node);
-        if !other.is_target || cost >= self.bound {
+        if !other.is_target || cost >= SLACK * self.bound {
             return None;
         }
         self.proven_path(if side == 0 { [node, other.node] } else { [other.node, node] })
@@ -401,22 +415,12 @@ impl<'a> LaneSearch<'a> {
                 // What passes something very closely is for those who find nothing else.
                 let effort = FIRST_EFFORT
                     .saturating_add(EFFORT_PER_ITERATION.saturating_mul(self.statistics.iterations));
-                match self.cell.motion_is_free_within(
-                    effort,
-                    forest.q(from),
-                    forest.q(node),
-                    &mut self.scratch,
-                ) {
-                    Motion::Proven => forest.set_proven(node),
-                    Motion::Contact { at, .. } | Motion::Unresolved { at, .. } => {
-                        refuted = Some((side, forest.first_beyond(node, at)));
-                        break 'sides;
-                    }
-                    Motion::OutOfLimits { .. } => {
-                        refuted = Some((side, node));
-                        break 'sides;
-                    }
+                let (a, b) = (forest.q(from), forest.q(node));
+                if let Some(at) = self.cell.unproven_at(effort, a, b, &mut self.scratch) {
+                    refuted = Some((side, forest.first_beyond(node, at)));
+                    break 'sides;
                 }
+                forest.set_proven(node);
             }
         }
         self.statistics.proof_time_s += begin.elapsed().as_secs_f64();

@@ -1,24 +1,27 @@
-use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use crate::goal_pool::GoalPool;
-use crate::lane_search::LaneSearch;
+use crate::lane_search::{Begins, LaneSearch};
 use crate::planner::Clock;
-use crate::shortcut::shortcut_unless;
+use crate::shortcut::Shortener;
 use crate::{
     AuditSettings, Budget, Clearances, CostKind, Observer, Outcome, PathCost, PlanError, PlanReport, Planner,
-    Problem, Reach, ShortcutSettings, audit_with, search,
+    Problem, Reach, audit_with, search,
 };
 
 /// How to go on once there is a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiseSettings {
-    /// How long after the first path, which is shortened and proven in any case. It may only cut short what the seed and
+    /// How long after the first path, the shortening of which is begun in any case. It may only cut short what the seed and
     /// the iterations determine.
     /// Default: 10 s.
     pub time: Duration,
+    /// At most so many iterations of all searches together, the first included. Default: any number.
+    pub iterations: u64,
+    /// How many further searches at most. Default: any number.
+    pub searches: u64,
     /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost. Default 1: by length as
     /// much as one metre of the base, a fifth to a half of a usual path, so that a better grasp is worth a detour
     /// but not any detour.
@@ -27,9 +30,23 @@ pub struct OptimiseSettings {
     pub cost: CostKind,
 }
 
+impl OptimiseSettings {
+    /// What is done before a path is delivered where nobody asks for more: shortened by its plain L2 length, and two
+    /// further searches, which take a millisecond or a few. Each more gains less.
+    pub fn delivery() -> Self {
+        Self { time: Duration::MAX, searches: 2, cost: CostKind::L2, ..Self::default() }
+    }
+}
+
 impl Default for OptimiseSettings {
     fn default() -> Self {
-        Self { time: Duration::from_secs(10), score_weight: 1.0, cost: CostKind::default() }
+        Self {
+            time: Duration::from_secs(10),
+            iterations: u64::MAX,
+            searches: u64::MAX,
+            score_weight: 1.0,
+            cost: CostKind::default(),
+        }
     }
 }
 
@@ -57,25 +74,10 @@ pub struct Optimised {
     pub iterations: u64,
 }
 
-/// Looks for a path, and then for better ones until time or iterations are over (anytime planning by
-/// restarts: Luna, Şucan, Moll & Kavraki 2013, without their hybridisation; bounded as in AORRTC: Wilson, Thomason,
-/// Kingston & Gammell 2025).
-///
-/// 1. The planner's first path, shortened, is the best so far.
-/// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches anew from the start
-///    and from all goals that were ever found, each with what its grasp costs, for a path whose cost stays below a
-///    little more than the best so far: it draws nothing by which that cannot be (informed sampling: Gammell, Srinivasa
-///    & Barfoot 2014). A path that it finds is shortened.
-/// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
-///    few times running.
-/// 4. Whatever costs less than the best so far and is proven takes its place.
-///
-/// Laws: costs fall; the end is no worse than the first path shortened; with the same iterations the same
-/// path comes out, and time only cuts the same sequence short (tests in `tests/optimise.rs`).
+/// Looks for a path, and then for better ones: [`search`] and [`better`].
 ///
 /// # Errors
-/// Those of the planner, and [`PlanError::Goal`] for a problem under another criterion than `exact`, where
-/// nothing is proven; [`PlanError::ScoreWeight`].
+/// Those of the planner and of [`better`].
 pub fn optimise(
     planner: &dyn Planner,
     problem: &mut Problem,
@@ -84,98 +86,153 @@ pub fn optimise(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Optimised, PlanError> {
-    let begin = Instant::now();
     problem.exact_cell("optimise")?;
-    let cost = PathCost::new(problem.robot(), settings.cost, settings.score_weight)?;
-    // 1.
-    let mut report = search(planner, problem, budget, seed, observer)?;
-    let first_iterations = report.statistics.iterations;
-    let found = Instant::now();
+    PathCost::new(problem, settings.cost, settings.score_weight)?;
+    let report = search(planner, problem, budget, seed, observer)?;
+    let settings = OptimiseSettings { iterations: settings.iterations.min(budget.iterations), ..settings };
+    better(problem, report, settings, seed, observer)
+}
+
+/// Looks for better paths than the one that was found, until time, iterations or searches are over (anytime planning by
+/// restarts: Luna, Şucan, Moll & Kavraki 2013, without their hybridisation; bounded as in AORRTC: Wilson, Thomason,
+/// Kingston & Gammell 2025).
+///
+/// 1. The first path, shortened, is the best so far.
+/// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches from the start
+///    and from all goals that were ever found, each with what its grasp costs, but for those to which the straight line
+///    costs more than the best path; a search without an end goes on with its trees for a while, any other begins anew. A
+///    path that it finds is shortened, block by block, as long as it costs little more than the best.
+/// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
+///    few times running.
+/// 4. Whatever costs less than the best so far takes its place.
+/// 5. The best is judged like anybody's path; what the judge refuses gives way to the one before.
+///
+/// Laws: costs fall; the end is no worse than the first path shortened; with the same iterations the same
+/// path comes out, and time only cuts the same sequence short (tests in `tests/optimise.rs`).
+///
+/// # Errors
+/// [`PlanError::Goal`] for a problem under another criterion than `exact`, where nothing is proven;
+/// [`PlanError::ScoreWeight`], and those of [`PathCost::new`].
+pub fn better(
+    problem: &Problem,
+    first: PlanReport,
+    settings: OptimiseSettings,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<Optimised, PlanError> {
+    let begin = Instant::now();
+    let cost = PathCost::new(problem, settings.cost, settings.score_weight)?;
     let mut best = Best {
-        problem: &*problem,
-        cost,
+        problem,
+        cost: &cost,
+        shortener: Shortener::new(problem, &cost)?,
         begin,
-        end: found.checked_add(settings.time),
-        path: Vec::new(),
-        score: None,
-        iterations: first_iterations,
-        improvements: Vec::new(),
+        first_time_s: first.statistics.planning_time_s,
+        end: begin.checked_add(settings.time),
+        steps: Vec::new(),
+        iterations: first.statistics.iterations,
     };
+    let mut report = first;
     if report.outcome == Outcome::Solved {
-        best.challenge_shortened(&report.path, seed)?;
-    }
-    if !best.path.is_empty() {
-        let rest = Budget { iterations: u64::MAX, time: settings.time.saturating_sub(found.elapsed()) };
+        best.challenge(&report.path, seed)?;
+        let rest = Budget { iterations: u64::MAX, time: settings.time.saturating_sub(begin.elapsed()) };
         let mut offset = Offset { observer, before: best.iterations };
         let mut pool = GoalPool::of(problem)?;
-        let metric = best.cost.metric().clone();
         let mut lanes = LaneSearch::new(
             Reach::default(),
             problem,
-            metric,
+            cost.metric().clone(),
             (Clock::new(&rest), other_seed(seed, 1)),
             &mut offset,
         )?;
         lanes.know_goals();
-        lanes.set_grasp_costs(best.cost.of_grasps(problem));
-        best.improve(&mut lanes, pool.as_mut(), budget.iterations, seed)?;
-        report.path = best.path;
+        lanes.set_grasp_costs(cost.of_grasps(problem));
+        best.improve(&mut lanes, pool.as_mut(), settings, seed)?;
+        report.path = best.judged()?;
     }
-    let Best { improvements, iterations, .. } = best;
-    Ok(Optimised { report, improvements, time_s: found.elapsed().as_secs_f64(), iterations })
+    let Best { steps, iterations, .. } = best;
+    let improvements = steps.into_iter().map(|step| step.improvement).collect();
+    Ok(Optimised { report, improvements, time_s: begin.elapsed().as_secs_f64(), iterations })
 }
 
-/// The best path so far.
+/// The best path so far, and those before it.
 struct Best<'a> {
     problem: &'a Problem,
-    cost: PathCost,
+    cost: &'a PathCost,
+    shortener: Shortener<'a>,
     begin: Instant,
+    /// Seconds that the first path took.
+    first_time_s: f64,
     /// When to stop looking for better ones; nothing for a time that no clock tells.
     end: Option<Instant>,
-    path: Vec<Vec<f64>>,
-    score: Option<f64>,
+    steps: Vec<Step>,
     iterations: u64,
-    improvements: Vec<Improvement>,
 }
 
+/// A path that was the best once.
+struct Step {
+    improvement: Improvement,
+    path: Vec<Vec<f64>>,
+    score: Option<f64>,
+}
+
+/// A search is given up after as many iterations as the first one, but not before so many, and not after so many.
+const LEAST_PATIENCE: u64 = 100;
+const MOST_PATIENCE: u64 = 1000;
+
+/// Searches that are given up go on with the trees that they have; after so many running these are begun anew.
+const SEARCHES_PER_TREE: u64 = 16;
+
+/// A path is shortened by so many blocks of so many attempts.
+const BLOCKS: usize = 5;
+const ATTEMPTS_PER_BLOCK: usize = 20;
+
+/// After each block a path that is found is shortened further only while it costs no more than the best and this share of
+/// what is measured of it.
+const WORSE: [f64; BLOCKS] = [0.1, 0.075, 0.05, 0.025, 0.0];
+
+/// Before each search at most so many batches of goals are drawn until there is one that may do.
+const MOST_BATCHES: usize = 3;
+
+/// A path that became cheaper by less than this share in a block is as cheap as it gets from this seed.
+const STILL: f64 = 2e-4;
+
+/// So many shortenings running without a gain, and the best path is taken for as short as it gets.
+const IDLE_SHORTENINGS: u32 = 3;
+
 impl Best<'_> {
-    /// Whether the path, shortened, took the place of the best. Step 4.
-    fn challenge_shortened(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
+    /// Whether the path, shortened, took the place of the best. Steps 2 and 4.
+    fn challenge(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
         self.iterations += 1;
-        let end = self.end.filter(|_| !self.path.is_empty());
-        let is_over = || end.is_some_and(|end| Instant::now() >= end);
-        let shortened = |path: &[Vec<f64>], attempts| {
-            shortcut_unless(&is_over, self.problem, path, ShortcutSettings { attempts, seed })
-        };
-        let ShortcutSettings { attempts, .. } = ShortcutSettings::default();
-        let mut path = Cow::Borrowed(path);
-        // Costs are counted from those of the best grasp that there can be: what is measured is the least.
-        let mut bar = f64::INFINITY;
-        if let Some(best) = self.improvements.last() {
-            bar = best.cost + self.cost.score_weight();
-            let Some(shorter) = shortened(&path, FEW_SHORTCUTS)? else { return Ok(false) };
-            path = Cow::Owned(shorter);
+        let Some(goal) = path.last() else { return Ok(false) };
+        // However it is shortened, it ends at the same grasp.
+        let score = self.cost.score_at(self.problem, goal);
+        let mut has_won = false;
+        self.shortener.take(path, seed);
+        let mut before = self.cost.of(self.shortener.path(), score)?;
+        for block in 1..=BLOCKS {
+            let end = self.end.filter(|_| !self.steps.is_empty());
+            let is_over = || end.is_some_and(|end| Instant::now() >= end);
+            if !self.shortener.shorten(ATTEMPTS_PER_BLOCK, &is_over) {
+                break;
+            }
+            let path = self.shortener.path();
+            let cost = self.cost.of(path, score)?;
+            let least = self.steps.last().map_or(f64::INFINITY, |best| best.improvement.cost);
+            if cost < least {
+                let time_s = self.first_time_s + self.begin.elapsed().as_secs_f64();
+                let improvement = Improvement { time_s, iterations: self.iterations, cost };
+                self.steps.push(Step { improvement, path: path.to_vec(), score });
+                has_won = true;
+            } else if cost - least > WORSE[block - 1] * self.cost.measure(path)? {
+                break;
+            }
+            if before - cost < STILL * self.cost.measure(path)? {
+                break;
+            }
+            before = cost;
         }
-        // What costs far more than the best after a few shortcuts seldom beats it after many.
-        if self.cost.measure(&path)? >= bar * PROMISING {
-            return Ok(false);
-        }
-        let Some(path) = shortened(&path, attempts)? else { return Ok(false) };
-        // What cannot win needs no proof.
-        if self.cost.measure(&path)? >= bar {
-            return Ok(false);
-        }
-        let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
-        let verification = audit_with(self.problem, &path, settings)?;
-        let score = verification.grasp_score(self.problem);
-        let cost = self.cost.of(&path, score)?;
-        if !verification.valid || self.improvements.last().is_some_and(|best| cost >= best.cost) {
-            return Ok(false);
-        }
-        let time_s = self.begin.elapsed().as_secs_f64();
-        self.improvements.push(Improvement { time_s, iterations: self.iterations, cost });
-        (self.path, self.score) = (path, score);
-        Ok(true)
+        Ok(has_won)
     }
 
     /// Steps 2 and 3, until the time of the search is spent, or so many iterations are.
@@ -183,51 +240,66 @@ impl Best<'_> {
         &mut self,
         lanes: &mut LaneSearch,
         mut pool: Option<&mut GoalPool>,
-        most_iterations: u64,
+        settings: OptimiseSettings,
         seed: u64,
     ) -> Result<(), PlanError> {
-        let mut idle = 0;
-        for round in 1.. {
+        let OptimiseSettings { searches, iterations: most_iterations, .. } = settings;
+        let usual = self.iterations.clamp(LEAST_PATIENCE, MOST_PATIENCE);
+        let (mut idle, mut given_up) = (0, 0);
+        for round in 1..=searches {
+            let Some(best) = self.steps.last() else { break };
             let seed = other_seed(seed, round);
-            let bound = self.cost.search_bound(&self.path, self.score) * SLACK;
+            let bound = self.cost.search_bound(&best.path, best.score);
+            if let Some(pool) = &mut pool {
+                let mut batches = 0..MOST_BATCHES;
+                while batches.next().is_some() && !lanes.draw_goals(pool, &best.path, bound) {}
+            }
             let before = lanes.iterations();
-            let patience = PATIENCE.min(most_iterations.saturating_sub(self.iterations));
-            let found = lanes.run_below(bound, patience, pool.as_deref_mut());
-            self.iterations += lanes.iterations() - before;
-            if self.iterations >= most_iterations {
+            let patience = usual.min(most_iterations.saturating_sub(self.iterations));
+            let begins = if given_up % SEARCHES_PER_TREE == 0 { Begins::Anew } else { Begins::WithItsTrees };
+            let found = lanes.run_below(bound, patience, begins);
+            self.iterations += 1 + lanes.iterations() - before;
+            if self.is_over() || self.iterations >= most_iterations {
                 break;
             }
+            given_up += 1;
             match found {
                 Ok(path) => {
-                    if self.challenge_shortened(&path, seed)? {
+                    given_up = 0;
+                    if self.challenge(&path, seed)? {
                         idle = 0;
                     }
                 }
                 Err(Outcome::GaveUp) => {}
+                // Among all grasps there may be better goals than those that are known.
+                Err(Outcome::GoalsInvalid) if pool.is_some() => given_up = 0,
                 Err(_) => break,
             }
             if idle < IDLE_SHORTENINGS && self.iterations < most_iterations {
-                let path = self.path.clone();
-                idle = if self.challenge_shortened(&path, seed)? { 0 } else { idle + 1 };
+                let path = self.steps.last().map(|best| best.path.clone()).unwrap_or_default();
+                idle = if self.challenge(&path, seed)? { 0 } else { idle + 1 };
             }
         }
         Ok(())
     }
+
+    /// Whether time is over; the first path is shortened in any case.
+    fn is_over(&self) -> bool {
+        !self.steps.is_empty() && self.end.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// Step 5.
+    fn judged(&mut self) -> Result<Vec<Vec<f64>>, PlanError> {
+        let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
+        while let Some(best) = self.steps.last() {
+            if self.steps.len() == 1 || audit_with(self.problem, &best.path, settings)?.valid {
+                return Ok(best.path.clone());
+            }
+            self.steps.pop();
+        }
+        Ok(Vec::new())
+    }
 }
-
-/// A search is given up after so many iterations.
-const PATIENCE: u64 = 300;
-
-/// A raw path may be so many times as long as the best shortened one: another way round is worth more than the last per cent
-/// of this one.
-const SLACK: f64 = 1.8;
-
-/// A path that was found is shortened so hard at first, and harder if it then costs less than so many times the best.
-const FEW_SHORTCUTS: usize = 20;
-const PROMISING: f64 = 1.05;
-
-/// So many shortenings running without a gain, and the best path is taken for as short as it gets.
-const IDLE_SHORTENINGS: u32 = 3;
 
 /// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
 pub fn other_seed(seed: u64, round: u64) -> u64 {

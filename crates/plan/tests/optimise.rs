@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use crate::fixture::{START, arm, easy, easy_grasps, exact, grasps, still_life, walled_in};
+use crate::fixture::{START, arm, ball, block, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use cranny_grasp::Grasp;
 use cranny_plan::{
-    Budget, CostKind, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    ShortcutSettings, Unobserved, audit, default_planner, optimise, planner, shortcut,
+    Budget, CostKind, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
+    Unobserved, audit, better, default_planner, optimise, planner,
 };
 use proptest::prelude::*;
 
@@ -32,16 +32,17 @@ fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
     let goal = audit(problem, path).expect("way points of the robot").goal.expect("a grasp");
     let set = problem.grasps().expect("a problem of grasps");
     let weight = OptimiseSettings::default().score_weight;
-    let cost = PathCost::new(problem.robot(), CostKind::Length, weight).expect("a good weight");
+    let cost = PathCost::new(problem, CostKind::Length, weight).expect("a good weight");
     cost.of(path, set.grasps()[goal.grasp].score).expect("a path")
 }
 
-/// The path of the first search, shortened as it is without optimisation.
-fn first_shortened(problem: &Problem, seed: u64) -> Vec<Vec<f64>> {
+/// The first path, shortened, without another search.
+fn first_shortened(problem: &Problem, seed: u64) -> Optimised {
     let budget = Budget { iterations: 1_000_000, time: FOR_EVER };
-    let first = default_planner(problem).plan(problem, &budget, seed, &mut Unobserved);
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-    shortcut(problem, &first.expect("a good problem").path, settings).expect("an exact problem").path
+    let first =
+        default_planner(problem).plan(problem, &budget, seed, &mut Unobserved).expect("a good problem");
+    let settings = OptimiseSettings { time: FOR_EVER, searches: 0, ..OptimiseSettings::default() };
+    better(problem, first, settings, seed, &mut Unobserved).expect("an exact problem")
 }
 
 proptest! {
@@ -55,9 +56,10 @@ proptest! {
             prop_assert!(costs.windows(2).all(|pair| pair[1] < pair[0]), "{:?}", costs);
             let verification = audit(&problem, &found.report.path).expect("way points of the robot");
             prop_assert!(verification.valid, "{:?}", verification.violations);
-            let [first, last] = [costs[0], costs[costs.len() - 1]];
-            prop_assert_eq!(cost_of(&problem, &found.report.path).to_bits(), last.to_bits());
-            prop_assert_eq!(cost_of(&problem, &first_shortened(&problem, seed)).to_bits(), first.to_bits());
+            prop_assert_eq!(cost_of(&problem, &found.report.path).to_bits(), costs[costs.len() - 1].to_bits());
+            let shortened: Vec<f64> =
+                first_shortened(&problem, seed).improvements.iter().map(|i| i.cost).collect();
+            prop_assert!(costs.starts_with(&shortened), "{:?} {:?}", costs, shortened);
         }
     }
 
@@ -109,8 +111,56 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
 
 #[test]
 fn an_arm_without_limits_has_no_time() {
-    let cost = PathCost::new(&arm(), CostKind::Time, 1.0);
+    let cost = PathCost::new(&easy(), CostKind::Time, 1.0);
     assert!(matches!(cost, Err(PlanError::MissingLimit { .. })), "{cost:?}");
+}
+
+/// A ball and a wall that it must go around.
+fn around_a_wall() -> Problem {
+    let wall = vec![block("wall", [0.0, -0.2, 0.0], [0.01, 1.0, 2.0])];
+    exact(&ball(), wall, &[-0.5, -0.9, 0.0], Goal::Configurations(vec![vec![0.5, -0.9, 0.0]]))
+}
+
+#[test]
+fn a_path_that_clearance_counts_for_keeps_off_what_it_need_not_touch() {
+    let problem = around_a_wall();
+    let nearest_m = |cost: CostKind| {
+        let settings = OptimiseSettings { time: FOR_EVER, cost, ..OptimiseSettings::default() };
+        let budget = Budget { iterations: 2000, time: FOR_EVER };
+        let reach = planner("reach").expect("the flagship");
+        let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Unobserved);
+        let judged =
+            audit(&problem, &found.expect("a good problem").report.path).expect("a path of the robot");
+        assert!(judged.valid);
+        judged.clearance_m.expect("a wall")
+    };
+    let [short_m, clear_m] = [CostKind::Length, CostKind::Clearance].map(nearest_m);
+    assert!(short_m < 0.005 && clear_m > 0.8 * CostKind::WISHED_M, "{short_m} {clear_m}");
+}
+
+#[test]
+fn what_lies_farther_than_is_wished_costs_its_length() {
+    let problem = around_a_wall();
+    let measure = |cost: CostKind, path: &[Vec<f64>]| {
+        PathCost::new(&problem, cost, 0.0).expect("a good weight").measure(path).expect("a path")
+    };
+    let far = [vec![-0.5, -0.9, 0.0], vec![-0.5, 0.9, 0.0]];
+    let [length, clearance] = [CostKind::Length, CostKind::Clearance].map(|cost| measure(cost, &far));
+    assert!((length - clearance).abs() < 1e-12);
+    // Along the wall, half of what is wished away from it.
+    let ball_m = problem.cell().expect("exact").world_clearance(
+        &[0.0, 0.9, 0.0],
+        1.0,
+        &mut problem.cell().expect("exact").scratch(),
+    );
+    let beside = |y: f64| vec![0.0, y + 0.9 - ball_m + 0.5 * CostKind::WISHED_M, 0.0];
+    let near = [beside(0.0), {
+        let mut q = beside(0.0);
+        q[2] = 0.4;
+        q
+    }];
+    let ratio = measure(CostKind::Clearance, &near) / measure(CostKind::Length, &near);
+    assert!((ratio - (1.0 + 0.5 * CostKind::PENALTY)).abs() < 0.05, "{ratio}");
 }
 
 #[test]
@@ -150,7 +200,7 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
 
 #[test]
 fn a_detour_costs_and_a_way_point_on_the_way_does_not() {
-    let cost = PathCost::new(&arm(), CostKind::Length, 1.0).expect("a good weight");
+    let cost = PathCost::new(&easy(), CostKind::Length, 1.0).expect("a good weight");
     let (a, b) = (START.to_vec(), vec![0.5, -1.0, 0.3, 0.1, 0.2]);
     let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
     let mut aside = middle.clone();
@@ -167,7 +217,7 @@ fn a_detour_costs_and_a_way_point_on_the_way_does_not() {
 fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     for weight in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(
-            matches!(PathCost::new(&arm(), CostKind::Length, weight), Err(PlanError::ScoreWeight { .. })),
+            matches!(PathCost::new(&easy(), CostKind::Length, weight), Err(PlanError::ScoreWeight { .. })),
             "{weight}"
         );
     }

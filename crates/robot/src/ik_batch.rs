@@ -54,6 +54,17 @@ impl<'robot> IkBatch<'robot> {
         self.lanes.set(attempt, root_from_tip, &self.start);
     }
 
+    /// Gives this attempt of the next run a target, and where it starts (m, rad; within limits): what it reaches is near
+    /// there.
+    ///
+    /// # Panics
+    /// If `attempt` is not below [`IK_BATCH`], or `start` has not one value per joint.
+    pub fn begin_at(&mut self, attempt: usize, root_from_tip: &Pose, start: &[f64]) {
+        self.start.copy_from_slice(start);
+        self.targets[attempt] = *root_from_tip;
+        self.lanes.set(attempt, root_from_tip, start);
+    }
+
     /// Runs attempts 0 to `count` − 1 from where they were drawn.
     ///
     /// # Panics

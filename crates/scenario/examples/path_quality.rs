@@ -1,19 +1,23 @@
-//! How short the paths to `MotionBenchMaker` problems are, by plain L2 length:
-//! `cargo run --release -p cranny-scenario --example path_quality -- FOLDER EVERY SEEDS MILLISECONDS…`
+//! How good the paths are that are delivered, and how soon:
+//! `cargo run --release -p cranny-scenario --example path_quality -- FOLDER EVERY SEEDS COST MILLISECONDS…`
 //!
-//! One line of JSON for each problem (every so-many-th), seed and way: the first path as it is found and shortened, and
-//! after so many milliseconds more of looking for better ones; with what all of it took.
+//! FOLDER holds families of `MotionBenchMaker` problems, or scenario folders; COST is a cost of paths (`length`, `l2`,
+//! `time`, `clearance`), by which better ones are looked for and all are measured.
+//!
+//! One line of JSON for each problem (every so-many-th), seed and way: the first path as it is found, as it is delivered,
+//! and after so many milliseconds of looking for better ones; with what all of it took, and the seconds of the trajectory
+//! where the robot has the limits for it.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
 use cranny_plan::{
-    Budget, CostKind, OptimiseSettings, Outcome, PathCost, Problem, ShortcutSettings, Unobserved, optimise,
-    planner, shortcut,
+    Budget, CostKind, MotionLimits, OptimiseSettings, Outcome, PathCost, Problem, TimingMethod, Trajectory,
+    Unobserved, better, optimise, planner,
 };
-use cranny_scenario::{MoveItOptions, MoveItProblem};
+use cranny_scenario::{MoveItOptions, MoveItProblem, OpenOptions, Scenario};
 
 use motion_bench_maker::{folders_in, request_of, scenes_in};
 
@@ -21,34 +25,58 @@ mod motion_bench_maker;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, every, seeds, budgets @ ..] = &words[..] else {
-        return Err("FOLDER EVERY SEEDS MILLISECONDS…".into());
+    let [folder, every, seeds, cost, budgets @ ..] = &words[..] else {
+        return Err("FOLDER EVERY SEEDS COST MILLISECONDS…".into());
     };
     let (every, seeds): (usize, u64) = (every.parse()?, seeds.parse()?);
+    let cost: CostKind = cost.parse()?;
     let budgets: Vec<f64> = budgets.iter().map(|word| word.parse()).collect::<Result<_, _>>()?;
-    for family in folders_in(Path::new(folder))? {
-        for scene in scenes_in(&family)?.into_iter().step_by(every) {
-            let opened = MoveItProblem::open(&scene, &request_of(&scene), &MoveItOptions::default())?;
-            let name = format!("{}/{}", family.file_name().unwrap_or_default().to_string_lossy(), opened.id);
-            let problem = opened.problem(Margins::default())?;
+    for folder in folders_in(Path::new(folder))? {
+        for (name, problem) in problems_in(&folder, every)? {
             for seed in 0..seeds {
-                measure(&name, &problem, seed, &budgets)?;
+                measure(&name, &problem, seed, cost, &budgets)?;
             }
         }
     }
     Ok(())
 }
 
-fn measure(name: &str, problem: &Problem, seed: u64, budgets: &[f64]) -> Result<(), Box<dyn Error>> {
-    let cost = PathCost::new(problem.robot(), CostKind::L2, 0.0)?;
+/// The problems of a family, every so-many-th; or that of a scenario.
+fn problems_in(folder: &Path, every: usize) -> Result<Vec<(String, Problem)>, Box<dyn Error>> {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if folder.join("scene.yaml").exists() || folder.join("scenario.yaml").exists() {
+        let scenario = Scenario::open(&folder.to_string_lossy(), &OpenOptions::default())?;
+        return Ok(vec![(name, scenario.problem(Margins::default())?)]);
+    }
+    let open = |scene: PathBuf| {
+        let opened = MoveItProblem::open(&scene, &request_of(&scene), &MoveItOptions::default())?;
+        Ok((format!("{name}/{}", opened.id), opened.problem(Margins::default())?))
+    };
+    scenes_in(folder)?.into_iter().step_by(every).map(open).collect()
+}
+
+fn measure(
+    name: &str,
+    problem: &Problem,
+    seed: u64,
+    cost: CostKind,
+    budgets: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    let measured = PathCost::new(problem, cost, 0.0)?;
+    let limits = MotionLimits::of(problem.robot(), TimingMethod::TimeOptimal).ok();
     let reach = planner("reach")?;
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     let tell = |way: &str, begin: Instant, path: &[Vec<f64>]| {
         let time_s = begin.elapsed().as_secs_f64();
-        let length = cost.measure(path)?;
+        let trajectory = limits.as_ref().map(|limits| Trajectory::along(path, limits)).transpose()?;
+        let trajectory_s = trajectory.map(|trajectory| trajectory.duration_s());
+        let value = measured.measure(path)?;
         println!(
             "{}",
-            serde_json::json!({"problem": name, "seed": seed, "way": way, "time_s": time_s, "l2": length})
+            serde_json::json!({
+                "problem": name, "seed": seed, "way": way, "time_s": time_s, "cost": value,
+                "trajectory_s": trajectory_s,
+            })
         );
         Ok::<_, Box<dyn Error>>(())
     };
@@ -58,14 +86,20 @@ fn measure(name: &str, problem: &Problem, seed: u64, budgets: &[f64]) -> Result<
         return Ok(());
     }
     tell("first", begin, &first.path)?;
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-    let shortened = shortcut(problem, &first.path, settings)?;
-    tell("shortened", begin, &shortened.path)?;
+    let delivered = better(
+        problem,
+        first,
+        OptimiseSettings { score_weight: 0.0, ..OptimiseSettings::delivery() },
+        seed,
+        &mut Unobserved,
+    )?;
+    tell("delivered", begin, &delivered.report.path)?;
     for milliseconds in budgets {
+        let mut problem = problem.clone();
         let begin = Instant::now();
         let time = Duration::from_secs_f64(milliseconds * 1e-3);
-        let settings = OptimiseSettings { time, score_weight: 0.0, cost: CostKind::L2 };
-        let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, seed, &mut Unobserved)?;
+        let settings = OptimiseSettings { time, score_weight: 0.0, cost, ..OptimiseSettings::default() };
+        let found = optimise(reach.as_ref(), &mut problem, &budget, settings, seed, &mut Unobserved)?;
         tell(&format!("{milliseconds} ms"), begin, &found.report.path)?;
     }
     Ok(())

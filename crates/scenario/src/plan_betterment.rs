@@ -5,13 +5,16 @@ use serde::{Deserialize, Serialize};
 /// How a path was shortened after the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlanShortening {
-    /// Random shortcuts that were tried, drawn from the plan's seed.
+    /// Random changes of the path that were tried, drawn from the plan's seed.
     pub attempts: usize,
+    /// Further searches for a better path.
+    #[serde(default)]
+    pub searches: u64,
 }
 
 impl PlanShortening {
     pub(crate) fn of(shortening: &Shortening) -> Self {
-        Self { attempts: shortening.attempts }
+        Self { attempts: shortening.attempts, searches: shortening.searches }
     }
 }
 

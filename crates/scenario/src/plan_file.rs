@@ -370,7 +370,7 @@ mod tests {
                 closing_s: Some([0.1, 0.1 + 0.2]),
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
-            shortening: Some(PlanShortening { attempts: 100 }),
+            shortening: Some(PlanShortening { attempts: 100, searches: 2 }),
             optimisation: Some(PlanOptimisation {
                 time_limit_s: 2.0,
                 cost: CostKind::Time,

@@ -108,8 +108,10 @@ pub struct Timed {
 /// How a path was shortened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortening {
-    /// Random shortcuts that were tried, drawn from the seed of the request.
+    /// Random changes of the path that were tried, drawn from the seed of the request.
     pub attempts: usize,
+    /// Further searches for a better path.
+    pub searches: u64,
     /// Seconds that it took.
     pub time_s: f64,
 }

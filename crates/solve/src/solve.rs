@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer, Outcome,
-    PlanError, PlanReport, Problem, ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task,
-    audit_with, optimise, other_seed, search, shortcut,
+    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
+    OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Problem, Reach, ShortcutSettings, TaskPath,
+    Trajectory, Unobserved, audit_task, audit_with, better, optimise, other_seed, search, shortcut,
 };
 use cranny_robot::Robot;
 
@@ -19,7 +19,8 @@ use crate::{
 ///
 /// 1. The planner looks for a path; better ones are looked for if that is asked. Where the object is to be carried, a
 ///    grasp counts only if there is a way on from it.
-/// 2. A path under `exact` is shortened, unless it is to be kept or was bettered.
+/// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
+///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
 /// 4. A path that holds gets its time, if that is asked.
 /// 5. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
@@ -107,22 +108,16 @@ fn solve_once(
         None => search(planner.as_ref(), &mut problem, budget, seed, observer)?,
     };
     observer.search_ended();
-    let PlanReport { outcome, mut path, statistics, mut failures } = report;
     // 2.
-    let mut shortening = None;
     let is_shortened =
         problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
-    if is_shortened && let Some(end) = path.last() {
-        let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-        // The hand holds the object as it stands where the path ends: another configuration would hold it otherwise.
-        let to_end = Goal::Configurations(vec![end.clone()]);
-        let shortened = match &task {
-            Some(_) => shortcut(&problem.with_goal(to_end)?, &path, settings)?,
-            None => shortcut(&problem, &path, settings)?,
-        };
-        path = shortened.path;
-        shortening = Some(Shortening { attempts: settings.attempts, time_s: shortened.time_s });
-    }
+    let (report, shortening) = if is_shortened && !report.path.is_empty() {
+        let (report, shortening) = shortened(&problem, planner.as_ref(), report, task.is_some(), seed)?;
+        (report, Some(shortening))
+    } else {
+        (report, None)
+    };
+    let PlanReport { outcome, path, statistics, mut failures } = report;
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     let (mut carrier, mut carry_to) = (None, None);
@@ -179,6 +174,34 @@ fn solve_once(
         failures,
         not_checked,
     })
+}
+
+/// Step 2 for a path, from which the object is carried on or not.
+fn shortened(
+    problem: &Problem,
+    planner: &dyn Planner,
+    mut report: PlanReport,
+    is_carried_on: bool,
+    seed: u64,
+) -> Result<(PlanReport, Shortening), PlanError> {
+    let begin = Instant::now();
+    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+    let mut searches = 0;
+    // Only where the planner is the one that searches again is what it finds its own.
+    if planner.name() == Reach::default().name() && !is_carried_on {
+        let delivery = OptimiseSettings::delivery();
+        searches = delivery.searches;
+        report = better(problem, report, delivery, seed, &mut Unobserved)?.report;
+    } else if is_carried_on {
+        // The hand holds the object as it stands where the path ends: another configuration would hold it otherwise.
+        let to_end =
+            problem.with_goal(Goal::Configurations(report.path.last().cloned().into_iter().collect()))?;
+        report.path = shortcut(&to_end, &report.path, settings)?.path;
+    } else {
+        report.path = shortcut(problem, &report.path, settings)?.path;
+    }
+    let time_s = begin.elapsed().as_secs_f64();
+    Ok((report, Shortening { attempts: settings.attempts, searches, time_s }))
 }
 
 /// Judges segments that follow each other, whoever made them: the way to a grasp alone, or with the two that carry the
