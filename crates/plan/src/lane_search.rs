@@ -5,6 +5,7 @@ use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
 
 use crate::connector::Path;
+use crate::even_sequence::EvenSequence;
 use crate::forest::Forest;
 use crate::goal_pool::GoalPool;
 use crate::joint_metric::JointMetric;
@@ -53,9 +54,10 @@ pub(crate) struct LaneSearch<'a> {
     sample: Vec<f64>,
     from: Vec<f64>,
     q: Vec<f64>,
+    /// Where in the box that is sampled the samples lie.
+    shares: EvenSequence,
     clock: Clock,
-    /// When the last piece of work that is timed ended.
-    lap: Instant,
+    laps: Laps,
     observer: &'a mut dyn Observer,
     statistics: Statistics,
     failures: Vec<GraspFailure>,
@@ -66,6 +68,44 @@ pub(crate) struct LaneSearch<'a> {
 pub(crate) enum Begins {
     Anew,
     WithItsTrees,
+}
+
+/// Seconds of the pieces of one iteration in so many, the first included: to look at the clock takes a tenth of what is
+/// timed.
+#[derive(Default)]
+struct Laps {
+    /// When the last piece ended; nothing in an iteration that is not timed.
+    last: Option<Instant>,
+    is_timed: bool,
+    timed: u64,
+}
+
+impl Laps {
+    const ONE_IN: u64 = 16;
+
+    /// Before the iteration of this number.
+    fn choose(&mut self, iteration: u64) {
+        self.is_timed = iteration.is_multiple_of(Self::ONE_IN);
+        self.timed += u64::from(self.is_timed);
+    }
+
+    /// A piece begins.
+    fn begin(&mut self) {
+        self.last = self.is_timed.then(Instant::now);
+    }
+
+    /// Seconds of the piece that ends, and the next one begins.
+    fn lap_s(&mut self) -> f64 {
+        let Some(begin) = self.last else { return 0.0 };
+        let end = Instant::now();
+        self.last = Some(end);
+        end.duration_since(begin).as_secs_f64()
+    }
+
+    /// By what the sum of all is to be multiplied for so many iterations.
+    fn share_of(&self, iterations: u64) -> f64 {
+        iterations.max(1) as f64 / self.timed.max(1) as f64
+    }
 }
 
 /// How a growth follows on the way that led to where it begins.
@@ -97,11 +137,13 @@ impl<'a> LaneSearch<'a> {
     ) -> Result<Self, PlanError> {
         let cell = problem.exact_cell("reach")?;
         let forest = Forest::new(problem.robot().dof(), metric);
+        let mut random = Stream::new(seed, 0);
+        let shares = EvenSequence::new(problem.robot().dof(), &mut random);
         Ok(Self {
             settings,
             problem,
             cell,
-            random: Stream::new(seed, 0),
+            random,
             sides: [forest.clone(), forest],
             domains: [Vec::new(), Vec::new()],
             goals: Vec::new(),
@@ -115,8 +157,9 @@ impl<'a> LaneSearch<'a> {
             sample: problem.start().to_vec(),
             from: Vec::new(),
             q: Vec::new(),
+            shares,
             clock,
-            lap: Instant::now(),
+            laps: Laps::default(),
             observer,
             statistics: Statistics::default(),
             failures: Vec::new(),
@@ -128,6 +171,9 @@ impl<'a> LaneSearch<'a> {
         let mut statistics = self.statistics;
         statistics.nodes = self.sides.iter().map(|side| side.len() as u64).sum();
         statistics.planning_time_s = self.clock.elapsed_s();
+        let share = self.laps.share_of(statistics.iterations);
+        statistics.collision_time_s *= share;
+        statistics.nearest_time_s *= share;
         PlanReport { failures: self.failures, ..PlanReport::of(ended, statistics) }
     }
 
@@ -168,6 +214,7 @@ impl<'a> LaneSearch<'a> {
             if self.statistics.iterations >= self.last {
                 return Err(Outcome::GaveUp);
             }
+            self.laps.choose(self.statistics.iterations);
             self.statistics.iterations += 1;
             // 1. and 2.
             // Goals that the search does not come to may all be cut off from the start: later there are more.
@@ -279,7 +326,7 @@ impl<'a> LaneSearch<'a> {
     /// Adds a root to the goal forest, and looks whether the way to it lies open.
     fn add_goal(&mut self, goal: &[f64], cost: f64) -> Option<Path> {
         let root = self.remember_goal(goal, cost)?;
-        self.lap = Instant::now();
+        self.laps.begin();
         self.meet(1, root)
     }
 
@@ -287,7 +334,7 @@ impl<'a> LaneSearch<'a> {
     fn grow_both(&mut self, side: usize) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.sample);
         self.draw(&mut sample);
-        self.lap = Instant::now();
+        self.laps.begin();
         let nearest = self.nearest(side, &sample);
         let forest = &self.sides[side];
         let sees = self.domains[side].get(nearest).copied().unwrap_or(f64::INFINITY);
@@ -315,10 +362,11 @@ impl<'a> LaneSearch<'a> {
         let beyond = self.settings.detour
             * (1.0 + (self.statistics.iterations - self.began) as f64 / ITERATIONS_PER_DETOUR as f64);
         let joints = self.problem.start().iter().zip(goal).zip(self.problem.robot().limits());
-        for (value, ((start, goal), limits)) in sample.iter_mut().zip(joints) {
+        for ((value, share), ((start, goal), limits)) in sample.iter_mut().zip(self.shares.next()).zip(joints)
+        {
             let lower = limits.lower.max(start.min(*goal) - beyond);
             let upper = limits.upper.min(start.max(*goal) + beyond);
-            *value = self.random.uniform_between(lower, upper);
+            *value = lower + (upper - lower) * share;
         }
     }
 
@@ -356,14 +404,8 @@ impl<'a> LaneSearch<'a> {
 
     fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
         let nearest = self.sides[side].nearest(q).unwrap_or(0);
-        self.statistics.nearest_time_s += self.lap_s();
+        self.statistics.nearest_time_s += self.laps.lap_s();
         nearest
-    }
-
-    /// Seconds since the last lap: one look at the clock between two pieces of work, not two.
-    fn lap_s(&mut self) -> f64 {
-        let begin = std::mem::replace(&mut self.lap, Instant::now());
-        self.lap.duration_since(begin).as_secs_f64()
     }
 
     /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
@@ -382,7 +424,7 @@ impl<'a> LaneSearch<'a> {
         let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
         let free = self.cell.free_ahead(&self.from, target, &places[..count], &mut self.scratch);
         self.statistics.collision_checks += count as u64;
-        self.statistics.collision_time_s += self.lap_s();
+        self.statistics.collision_time_s += self.laps.lap_s();
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
         let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));

@@ -20,6 +20,7 @@ mod closing_hand;
 mod connector;
 mod corner_blend;
 mod error;
+mod even_sequence;
 mod forest;
 mod goal_meter;
 mod goal_pool;

@@ -2,7 +2,8 @@
 //! percentile and maximum of `planning_time_s`, then medians of what shortcuts make of the path ("apart" is the
 //! distance of the ends that they leave, which no way between these is shorter than); one thread.
 //!
-//! `cargo run --release -p cranny-scenario --example campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`
+//! `cargo run --release -p cranny-scenario --example campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, PLANNER
+//! with settings as `reach:{"detour": 0.8}`.
 
 use std::time::Duration;
 
@@ -19,7 +20,9 @@ fn main() {
     let number = |text: &String| text.parse::<f64>().expect("a number of millimetres") / 1000.0;
     let demands = Margins { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
-    let planner = cranny_plan::planner(planner).expect("a planner");
+    let (name, settings) = planner.split_once(':').unwrap_or((planner, "{}"));
+    let settings = serde_json::from_str(settings).expect("settings of the planner as JSON");
+    let planner = cranny_plan::planner_with(name, &settings).expect("a planner");
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     println!(
         "| scenario | solved | verified | median ms | p95 ms | max ms | length | shortened | apart | shortcut ms | clearance mm |"
