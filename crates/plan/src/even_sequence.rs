@@ -12,8 +12,9 @@ pub(crate) struct EvenSequence {
 impl EvenSequence {
     /// One in so many dimensions that begins anywhere.
     pub fn new(dimensions: usize, random: &mut Stream) -> Self {
-        let is_prime =
-            |n: &u32| (2..*n).take_while(|factor| factor * factor <= *n).all(|factor| n % factor != 0);
+        let is_prime = |n: &u32| {
+            (2..*n).take_while(|factor| factor * factor <= *n).all(|factor| !n.is_multiple_of(factor))
+        };
         let steps = (2..).filter(is_prime).map(|prime| f64::from(prime).sqrt()).take(dimensions);
         Self { point: (0..dimensions).map(|_| random.uniform()).collect(), steps: steps.collect() }
     }
