@@ -1,5 +1,5 @@
 use cranny_robot::between;
-use cranny_spatial::{CONTACT_M, LANES, ROUNDING_M, simd_level};
+use cranny_spatial::{LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
 use crate::batch::{first_lanes, lanes_of};
@@ -45,32 +45,6 @@ impl Motion {
     }
 }
 
-/// How exactly [`Cell::measure_motion`] measures.
-#[derive(Clone, Copy, Debug)]
-pub struct Measuring {
-    /// What is farther apart, in metres, is not asked after. Default: infinite.
-    pub below_m: f64,
-    /// How far what is found may lie below the truth, as a share of it, from 0 to below 1; at least 10 µm. Default: 0.
-    pub share: f64,
-}
-
-impl Default for Measuring {
-    fn default() -> Self {
-        Self { below_m: f64::INFINITY, share: 0.0 }
-    }
-}
-
-/// What [`Cell::measure_motion`] found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeasuredMotion {
-    /// See [`Cell::least_clearance`].
-    pub least_m: f64,
-    /// The least distance that was seen, or beyond which nothing was asked after, in metres.
-    pub seen_m: f64,
-    /// Where on the motion, in [0, 1], a pair was seen closer than it may be.
-    pub contradiction: Option<(f64, Contact)>,
-}
-
 /// What a proof is asked for besides what the pairs demand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
@@ -91,22 +65,6 @@ impl Default for Demand {
 /// Bisection ends where no link can move farther than this within an interval, in metres: a tenth of what
 /// counts as contact.
 const RESOLUTION_M: f64 = 1e-6;
-
-/// How far [`Cell::least_clearance`] may lie below the truth, in metres.
-const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
-
-/// The same where two things come closer than [`CLOSE_M`], in metres.
-const FINE_TOLERANCE_M: f64 = 1e-6;
-
-/// Where a link can move farther within an interval, in metres, the exact distance in its middle excludes next to
-/// nothing that the boxes do not.
-const FAR_TRAVEL_M: f64 = 0.2;
-
-/// Where contact would lie within the coarse tolerance, in metres.
-const CLOSE_M: f64 = CONTACT_M + 2.0 * CLEARANCE_TOLERANCE_M;
-
-/// A distance that was measured is off by less than this, in metres.
-const MEASURING_M: f64 = 1e-7;
 
 /// Where a pair moves by less than this within an interval, in metres, exact distances are cheaper than
 /// more lanes.
@@ -415,77 +373,6 @@ impl Cell {
         failure
     }
 
-    /// The least distance over all pairs along the straight motion from `a` to `b`, in metres: a certified
-    /// lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there is nothing to
-    /// touch. Meant for motions that are proven: the closer two things come, the longer it takes.
-    ///
-    /// # Panics
-    /// If `a` or `b` has not one value per joint.
-    pub fn least_clearance(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
-        self.measure_motion([a, b], Measuring::default(), scratch).least_m
-    }
-
-    /// [`Self::least_clearance`], and whether any pair was seen closer than it may be: all in `f64`, without what a
-    /// proof relies on besides, so that a proof that it contradicts is none.
-    ///
-    /// # Panics
-    /// If an end has not one value per joint.
-    pub fn measure_motion(
-        &self,
-        [a, b]: [&[f64]; 2],
-        measuring: Measuring,
-        scratch: &mut Scratch,
-    ) -> MeasuredMotion {
-        for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
-            *slope = b - a;
-        }
-        let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch)).min(measuring.below_m);
-        let mut contradiction = None;
-        let all: Vec<u32> = self.all_pairs().filter(|pair| !self.pairs.get(*pair).is_exempt()).collect();
-        let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
-        let tolerance_m = |least: f64| {
-            let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
-            // Of what is infinitely far nothing is a share.
-            finest.max(if least.is_finite() { measuring.share * least } else { 0.0 })
-        };
-        // Branch and bound: an interval is done with a pair once the pair cannot come below the least
-        // distance that was seen, save for the tolerance.
-        while let Some((middle, half_width, pairs)) = open.pop_front() {
-            self.look_at(a, b, middle, half_width, scratch, 1.0);
-            let mut doubtful = Vec::new();
-            for index in pairs {
-                let pair = &self.pairs.get(index);
-                let travel = travel_of(pair, scratch) + ROUNDING_M;
-                let bar = |least: f64| least - tolerance_m(least) + travel;
-                if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
-                    continue;
-                }
-                // Boxes are nearly as good as the exact distance where things move by more than their size.
-                if travel > FAR_TRAVEL_M {
-                    doubtful.push(index);
-                    continue;
-                }
-                let gap = self.distance(pair, &scratch.frames, least.max(bar(least)).max(pair.required_m));
-                least = least.min(gap.lower_m);
-                if gap.lower_m < pair.required_m - MEASURING_M && contradiction.is_none() {
-                    contradiction = Some((middle, self.describe(pair, &scratch.frames)));
-                }
-                if least <= 0.0 {
-                    return MeasuredMotion { least_m: 0.0, seen_m: least, contradiction };
-                }
-                if gap.lower_m < bar(least) {
-                    doubtful.push(index);
-                }
-            }
-            if !doubtful.is_empty() && half_width > f64::EPSILON {
-                let quarter = half_width * 0.5;
-                open.push_back((middle - quarter, quarter, doubtful.clone()));
-                open.push_back((middle + quarter, quarter, doubtful));
-            }
-        }
-        MeasuredMotion { least_m: (least - tolerance_m(least)).max(0.0), seen_m: least, contradiction }
-    }
-
     /// Frames at `middle`, and how far everything can move within `half_width` of it.
     pub(crate) fn look_at(
         &self,
@@ -520,7 +407,7 @@ impl Cell {
     }
 }
 
-fn travel_of(pair: &Pair, scratch: &Scratch) -> f64 {
+pub(crate) fn travel_of(pair: &Pair, scratch: &Scratch) -> f64 {
     match pair.second {
         Other::Part(_) => scratch.travel.of(pair.first),
         Other::Link { body, shared_joints } => scratch.travel.between(pair.first, body, shared_joints),

@@ -9,6 +9,7 @@ use crate::even_sequence::EvenSequence;
 use crate::forest::Forest;
 use crate::goal_pool::GoalPool;
 use crate::joint_metric::JointMetric;
+use crate::laps::Laps;
 use crate::planner::Clock;
 use crate::{GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem, Reach, Statistics};
 
@@ -68,44 +69,6 @@ pub(crate) struct LaneSearch<'a> {
 pub(crate) enum Begins {
     Anew,
     WithItsTrees,
-}
-
-/// Seconds of the pieces of one iteration in so many, the first included: to look at the clock takes a tenth of what is
-/// timed.
-#[derive(Default)]
-struct Laps {
-    /// When the last piece ended; nothing in an iteration that is not timed.
-    last: Option<Instant>,
-    is_timed: bool,
-    timed: u64,
-}
-
-impl Laps {
-    const ONE_IN: u64 = 16;
-
-    /// Before the iteration of this number.
-    fn choose(&mut self, iteration: u64) {
-        self.is_timed = iteration.is_multiple_of(Self::ONE_IN);
-        self.timed += u64::from(self.is_timed);
-    }
-
-    /// A piece begins.
-    fn begin(&mut self) {
-        self.last = self.is_timed.then(Instant::now);
-    }
-
-    /// Seconds of the piece that ends, and the next one begins.
-    fn lap_s(&mut self) -> f64 {
-        let Some(begin) = self.last else { return 0.0 };
-        let end = Instant::now();
-        self.last = Some(end);
-        end.duration_since(begin).as_secs_f64()
-    }
-
-    /// By what the sum of all is to be multiplied for so many iterations.
-    fn share_of(&self, iterations: u64) -> f64 {
-        iterations.max(1) as f64 / self.timed.max(1) as f64
-    }
 }
 
 /// How a growth follows on the way that led to where it begins.
@@ -257,6 +220,11 @@ impl<'a> LaneSearch<'a> {
     /// Iterations so far.
     pub fn iterations(&self) -> u64 {
         self.statistics.iterations
+    }
+
+    /// Whether whoever watches asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.observer.should_stop()
     }
 
     /// What paths to each grasp cost beside their length.

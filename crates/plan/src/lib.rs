@@ -41,6 +41,7 @@ mod jacobian_search;
 mod jerk_limited;
 mod joint_metric;
 mod lane_search;
+mod laps;
 mod motion_limits;
 mod near_set;
 mod nearest;

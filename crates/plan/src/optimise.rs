@@ -183,13 +183,10 @@ const MOST_PATIENCE: u64 = 1000;
 /// Searches that are given up go on with the trees that they have; after so many running these are begun anew.
 const SEARCHES_PER_TREE: u64 = 16;
 
-/// A path is shortened by so many blocks of so many attempts.
-const BLOCKS: usize = 5;
+/// A path is shortened by blocks of so many attempts; after each it is shortened further only while it costs no more than
+/// the best and this share of what is measured of it.
 const ATTEMPTS_PER_BLOCK: usize = 20;
-
-/// After each block a path that is found is shortened further only while it costs no more than the best and this share of
-/// what is measured of it.
-const WORSE: [f64; BLOCKS] = [0.1, 0.075, 0.05, 0.025, 0.0];
+const WORSE: [f64; 5] = [0.1, 0.075, 0.05, 0.025, 0.0];
 
 /// Before each search at most so many batches of goals are drawn until there is one that may do.
 const MOST_BATCHES: usize = 3;
@@ -209,28 +206,27 @@ impl Best<'_> {
         let score = self.cost.score_at(self.problem, goal);
         let mut has_won = false;
         self.shortener.take(path, seed);
-        let mut before = self.cost.of(self.shortener.path(), score)?;
-        for block in 1..=BLOCKS {
+        let mut before = self.cost.measure(self.shortener.path())?;
+        for worse in WORSE {
             let end = self.end.filter(|_| !self.steps.is_empty());
             let is_over = || end.is_some_and(|end| Instant::now() >= end);
             if !self.shortener.shorten(ATTEMPTS_PER_BLOCK, &is_over) {
                 break;
             }
             let path = self.shortener.path();
-            let cost = self.cost.of(path, score)?;
+            let measured = self.cost.measure(path)?;
+            let cost = measured - self.cost.reward(score);
             let least = self.steps.last().map_or(f64::INFINITY, |best| best.improvement.cost);
             if cost < least {
                 let time_s = self.first_time_s + self.begin.elapsed().as_secs_f64();
                 let improvement = Improvement { time_s, iterations: self.iterations, cost };
                 self.steps.push(Step { improvement, path: path.to_vec(), score });
                 has_won = true;
-            } else if cost - least > WORSE[block - 1] * self.cost.measure(path)? {
+            }
+            if cost - least > worse * measured || before - measured < STILL * measured {
                 break;
             }
-            if before - cost < STILL * self.cost.measure(path)? {
-                break;
-            }
-            before = cost;
+            before = measured;
         }
         Ok(has_won)
     }
@@ -259,7 +255,7 @@ impl Best<'_> {
             let begins = if given_up % SEARCHES_PER_TREE == 0 { Begins::Anew } else { Begins::WithItsTrees };
             let found = lanes.run_below(bound, patience, begins);
             self.iterations += 1 + lanes.iterations() - before;
-            if self.is_over() || self.iterations >= most_iterations {
+            if self.is_over() || lanes.is_stopped() || self.iterations >= most_iterations {
                 break;
             }
             given_up += 1;

@@ -149,7 +149,8 @@ impl PathCost {
         self.length(path) - self.reward(score) + self.score_weight
     }
 
-    fn reward(&self, score: Option<f64>) -> f64 {
+    /// By how much a path to a grasp of this score costs less than what is measured of it.
+    pub(crate) fn reward(&self, score: Option<f64>) -> f64 {
         self.score_weight * score.unwrap_or(0.0)
     }
 }
