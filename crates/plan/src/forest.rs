@@ -44,6 +44,11 @@ impl Forest {
         *self = Self::new(self.dof, self.metric.clone());
     }
 
+    /// How many nodes were ever added, those that are cut off included.
+    pub fn added(&self) -> usize {
+        self.parents.len()
+    }
+
     /// How many nodes can be grown from.
     pub fn len(&self) -> usize {
         self.indexed.len()

@@ -132,7 +132,7 @@ impl<'a> LaneSearch<'a> {
     /// The report of how it ended.
     pub fn report(self, ended: Result<Path, Outcome>) -> PlanReport {
         let mut statistics = self.statistics;
-        statistics.nodes = self.sides.iter().map(|side| side.len() as u64).sum();
+        statistics.nodes = self.sides.iter().map(|side| side.added() as u64).sum();
         statistics.planning_time_s = self.clock.elapsed_s();
         let share = self.laps.share_of(statistics.iterations);
         statistics.collision_time_s *= share;

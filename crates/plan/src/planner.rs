@@ -68,7 +68,7 @@ impl Outcome {
 pub struct Statistics {
     /// Iterations, as the planner counts them.
     pub iterations: u64,
-    /// Nodes of all search trees together.
+    /// Nodes that were added to all search trees together.
     pub nodes: u64,
     /// Configurations and edges that were checked for collision.
     pub collision_checks: u64,
