@@ -131,8 +131,7 @@ impl<'a> GoalPool<'a> {
         let begin = Instant::now();
         self.waited = 0;
         // 1.
-        let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
-        self.open_poses(wanted, random, scratch, observer);
+        self.open_poses(random, scratch, observer);
         if self.open == 0 {
             return Vec::new();
         }
@@ -177,7 +176,7 @@ impl<'a> GoalPool<'a> {
         }
         self.attempts += IK_BATCH as u64;
         self.goals += goals.len() as u64;
-        statistics.ik_attempts += IK_BATCH as u64;
+        statistics.ik_attempts = self.attempts;
         statistics.goals_tried = self.goals;
         statistics.ik_time_s += begin.elapsed().as_secs_f64();
         goals
@@ -189,14 +188,9 @@ impl<'a> GoalPool<'a> {
             || self.waited * ATTEMPTS_PER_ITERATION * self.goals >= self.attempts
     }
 
-    /// Looks for poses that are open to the hand until there are so many.
-    fn open_poses(
-        &mut self,
-        wanted: usize,
-        random: &mut Stream,
-        scratch: &mut Scratch,
-        observer: &mut dyn Observer,
-    ) {
+    /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
+    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch, observer: &mut dyn Observer) {
+        let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
         if let Some(source) = &mut self.source {
             source.begin_batch(self.goals);
         }

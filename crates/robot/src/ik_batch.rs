@@ -60,7 +60,7 @@ impl<'robot> IkBatch<'robot> {
     /// # Panics
     /// If `attempt` is not below [`IK_BATCH`], or `start` has not one value per joint.
     pub fn begin_at(&mut self, attempt: usize, root_from_tip: &Pose, start: &[f64]) {
-        self.start.copy_from_slice(start);
+        assert_eq!(start.len(), self.start.len(), "one value per joint");
         self.targets[attempt] = *root_from_tip;
         self.lanes.set(attempt, root_from_tip, start);
     }
