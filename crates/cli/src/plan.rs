@@ -3,7 +3,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{AuditSettings, Budget, CarryEnd, GraspFailure, OptimiseSettings, Outcome, TimingMethod};
+use cranny_plan::{
+    AuditSettings, Budget, CarryEnd, GraspFailure, Improvement, OptimiseSettings, Outcome, TimingMethod,
+};
 use cranny_scenario::{PlanFile, PlanTiming, read_waypoints, write_trajectory_csv};
 use cranny_solve::{Carry, Request, Timing, solve};
 use serde::Serialize;
@@ -122,6 +124,20 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
         None => read_waypoints(Path::new(given), joints)?,
     };
     Ok(Some(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }))
+}
+
+/// The first cost, each that is a twentieth below the one before it here, and the last: all stand in the plan file.
+fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
+    const FALL: f64 = 0.05;
+    let mut told: Vec<&Improvement> = Vec::new();
+    for improvement in improvements {
+        if told.last().is_none_or(|last| last.cost - improvement.cost >= FALL * last.cost.abs()) {
+            told.push(improvement);
+        }
+    }
+    let last = improvements.last().filter(|last| told.last().is_some_and(|told| told.cost > last.cost));
+    told.extend(last);
+    told
 }
 
 /// What the flags ask for.
@@ -270,9 +286,9 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
             answered.preparation_time_s
         ),
     );
-    for improvement in plan.optimisation.iter().flat_map(|o| &o.improvements) {
-        let (cost, iterations) = (improvement.cost, improvement.iterations);
-        line("cost", format!("{cost:.3} after {:.3} s, {iterations} iterations", improvement.time_s));
+    let improvements = plan.optimisation.as_ref().map_or(&[][..], |optimisation| &optimisation.improvements);
+    for Improvement { cost, iterations, time_s } in milestones(improvements) {
+        line("cost", format!("{cost:.3} after {time_s:.3} s, {iterations} iterations"));
     }
     for (reason, count) in GraspFailure::counted(&plan.failures) {
         line("blocked", format!("{count:>4} grasps: {reason}"));

@@ -102,15 +102,25 @@ impl PathCost {
         Ok(self.measure(path)? - self.reward(score))
     }
 
+    /// What a straight edge adds at least to a path that turns at both its ends; exactly, unless [`Self::is_of_the_world`].
+    pub(crate) fn least_of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
+        match &self.limits {
+            Some(limits) => rest_to_rest_s(a, b, limits),
+            None => self.metric.distance(a, b),
+        }
+    }
+
+    /// Whether a path costs more the nearer it leads to the world.
+    pub(crate) fn is_of_the_world(&self) -> bool {
+        self.cell.is_some()
+    }
+
     /// What a straight edge adds to a path that turns at both its ends; `scratch` belongs to a cell of the problem.
     pub(crate) fn of_edge(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
-        if let Some(limits) = &self.limits {
-            return rest_to_rest_s(a, b, limits);
-        }
-        let length = self.metric.distance(a, b);
+        let length = self.least_of_edge(a, b);
         let Some(cell) = &self.cell else { return length };
         /// Clearances are measured at places so far apart, by reach, in metres.
-        const SPACING: f64 = CostKind::WISHED_M;
+        const SPACING: f64 = 2.0 * CostKind::WISHED_M;
         let count = (length / SPACING).ceil().max(1.0);
         let shortfall = |clearance_m: f64| 1.0 - (clearance_m / CostKind::WISHED_M).clamp(0.0, 1.0);
         let (mut total, mut at, mut q) = (0.0, 0.5, Vec::with_capacity(a.len()));

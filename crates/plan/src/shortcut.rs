@@ -310,13 +310,20 @@ impl<'a> Shortener<'a> {
         least_gain: f64,
     ) -> bool {
         let Self { cell, cost, scratch, path, costs, .. } = self;
-        let of_edge = |edge: &[Vec<f64>]| cost.of_edge(&edge[0], &edge[1], scratch);
-        let new: Vec<f64> = chain.windows(2).map(of_edge).collect();
-        let opened: f64 = new[open.clone()].iter().sum();
-        let kept = new.iter().sum::<f64>() - opened;
         let before: f64 = costs[edges.clone()].iter().sum();
-        let is_taken = opened <= (1.0 - least_gain) * (before - kept)
-            && open.into_iter().all(|edge| is_free(cell, &chain[edge], &chain[edge + 1], scratch));
+        let is_less = |new: &[f64]| {
+            let opened: f64 = new[open.clone()].iter().sum();
+            let kept = new.iter().sum::<f64>() - opened;
+            opened <= (1.0 - least_gain) * (before - kept)
+        };
+        // What a look at the world adds is asked last: it takes longest.
+        let mut new: Vec<f64> = chain.windows(2).map(|edge| cost.least_of_edge(&edge[0], &edge[1])).collect();
+        let mut is_taken =
+            is_less(&new) && open.clone().all(|edge| is_free(cell, &chain[edge], &chain[edge + 1], scratch));
+        if is_taken && cost.is_of_the_world() {
+            new = chain.windows(2).map(|edge| cost.of_edge(&edge[0], &edge[1], scratch)).collect();
+            is_taken = is_less(&new);
+        }
         if is_taken {
             path.splice(edges.start..=edges.end, chain);
             costs.splice(edges, new);
