@@ -39,6 +39,10 @@ pub struct Shortened {
 const LEAST_GAIN: f64 = 0.02;
 const LEAST_PULL: f64 = 5e-4;
 
+/// A way point more is worth this share of the whole path: a motion stops there. (It makes paths 0.2 % longer and
+/// trajectories 4 % shorter.)
+const LEAST_STOP: f64 = 0.01;
+
 /// A way point is skipped for nothing, whatever rounding says: a motion stops there.
 const LEAST_SKIP: f64 = -1e-9;
 
@@ -260,7 +264,10 @@ impl<'a> Shortener<'a> {
             let ((first, a), (last, b)) = (self.point_at(corner - before), self.point_at(corner + after));
             if first != last {
                 let chain = vec![self.path[first].clone(), a, b, self.path[last + 1].clone()];
-                if self.offer(first..last + 1, chain, 1..2, LEAST_GAIN) {
+                // Past one way point the path gets another.
+                let stop = if last == first + 1 { LEAST_STOP * total / (before + after) } else { 0.0 };
+                let least_gain = LEAST_GAIN.max(stop);
+                if self.offer(first..last + 1, chain, 1..2, least_gain) {
                     return;
                 }
             }
