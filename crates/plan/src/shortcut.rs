@@ -7,7 +7,7 @@ use cranny_robot::{IkSettings, IkSolver, Robot, between};
 use cranny_spatial::{Pose, Stream};
 
 use crate::grasp_poses::poses;
-use crate::{CostKind, Goal, PathCost, PlanError, Problem};
+use crate::{CostKind, Goal, OptimiseSettings, PathCost, PlanError, Problem};
 
 /// How hard to shorten a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,10 +38,6 @@ pub struct Shortened {
 /// less than that share of its edges: there are many of those.
 const LEAST_GAIN: f64 = 0.02;
 const LEAST_PULL: f64 = 5e-4;
-
-/// A way point more is worth this share of the whole path: a motion stops there. (It makes paths 0.2 % longer and
-/// trajectories 4 % shorter.)
-const LEAST_STOP: f64 = 0.01;
 
 /// A way point is skipped for nothing, whatever rounding says: a motion stops there.
 const LEAST_SKIP: f64 = -1e-9;
@@ -83,7 +79,7 @@ pub fn shortcut(
 ) -> Result<Shortened, PlanError> {
     let begin = Instant::now();
     let cost = PathCost::new(problem, CostKind::L2, 0.0)?;
-    let mut shortener = Shortener::new(problem, &cost)?;
+    let mut shortener = Shortener::new(problem, &cost, OptimiseSettings::delivery().stop)?;
     shortener.take(path, settings.seed);
     shortener.shorten(settings.attempts, &|| false);
     shortener.skip_way_points();
@@ -95,6 +91,8 @@ pub(crate) struct Shortener<'a> {
     problem: &'a Problem,
     cell: &'a Cell,
     cost: &'a PathCost,
+    /// See [`OptimiseSettings::stop`].
+    stop: f64,
     scratch: Scratch,
     random: Stream,
     path: Vec<Vec<f64>>,
@@ -108,12 +106,13 @@ pub(crate) struct Shortener<'a> {
 impl<'a> Shortener<'a> {
     /// # Errors
     /// [`PlanError::Goal`] for another criterion than `exact`.
-    pub fn new(problem: &'a Problem, cost: &'a PathCost) -> Result<Self, PlanError> {
+    pub fn new(problem: &'a Problem, cost: &'a PathCost, stop: f64) -> Result<Self, PlanError> {
         let cell = problem.exact_cell("shortcut")?;
         Ok(Self {
             problem,
             cell,
             cost,
+            stop,
             scratch: cell.scratch(),
             random: Stream::new(0, 1),
             path: Vec::new(),
@@ -265,7 +264,7 @@ impl<'a> Shortener<'a> {
             if first != last {
                 let chain = vec![self.path[first].clone(), a, b, self.path[last + 1].clone()];
                 // Past one way point the path gets another.
-                let stop = if last == first + 1 { LEAST_STOP * total / (before + after) } else { 0.0 };
+                let stop = if last == first + 1 { self.stop * total / (before + after) } else { 0.0 };
                 let least_gain = LEAST_GAIN.max(stop);
                 if self.offer(first..last + 1, chain, 1..2, least_gain) {
                     return;
