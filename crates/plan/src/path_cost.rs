@@ -121,7 +121,9 @@ impl PathCost {
         let Some(cell) = &self.cell else { return length };
         /// Clearances are measured at places so far apart, by reach, in metres.
         const SPACING: f64 = 2.0 * CostKind::WISHED_M;
-        let count = (length / SPACING).ceil().max(1.0);
+        /// An edge is measured at no more places, however long a robot's slides are.
+        const MOST: f64 = 1000.0;
+        let count = (length / SPACING).ceil().clamp(1.0, MOST);
         let shortfall = |clearance_m: f64| 1.0 - (clearance_m / CostKind::WISHED_M).clamp(0.0, 1.0);
         let (mut total, mut at, mut q) = (0.0, 0.5, Vec::with_capacity(a.len()));
         while at < count {
