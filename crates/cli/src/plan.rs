@@ -6,7 +6,7 @@ use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, GraspFailure, Improvement, OptimiseSettings, Outcome, TimingMethod,
 };
-use cranny_scenario::{PlanFile, PlanTiming, read_waypoints, write_trajectory_csv};
+use cranny_scenario::{PlanFile, PlanShortening, PlanTiming, read_waypoints, write_trajectory_csv};
 use cranny_solve::{Carry, Request, Timing, solve};
 use serde::Serialize;
 
@@ -216,15 +216,37 @@ fn timed(timing: &PlanTiming, seconds: f64) -> String {
     format!("{duration_s:.3} s, {method}{corners}{closes}; {:.3} ms to time", seconds * 1e3)
 }
 
+/// What the search took, and what for.
+fn times(answered: &Answered) -> String {
+    let statistics = &answered.plan.statistics;
+    format!(
+        "{} collision, {} proof, {} IK, {} nearest neighbours; {} to load",
+        text::seconds(statistics.collision_time_s),
+        text::seconds(statistics.proof_time_s),
+        text::seconds(statistics.ik_time_s),
+        text::seconds(statistics.nearest_time_s),
+        text::seconds(answered.preparation_time_s)
+    )
+}
+
+/// What came after the search, and how long that took.
+fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
+    let searches = match shortening.searches {
+        0 => String::new(),
+        searches => format!(", with {searches} further searches"),
+    };
+    format!("in {}{searches}", text::seconds(seconds))
+}
+
 fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
     let statistics = &plan.statistics;
     let mut page = format!(
-        "{}: {} by {} in {:.3} s (criterion {}, seed {})\n",
+        "{}: {} by {} in {} (criterion {}, seed {})\n",
         plan.scenario,
         plan.outcome.name(),
         plan.planner,
-        answered.planning_time_s,
+        text::seconds(answered.planning_time_s),
         plan.criterion.name(),
         plan.seed
     );
@@ -275,17 +297,10 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
             format!("{} goals tried, {} IK attempts", statistics.goals_tried, statistics.ik_attempts),
         );
     }
-    line(
-        "time",
-        format!(
-            "{:.3} s collision, {:.3} s proof, {:.3} s IK, {:.3} s nearest neighbours; {:.3} s to load",
-            statistics.collision_time_s,
-            statistics.proof_time_s,
-            statistics.ik_time_s,
-            statistics.nearest_time_s,
-            answered.preparation_time_s
-        ),
-    );
+    line("time", times(answered));
+    if let (Some(shortening), Some(seconds)) = (&plan.shortening, answered.shortcut_time_s) {
+        line("shortened", shortened(shortening, seconds));
+    }
     let improvements = plan.optimisation.as_ref().map_or(&[][..], |optimisation| &optimisation.improvements);
     for Improvement { cost, iterations, time_s } in milestones(improvements) {
         line("cost", format!("{cost:.3} after {time_s:.3} s, {iterations} iterations"));

@@ -53,6 +53,11 @@ pub fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1000.0)
 }
 
+/// Seconds for a person, short ones as milliseconds.
+pub fn seconds(seconds: f64) -> String {
+    if seconds < 1.0 { format!("{:.2} ms", seconds * 1e3) } else { format!("{seconds:.2} s") }
+}
+
 /// Radians as degrees for a person.
 pub fn degrees(radians: f64) -> String {
     format!("{:.2}°", radians.to_degrees())

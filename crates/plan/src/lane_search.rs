@@ -64,13 +64,6 @@ pub(crate) struct LaneSearch<'a> {
     failures: Vec<GraspFailure>,
 }
 
-/// What a further search begins with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Begins {
-    Anew,
-    WithItsTrees,
-}
-
 /// How a growth follows on the way that led to where it begins.
 #[derive(Clone, Copy)]
 enum Way {
@@ -243,41 +236,51 @@ impl<'a> LaneSearch<'a> {
         );
     }
 
-    /// Draws goals of one more batch, about a path that is known, for the next search. Says whether there are any to which
-    /// a path may cost less than `bound`.
-    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) -> bool {
+    /// Draws goals of one more batch, about a path that is known, for the next search: those to which a path may cost less
+    /// than `bound`.
+    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
         let Self { random, scratch, statistics, observer, .. } = self;
         let found = pool.draw_batch(path, random, scratch, statistics, *observer);
         let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
         self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
         let [side, _] = &self.sides;
         let start = self.problem.start();
-        let may_do = |(goal, cost): &(Vec<f64>, f64)| side.distance(start, goal) + cost < bound;
-        self.drawn.retain(may_do);
-        self.known.iter().chain(&self.drawn).any(may_do)
+        self.drawn.retain(|(goal, cost)| side.distance(start, goal) + cost < bound);
     }
 
-    /// Looks once more for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to
-    /// which the straight line costs more are forgotten. The trees begin anew, or grow on.
-    pub fn run_below(&mut self, bound: f64, iterations: u64, begins: Begins) -> Result<Path, Outcome> {
+    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
+    /// the straight line costs more are forgotten. The tree from the start begins with the way points of `along`, if any,
+    /// but for its goal: what is found leaves that path somewhere.
+    pub fn run_below(
+        &mut self,
+        bound: f64,
+        iterations: u64,
+        along: Option<&[Vec<f64>]>,
+    ) -> Result<Path, Outcome> {
         self.bound = bound;
-        self.last = self.statistics.iterations.saturating_add(iterations);
+        self.began = self.statistics.iterations;
+        self.last = self.began.saturating_add(iterations);
         let drawn = std::mem::take(&mut self.drawn);
-        match begins {
-            Begins::Anew => {
-                self.began = self.statistics.iterations;
-                self.known.extend(drawn);
-                self.begin_anew();
-            }
-            Begins::WithItsTrees => {
-                for (goal, cost) in drawn {
-                    if let Some(path) = self.add_goal(&goal, cost) {
-                        return Ok(path);
-                    }
-                }
-            }
+        self.known.extend(drawn);
+        self.begin_anew();
+        if let Some((_, path)) = along.and_then(<[_]>::split_last) {
+            self.add_path(path);
         }
         self.search(None)
+    }
+
+    /// Adds a path that begins at the start to its tree, with nodes as far apart as a growth sets them.
+    fn add_path(&mut self, path: &[Vec<f64>]) {
+        let mut node = 0;
+        for edge in path.windows(2) {
+            let steps = (self.sides[0].distance(&edge[0], &edge[1]) / self.settings.step).ceil().max(1.0);
+            let mut way = Way::Turns;
+            for step in 1..=as_count(steps) {
+                let q: Vec<f64> = between(&edge[0], &edge[1], step as f64 / steps).collect();
+                node = self.add_node(0, &q, node, way);
+                way = Way::GoesOn;
+            }
+        }
     }
 
     /// Adds a goal to those that are known, and as a root, unless every path to it costs too much.
@@ -402,12 +405,9 @@ impl<'a> LaneSearch<'a> {
             if !self.is_below_bound(side, node, &self.q) {
                 return Growth { node, is_target: false, is_open: false };
             }
-            self.observer.node_added(side, &self.q, Some(node));
-            let forest = &mut self.sides[side];
-            node = match way {
-                Way::Turns => forest.add(&self.q, Some(node)),
-                Way::GoesOn => forest.prolong(&self.q, node),
-            };
+            let q = std::mem::take(&mut self.q);
+            node = self.add_node(side, &q, node, way);
+            self.q = q;
             way = Way::GoesOn;
         }
         Growth { node, is_target, is_open }
@@ -456,18 +456,27 @@ impl<'a> LaneSearch<'a> {
     /// Cuts off a goal that will not do, where both sides have met. What led to it is of use for its neighbours: it grows
     /// on from the start.
     fn refuse(&mut self, ends: [usize; 2]) {
-        let [start, goals] = &mut self.sides;
-        let (way, turns) = (goals.nodes_to_root(ends[1]), goals.way_to_root(ends[1]));
+        let goals = &self.sides[1];
+        let (nodes, turns) = (goals.nodes_to_root(ends[1]), goals.way_to_root(ends[1]));
         let mut last = ends[0];
-        for nodes in way.windows(2) {
-            let q = goals.q(nodes[1]);
-            self.observer.node_added(0, q, Some(last));
-            last = if turns.contains(&nodes[0]) { start.add(q, Some(last)) } else { start.prolong(q, last) };
+        for pair in nodes.windows(2) {
+            let q = self.sides[1].q(pair[1]).to_vec();
+            let way = if turns.contains(&pair[0]) { Way::Turns } else { Way::GoesOn };
+            last = self.add_node(0, &q, last, way);
         }
-        if let Some(root) = way.last() {
+        if let Some(root) = nodes.last() {
+            let goals = &mut self.sides[1];
             self.goals.retain(|goal| goal != root);
             self.known.retain(|(goal, _)| goal != goals.q(*root));
             goals.cut(*root);
+        }
+    }
+
+    fn add_node(&mut self, side: usize, q: &[f64], parent: usize, way: Way) -> usize {
+        self.observer.node_added(side, q, Some(parent));
+        match way {
+            Way::Turns => self.sides[side].add(q, Some(parent)),
+            Way::GoesOn => self.sides[side].prolong(q, parent),
         }
     }
 

@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use crate::goal_pool::GoalPool;
-use crate::lane_search::{Begins, LaneSearch};
+use crate::lane_search::LaneSearch;
 use crate::planner::Clock;
 use crate::shortcut::Shortener;
 use crate::{
@@ -20,8 +20,8 @@ pub struct OptimiseSettings {
     pub time: Duration,
     /// At most so many iterations of all searches together, the first included. Default: any number.
     pub iterations: u64,
-    /// How many further searches at most. Default: any number.
-    pub searches: u64,
+    /// It is over after so many searches running that brought less than 1 % each. Default: any number.
+    pub idle_searches: u64,
     /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost. Default 1: by length as
     /// much as one metre of the base, a fifth to a half of a usual path, so that a better grasp is worth a detour
     /// but not any detour.
@@ -34,11 +34,11 @@ pub struct OptimiseSettings {
 }
 
 impl OptimiseSettings {
-    /// What is done before a path is delivered where nobody asks for more: shortened by its plain L2 length, and two
-    /// further searches, which take a millisecond or a few. Each more gains less. A stop of 0.01 makes paths 0.2 % longer
-    /// and trajectories 4 % shorter.
+    /// What is done before a path is delivered where nobody asks for more: shortened by its plain L2 length, and further
+    /// searches until three running were hardly worth it, which takes a millisecond or a few. A stop of 0.01 makes paths
+    /// 0.2 % longer and trajectories 4 % shorter.
     pub fn delivery() -> Self {
-        Self { time: Duration::MAX, searches: 2, cost: CostKind::L2, stop: 0.01, ..Self::default() }
+        Self { time: Duration::MAX, idle_searches: 3, cost: CostKind::L2, stop: 0.01, ..Self::default() }
     }
 }
 
@@ -47,7 +47,7 @@ impl Default for OptimiseSettings {
         Self {
             time: Duration::from_secs(10),
             iterations: u64::MAX,
-            searches: u64::MAX,
+            idle_searches: u64::MAX,
             score_weight: 1.0,
             cost: CostKind::default(),
             stop: 0.0,
@@ -77,6 +77,8 @@ pub struct Optimised {
     pub time_s: f64,
     /// Iterations of all searches together.
     pub iterations: u64,
+    /// Searches after the first.
+    pub searches: u64,
 }
 
 /// Looks for a path, and then for better ones: [`search`] and [`better`].
@@ -105,8 +107,8 @@ pub fn optimise(
 /// 1. The first path, shortened, is the best so far.
 /// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches from the start
 ///    and from all goals that were ever found, each with what its grasp costs, but for those to which the straight line
-///    costs more than the best path; a search without an end goes on with its trees for a while, any other begins anew. A
-///    path that it finds is shortened, block by block, as long as it costs little more than the best.
+///    costs more than the best path. Every other one begins with the best path in its tree, as does the one after a search
+///    that found nothing. A path that it finds is shortened, block by block, as long as it costs little more than the best.
 /// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
 ///    few times running.
 /// 4. Whatever costs less than the best so far takes its place.
@@ -136,6 +138,7 @@ pub fn better(
         end: begin.checked_add(settings.time),
         steps: Vec::new(),
         iterations: first.statistics.iterations,
+        searches: 0,
     };
     let mut report = first;
     if report.outcome == Outcome::Solved {
@@ -155,9 +158,9 @@ pub fn better(
         best.improve(&mut lanes, pool.as_mut(), settings, seed)?;
         report.path = best.judged()?;
     }
-    let Best { steps, iterations, .. } = best;
+    let Best { steps, iterations, searches, .. } = best;
     let improvements = steps.into_iter().map(|step| step.improvement).collect();
-    Ok(Optimised { report, improvements, time_s: begin.elapsed().as_secs_f64(), iterations })
+    Ok(Optimised { report, improvements, time_s: begin.elapsed().as_secs_f64(), iterations, searches })
 }
 
 /// The best path so far, and those before it.
@@ -172,6 +175,7 @@ struct Best<'a> {
     end: Option<Instant>,
     steps: Vec<Step>,
     iterations: u64,
+    searches: u64,
 }
 
 /// A path that was the best once.
@@ -181,23 +185,22 @@ struct Step {
     score: Option<f64>,
 }
 
-/// A search is given up after as many iterations as the first one, but not before so many, and not after so many.
-const LEAST_PATIENCE: u64 = 100;
-const MOST_PATIENCE: u64 = 1000;
-
-/// Searches that are given up go on with the trees that they have; after so many running these are begun anew.
-const SEARCHES_PER_TREE: u64 = 16;
+/// A search is given up after so many iterations: what is found later is seldom shorter.
+const PATIENCE: u64 = 300;
 
 /// A path is shortened by blocks of so many attempts; after each it is shortened further only while it costs no more than
 /// the best and this share of what is measured of it.
 const ATTEMPTS_PER_BLOCK: usize = 20;
 const WORSE: [f64; 5] = [0.1, 0.075, 0.05, 0.025, 0.0];
 
-/// Before each search at most so many batches of goals are drawn until there is one that may do.
-const MOST_BATCHES: usize = 3;
+/// So many batches of goals are drawn before each search: the nearest grasp is seldom among the first few.
+const BATCHES: usize = 16;
 
 /// A path that became cheaper by less than this share in a block is as cheap as it gets from this seed.
 const STILL: f64 = 2e-4;
+
+/// A search was worth it if after it the best path is cheaper by this share of what is measured of it.
+const WORTH: f64 = 0.01;
 
 /// So many shortenings running without a gain, and the best path is taken for as short as it gets.
 const IDLE_SHORTENINGS: u32 = 3;
@@ -244,41 +247,45 @@ impl Best<'_> {
         settings: OptimiseSettings,
         seed: u64,
     ) -> Result<(), PlanError> {
-        let OptimiseSettings { searches, iterations: most_iterations, .. } = settings;
-        let usual = self.iterations.clamp(LEAST_PATIENCE, MOST_PATIENCE);
-        let (mut idle, mut given_up) = (0, 0);
-        for round in 1..=searches {
+        let OptimiseSettings { idle_searches, iterations: most_iterations, .. } = settings;
+        let (mut idle, mut has_found, mut last_worth) = (0, true, 0);
+        while self.searches < idle_searches.saturating_add(last_worth) {
             let Some(best) = self.steps.last() else { break };
-            let seed = other_seed(seed, round);
+            let before = best.improvement.cost;
+            self.searches += 1;
+            let seed = other_seed(seed, self.searches);
             let bound = self.cost.search_bound(&best.path, best.score);
             if let Some(pool) = &mut pool {
-                let mut batches = 0..MOST_BATCHES;
-                while batches.next().is_some() && !lanes.draw_goals(pool, &best.path, bound) {}
+                (0..BATCHES).for_each(|_| lanes.draw_goals(pool, &best.path, bound));
             }
-            let before = lanes.iterations();
-            let patience = usual.min(most_iterations.saturating_sub(self.iterations));
-            let begins = if given_up % SEARCHES_PER_TREE == 0 { Begins::Anew } else { Begins::WithItsTrees };
-            let found = lanes.run_below(bound, patience, begins);
-            self.iterations += 1 + lanes.iterations() - before;
+            let iterations = lanes.iterations();
+            let patience = PATIENCE.min(most_iterations.saturating_sub(self.iterations));
+            let along = self.searches.is_multiple_of(2) || !has_found;
+            let found = lanes.run_below(bound, patience, along.then_some(&best.path));
+            self.iterations += 1 + lanes.iterations() - iterations;
             if self.is_over() || lanes.is_stopped() || self.iterations >= most_iterations {
                 break;
             }
-            given_up += 1;
+            has_found = found.is_ok();
             match found {
                 Ok(path) => {
-                    given_up = 0;
                     if self.challenge(&path, seed)? {
                         idle = 0;
                     }
                 }
                 Err(Outcome::GaveUp) => {}
                 // Among all grasps there may be better goals than those that are known.
-                Err(Outcome::GoalsInvalid) if pool.is_some() => given_up = 0,
+                Err(Outcome::GoalsInvalid) if pool.is_some() => {}
                 Err(_) => break,
             }
             if idle < IDLE_SHORTENINGS && self.iterations < most_iterations {
                 let path = self.steps.last().map(|best| best.path.clone()).unwrap_or_default();
                 idle = if self.challenge(&path, seed)? { 0 } else { idle + 1 };
+            }
+            let Some(best) = self.steps.last() else { break };
+            let measured = best.improvement.cost + self.cost.reward(best.score);
+            if before - best.improvement.cost > WORTH * measured {
+                last_worth = self.searches;
             }
         }
         Ok(())

@@ -41,7 +41,7 @@ fn first_shortened(problem: &Problem, seed: u64) -> Optimised {
     let budget = Budget { iterations: 1_000_000, time: FOR_EVER };
     let first =
         default_planner(problem).plan(problem, &budget, seed, &mut Unobserved).expect("a good problem");
-    let settings = OptimiseSettings { time: FOR_EVER, searches: 0, ..OptimiseSettings::default() };
+    let settings = OptimiseSettings { time: FOR_EVER, idle_searches: 0, ..OptimiseSettings::default() };
     better(problem, first, settings, seed, &mut Unobserved).expect("an exact problem")
 }
 

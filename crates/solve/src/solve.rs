@@ -189,9 +189,8 @@ fn shortened(
     let mut searches = 0;
     // Only where the planner is the one that searches again is what it finds its own.
     if planner.name() == Reach::default().name() && !is_carried_on {
-        let delivery = OptimiseSettings::delivery();
-        searches = delivery.searches;
-        report = better(problem, report, delivery, seed, &mut Unobserved)?.report;
+        let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
+        (report, searches) = (optimised.report, optimised.searches);
     } else if is_carried_on {
         // The hand holds the object as it stands where the path ends: another configuration would hold it otherwise.
         let to_end =
