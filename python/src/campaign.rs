@@ -13,6 +13,7 @@ use cranny_bench::{
 };
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
+use cranny_plan::Registry;
 use pyo3::prelude::*;
 use strum::VariantArray;
 
@@ -90,7 +91,7 @@ pub fn run_campaign(
         },
         exceptions: Vec::new(),
     };
-    let mut schedule = py.detach(|| campaign.schedule()).map_err(fault)?;
+    let mut schedule = py.detach(|| campaign.schedule(&Registry::default())).map_err(fault)?;
     if let Some((index, count)) = shard {
         let wrong =
             || bad_value(format!("shard is ({index}, {count}), but the first must be from 1 to the second"));
@@ -147,7 +148,8 @@ fn without_grasp_set(word: &str) -> PyResult<bool> {
 /// `python -m cranny.worker` calls.
 #[pyfunction]
 pub fn serve_trials(py: Python<'_>) -> PyResult<()> {
-    py.detach(|| cranny_bench::serve(BufReader::new(stdin()), &mut stdout())).map_err(fault)
+    py.detach(|| cranny_bench::serve(&Registry::default(), BufReader::new(stdin()), &mut stdout()))
+        .map_err(fault)
 }
 
 fn campaign_planner(
@@ -167,7 +169,7 @@ fn campaign_planner(
         })?;
         PlannerCall::Exec { command }
     };
-    let planner = CampaignPlanner::new(call.checked().map_err(fault)?);
+    let planner = CampaignPlanner::new(call.checked(&Registry::default()).map_err(fault)?);
     Ok(CampaignPlanner { name: name.clone(), ..planner })
 }
 

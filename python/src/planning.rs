@@ -38,7 +38,7 @@ fn carry_of(value: &Bound<'_, PyAny>, clear_m: f64, robot: &Robot) -> PyResult<C
 /// Names of the planners that there are.
 #[pyfunction]
 pub fn planner_names() -> Vec<&'static str> {
-    cranny_plan::planner_names()
+    cranny_plan::Registry::default().names()
 }
 
 /// Seconds as a duration, if they are some.
@@ -127,6 +127,7 @@ pub fn plan(
         }),
         carry: carry.map(|carry| carry_of(carry, clear_m, task.problem.robot())).transpose()?,
         audit: AuditSettings::default(),
+        ..Request::default()
     };
     let mut observer = InterruptObserver::new();
     let found = py.detach(|| solve(&task.problem, &request, &mut observer));

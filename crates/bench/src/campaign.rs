@@ -2,7 +2,7 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Budget, Carrier, Criterion, Goal, Problem, Unobserved};
+use cranny_plan::{Budget, Carrier, Criterion, Goal, Problem, Registry, Unobserved};
 use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
@@ -124,7 +124,7 @@ impl Campaign {
         let call = |planner: &str, settings: serde_json::Value| {
             let settings = settings.as_object().cloned().unwrap_or_default();
             PlannerCall::BuiltIn { planner: planner.to_owned(), settings, score: ScoreKind::default() }
-                .checked()
+                .checked(&Registry::default())
         };
         let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
         /// More than any time limit allows.
@@ -150,7 +150,7 @@ impl Campaign {
     /// # Errors
     /// [`BenchError`] for scenarios that do not open, planners of one name, a planner that does not take a scenario,
     /// nothing to do, and numbers that are none.
-    pub fn schedule(&self) -> Result<Schedule, BenchError> {
+    pub fn schedule(&self, registry: &Registry) -> Result<Schedule, BenchError> {
         self.check()?;
         let criteria = self.distinct_criteria();
         let chosen = choose_scenarios(&self.scenarios)?;
@@ -169,7 +169,7 @@ impl Campaign {
                 if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
                     source.goals = Some(opened.goals()?.len());
                 }
-                notes.extend(self.try_out(&opened)?);
+                notes.extend(self.try_out(&opened, registry)?);
             }
             scenarios.push(source);
         }
@@ -231,10 +231,10 @@ impl Campaign {
 
     /// Asks every planner whether it takes a scenario; a note where the start is not free, so that all trials end
     /// there.
-    fn try_out(&self, opened: &OpenedScenario) -> Result<Option<String>, BenchError> {
+    fn try_out(&self, opened: &OpenedScenario, registry: &Registry) -> Result<Option<String>, BenchError> {
         let (scenario, problem) = (&opened.scenario, &opened.problem);
         for planner in &self.planners {
-            self.ask(planner, opened).map_err(|reason| BenchError::Refused {
+            self.ask(planner, opened, registry).map_err(|reason| BenchError::Refused {
                 scenario: scenario.id.clone(),
                 planner: planner.name.clone(),
                 reason: reason.to_string(),
@@ -251,7 +251,12 @@ impl Campaign {
     }
 
     /// Asks a planner for a search of no iterations: what it has against a scenario it says at once.
-    fn ask(&self, planner: &CampaignPlanner, opened: &OpenedScenario) -> Result<(), BenchError> {
+    fn ask(
+        &self,
+        planner: &CampaignPlanner,
+        opened: &OpenedScenario,
+        registry: &Registry,
+    ) -> Result<(), BenchError> {
         let PlannerCall::BuiltIn { planner: name, settings, score } = &planner.call else {
             // It is given the scenario as files.
             return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
@@ -266,6 +271,7 @@ impl Campaign {
             &opened.problem
         };
         let asked = cranny_solve::Request {
+            registry: registry.clone(),
             planner: Some(name.clone()),
             score: *score,
             carry: self.demand.carry.map(CarryTo::carry),
@@ -276,7 +282,7 @@ impl Campaign {
             Carrier::new(problem, carry.carry().lift_off)?;
         }
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
-        let planner = cranny_plan::planner_with(name, settings)?;
+        let planner = registry.planner_with(name, settings)?;
         Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)
     }
 

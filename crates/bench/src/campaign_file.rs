@@ -2,7 +2,7 @@ use std::path::Path;
 
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_plan::Criterion;
+use cranny_plan::{Criterion, Registry};
 use cranny_scenario::catalogue;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -85,11 +85,11 @@ struct ExceptionEntry {
 }
 
 impl Campaign {
-    /// Reads a campaign from a YAML file; paths in it are taken from the folder of the file.
+    /// Reads a campaign of the planners of a registry, and of programs, from a YAML file; paths in it are taken from the folder of the file.
     ///
     /// # Errors
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
-    pub fn read(path: &Path) -> Result<Self, BenchError> {
+    pub fn read(path: &Path, registry: &Registry) -> Result<Self, BenchError> {
         let text = cranny_file::TEXT
             .argument()
             .text(path)
@@ -107,7 +107,7 @@ impl Campaign {
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut planners = Vec::new();
         for Spanned { value: planner, referenced, .. } in entry.planners {
-            planners.push(planner.read(folder).map_err(|problem| fault(referenced, problem))?);
+            planners.push(planner.read(folder, registry).map_err(|problem| fault(referenced, problem))?);
         }
         let checked =
             |given: Option<Spanned<f64>>, default: f64, check: fn(f64) -> Result<f64, BenchError>| {
@@ -154,7 +154,7 @@ impl Campaign {
 }
 
 impl PlannerEntry {
-    fn read(self, folder: &Path) -> Result<CampaignPlanner, String> {
+    fn read(self, folder: &Path, registry: &Registry) -> Result<CampaignPlanner, String> {
         let Self { name, planner, settings, score, exec, released, each_goal, runs, time_limit_s } = self;
         let words = |words: Vec<String>| words.iter().map(|word| beside(folder, word)).collect::<Vec<_>>();
         let has_settings = !settings.is_empty();
@@ -182,7 +182,7 @@ impl PlannerEntry {
             }
             _ => return Err("give one of `planner`, `exec` and `released`".to_owned()),
         };
-        let call = call.checked().map_err(|fault| fault.to_string())?;
+        let call = call.checked(registry).map_err(|fault| fault.to_string())?;
         if let Some(limit) = time_limit_s {
             checked_time_limit(limit).map_err(|fault| fault.to_string())?;
         }

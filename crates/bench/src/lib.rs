@@ -1,11 +1,4 @@
-//! How well planners do: campaigns of trials that survive whatever a planner does, judged alike, stored as
-//! they come, told with their uncertainty.
-//!
-//! ## Limits
-//! One machine runs one campaign; results of several are joined afterwards. Memory limits are watched where the
-//! system tells what a process holds (Linux); processes that a program starts and leaves are ended with it on Unix.
-//! Comparisons take the runs of two planners for independent; what is said over all scenarios speaks of these, not of others
-//! like them. Memory of built-in planners is a lower bound, since their searches share a process.
+#![doc = include_str!("../README.md")]
 
 pub mod report;
 pub mod statistics;

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use cranny_grasp::ScoreKind;
+use cranny_plan::Registry;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
@@ -19,7 +20,7 @@ pub enum PlannerCall {
     BuiltIn {
         /// Its name in the registry.
         planner: String,
-        /// What differs from its default settings.
+        /// What differs from its default settings; all of them once they are [checked](Self::checked).
         settings: Map<String, Value>,
         /// Which score of the grasps counts.
         #[serde(default, skip_serializing_if = "is_geometric")]
@@ -45,7 +46,7 @@ impl PlannerCall {
     ///
     /// # Errors
     /// As [`Self::checked`].
-    pub fn parse(text: &str) -> Result<Self, BenchError> {
+    pub fn parse(text: &str, registry: &Registry) -> Result<Self, BenchError> {
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let call = match text.split_once(':') {
             Some(("exec", command)) => Self::Exec { command: words(command) },
@@ -57,16 +58,16 @@ impl PlannerCall {
                 Self::BuiltIn { planner: text.to_owned(), settings: Map::new(), score: ScoreKind::default() }
             }
         };
-        call.checked()
+        call.checked(registry)
     }
 
-    /// The call, if it can be made: relative paths are made absolute, so that it can be repeated from
-    /// elsewhere.
+    /// The call, if it can be made: relative paths are made absolute and all settings are named, so that it can be
+    /// repeated from elsewhere.
     ///
     /// # Errors
     /// [`BenchError::Plan`] for a planner or a setting that does not exist, [`BenchError::Program`] for a
     /// program that does not.
-    pub fn checked(self) -> Result<Self, BenchError> {
+    pub fn checked(self, registry: &Registry) -> Result<Self, BenchError> {
         let program = |word: &str| -> Result<String, BenchError> {
             let missing = || BenchError::Program { program: word.to_owned() };
             if word.is_empty() {
@@ -82,8 +83,8 @@ impl PlannerCall {
         };
         Ok(match self {
             Self::BuiltIn { planner, settings, score } => {
-                cranny_plan::planner_with(&planner, &settings)?;
-                Self::BuiltIn { planner, settings, score }
+                let all = registry.planner_with(&planner, &settings)?.settings();
+                Self::BuiltIn { planner, settings: all.as_object().cloned().unwrap_or(settings), score }
             }
             Self::Exec { command } => {
                 let mut words = command.into_iter();
@@ -133,7 +134,7 @@ impl PlannerCall {
         Err(BenchError::OtherProgram { planner: trial.planner.clone(), command: self.command() })
     }
 
-    /// All settings, as canonical JSON: the same on every machine. A file of the command counts with its name and
+    /// All settings of a call that is [checked](Self::checked), as canonical JSON: the same on every machine. A file of the command counts with its name and
     /// its content, not with where it lies.
     pub fn settings(&self) -> String {
         let words = |words: &[String]| -> Value {
@@ -145,8 +146,7 @@ impl PlannerCall {
         };
         let settings = match self {
             Self::BuiltIn { planner, settings, score } => {
-                let mut all = cranny_plan::planner_with(planner, settings)
-                    .map_or(Value::Object(settings.clone()), |planner| planner.settings());
+                let mut all = Value::Object(settings.clone());
                 all["planner"] = planner.clone().into();
                 // Trials by the usual score are the same as before there was another.
                 if !is_geometric(score) {
@@ -244,7 +244,8 @@ mod tests {
         let call = |folder: &tempfile::TempDir, content: &str| {
             let script = folder.path().join("planner.py");
             fs::write(&script, content).unwrap();
-            PlannerCall::parse(&format!("exec:sh {} --fast {{seed}}", script.display())).unwrap()
+            PlannerCall::parse(&format!("exec:sh {} --fast {{seed}}", script.display()), &Registry::default())
+                .unwrap()
         };
         let (a, b) = (call(&here, "one"), call(&there, "one"));
         assert_eq!(a.settings(), b.settings());
@@ -261,20 +262,26 @@ mod tests {
         let (program, link) = (folder.path().join("program"), folder.path().join("link"));
         fs::write(&program, "#!/bin/sh\n").unwrap();
         std::os::unix::fs::symlink(&program, &link).unwrap();
-        let call = PlannerCall::parse(&format!("exec:{}", link.display())).unwrap();
+        let call = PlannerCall::parse(&format!("exec:{}", link.display()), &Registry::default()).unwrap();
         assert_eq!(call, PlannerCall::Exec { command: vec![link.display().to_string()] });
     }
 
     #[test]
     fn the_settings_of_a_built_in_planner_are_all_its_settings() {
-        let call = PlannerCall::parse("ik-rrt").unwrap();
+        let call = PlannerCall::parse("ik-rrt", &Registry::default()).unwrap();
         assert!(
             call.settings().contains("\"p_goal\":0.01") && call.settings().contains("\"planner\":\"ik-rrt\"")
         );
-        assert!(matches!(PlannerCall::parse("ik-rtt"), Err(BenchError::Plan(_))));
-        assert!(matches!(PlannerCall::parse("exec:./no/such/program"), Err(BenchError::Program { .. })));
-        assert!(matches!(PlannerCall::parse("exec:"), Err(BenchError::Program { .. })));
+        assert!(matches!(PlannerCall::parse("ik-rtt", &Registry::default()), Err(BenchError::Plan(_))));
+        assert!(matches!(
+            PlannerCall::parse("exec:./no/such/program", &Registry::default()),
+            Err(BenchError::Program { .. })
+        ));
+        assert!(matches!(PlannerCall::parse("exec:", &Registry::default()), Err(BenchError::Program { .. })));
         // Said before a campaign begins, not by its first trial.
-        assert!(matches!(PlannerCall::parse("exec:no-such-program x"), Err(BenchError::Program { .. })));
+        assert!(matches!(
+            PlannerCall::parse("exec:no-such-program x", &Registry::default()),
+            Err(BenchError::Program { .. })
+        ));
     }
 }

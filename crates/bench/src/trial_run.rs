@@ -2,6 +2,7 @@ use std::time::Duration;
 
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, Clearances, Criterion, Goal, Observer, PlanError, Problem,
+    Registry,
 };
 use cranny_solve::{Segment, audit_segments, joined, solve};
 
@@ -20,6 +21,7 @@ use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRec
 /// # Errors
 /// [`BenchError`] where the question is wrong, so that there is no trial to run.
 pub fn run(
+    registry: &Registry,
     request: &Request,
     scenarios: &mut OpenedScenarios,
     leash: &Leash,
@@ -59,6 +61,7 @@ pub fn run(
             let aimed =
                 goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
             let asked = cranny_solve::Request {
+                registry: registry.clone(),
                 planner: Some(planner.clone()),
                 settings: planner_settings.clone(),
                 score: *score,

@@ -2,17 +2,23 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc;
 use std::thread;
 
+use cranny_plan::Registry;
+
 use crate::opened_scenario::OpenedScenarios;
 use crate::process_group::{self, Leash};
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, trial_run};
 
-/// Serves the trials of a campaign, one line of `input` each, until `input` ends; then it ends the process at
+/// Serves the trials of a campaign by the planners of a registry, one line of `input` each, until `input` ends; then it ends the process at
 /// once, with whatever program of others is running: a campaign that is gone wants no answer.
 ///
 /// # Errors
 /// [`BenchError::Message`] for a line that is no request, or where nobody listens to the answers.
-pub fn serve(input: impl BufRead + Send + 'static, output: &mut impl Write) -> Result<(), BenchError> {
+pub fn serve(
+    registry: &Registry,
+    input: impl BufRead + Send + 'static,
+    output: &mut impl Write,
+) -> Result<(), BenchError> {
     process_group::close_to_others();
     process_group::adopt();
     let leash = Leash::default();
@@ -38,7 +44,7 @@ pub fn serve(input: impl BufRead + Send + 'static, output: &mut impl Write) -> R
     };
     for line in requests {
         let request: Request = serde_json::from_str(&line).map_err(|reason| BenchError::message(&reason))?;
-        let message = match trial_run::run(&request, &mut scenarios, &leash, &mut tell) {
+        let message = match trial_run::run(registry, &request, &mut scenarios, &leash, &mut tell) {
             Ok((record, path)) => Message::Answered(Box::new(record), path),
             Err(fault) => Message::Refused(fault.to_string()),
         };

@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use cranny_bench::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
-use cranny_plan::Criterion;
+use cranny_plan::{Criterion, Registry};
 
 fn read(folder: &Path, text: &str) -> Result<Campaign, BenchError> {
     let path = folder.join("campaign.yaml");
     fs::write(&path, text).expect("written");
-    Campaign::read(&path)
+    Campaign::read(&path, &Registry::default())
 }
 
 const WHOLE: &str = "\
@@ -41,7 +41,10 @@ fn a_campaign_file_says_everything_that_a_campaign_has() {
     let campaign = read(folder.path(), WHOLE).expect("a campaign");
     assert_eq!(campaign.scenarios, ["01x", "045", "all"]);
     let [reach, each, exec] = &campaign.planners[..] else { panic!("{:?}", campaign.planners) };
-    assert_eq!(*reach, CampaignPlanner::new(PlannerCall::parse("reach").expect("a planner")));
+    assert_eq!(
+        *reach,
+        CampaignPlanner::new(PlannerCall::parse("reach", &Registry::default()).expect("a planner"))
+    );
     assert_eq!(
         (each.name.as_str(), each.each_goal, each.runs, each.time_limit_s),
         ("ik-rrt-each", true, Some(5), Some(5.0))
@@ -68,7 +71,8 @@ fn the_score_that_counts_is_a_setting_of_a_built_in_planner() {
     let fault = campaign("exec: [sh, planner.sh], score: physics").expect_err("a fault").to_string();
     assert!(fault.contains("campaign.yaml:2: `score` is for a built-in `planner`"), "{fault}");
     // Said before the first trial: nobody has tried the grasps of a built-in scenario.
-    let schedule = campaign("planner: reach, score: physics").expect("a campaign").schedule();
+    let schedule =
+        campaign("planner: reach, score: physics").expect("a campaign").schedule(&Registry::default());
     let fault = schedule.expect_err("a fault").to_string();
     assert!(fault.contains("021") && fault.contains("grasp 0 has no robust score"), "{fault}");
 }
@@ -90,7 +94,8 @@ fn a_schedule_has_every_trial_once_seed_by_seed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = "scenarios: ['021', '045']\nplanners: [{planner: reach}, {planner: ik-rrt, each_goal: true, runs: 2}]\n\
                 criteria: [exact, exact]\nruns: 3\ntime_limit_s: 7\nexceptions: [{scenario: 04x, planner: reach, time_limit_s: 900}]\n";
-    let schedule = read(folder.path(), text).expect("a campaign").schedule().expect("a schedule");
+    let schedule =
+        read(folder.path(), text).expect("a campaign").schedule(&Registry::default()).expect("a schedule");
     let goals: Vec<usize> = schedule.scenarios.iter().map(|s| s.goals.expect("counted")).collect();
     assert!(goals.iter().all(|goals| *goals > 0), "{goals:?}");
     let all: usize = goals.iter().sum();
@@ -109,7 +114,7 @@ fn a_schedule_has_every_trial_once_seed_by_seed() {
 fn the_paper_s_campaign_is_the_paper_s() {
     let paper = Campaign::paper().expect("a campaign");
     assert_eq!((paper.runs, paper.criteria.as_slice()), (100, &[Criterion::Paper][..]));
-    let schedule = Campaign { runs: 1, ..paper }.schedule().expect("a schedule");
+    let schedule = Campaign { runs: 1, ..paper }.schedule(&Registry::default()).expect("a schedule");
     let j_plus: Vec<_> = schedule.questions.iter().filter(|q| q.trial.planner == "j-plus-rrt").collect();
     assert_eq!(j_plus.len(), 20);
     for question in j_plus {
@@ -148,14 +153,20 @@ fn mistakes_are_named_with_file_and_line() {
         let found: i64 = place.split(':').next().expect("a line").parse().expect("a number");
         assert!((found - line).abs() <= 1, "{what} in line {line}: {message}");
     }
-    assert!(matches!(Campaign::read(&folder.path().join("none.yaml")), Err(BenchError::Unreadable { .. })));
+    assert!(matches!(
+        Campaign::read(&folder.path().join("none.yaml"), &Registry::default()),
+        Err(BenchError::Unreadable { .. })
+    ));
 }
 
 #[test]
 fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let fault = |text: &str| {
-        read(folder.path(), text).and_then(|campaign| campaign.schedule()).expect_err("a fault").to_string()
+        read(folder.path(), text)
+            .and_then(|campaign| campaign.schedule(&Registry::default()))
+            .expect_err("a fault")
+            .to_string()
     };
     let planners = "planners: [{planner: reach}]\n";
     assert!(fault("scenarios: ['021']\nplanners: []\n").contains("no planners"));

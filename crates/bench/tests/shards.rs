@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use cranny_bench::{BenchError, Campaign, CampaignPlanner, Manifest, PlannerCall, Schedule, Shard};
+use cranny_plan::Registry;
 
 fn campaign(scenarios: &[&str], runs: u64) -> Campaign {
-    let planner = |name: &str| CampaignPlanner::new(PlannerCall::parse(name).expect("a planner"));
+    let planner =
+        |name: &str| CampaignPlanner::new(PlannerCall::parse(name, &Registry::default()).expect("a planner"));
     Campaign {
         scenarios: scenarios.iter().map(|id| (*id).to_owned()).collect(),
         planners: vec![planner("reach"), planner("ik-rrt")],
@@ -16,7 +18,7 @@ fn campaign(scenarios: &[&str], runs: u64) -> Campaign {
 }
 
 fn schedule(campaign: &Campaign) -> Schedule {
-    campaign.schedule().expect("a schedule")
+    campaign.schedule(&Registry::default()).expect("a schedule")
 }
 
 fn keys(schedule: &Schedule) -> Vec<String> {
@@ -58,7 +60,7 @@ fn a_part_of_another_campaign_is_refused_with_what_is_another() {
     assert!(Manifest::of(&schedule(&handed_out), program).check(&manifest).is_ok());
     let other_planner = CampaignPlanner {
         name: "reach".to_owned(),
-        ..CampaignPlanner::new(PlannerCall::parse("j-plus-rrt").expect("a planner"))
+        ..CampaignPlanner::new(PlannerCall::parse("j-plus-rrt", &Registry::default()).expect("a planner"))
     };
     let [_, ik_rrt] = &handed_out.planners[..] else { panic!("two planners") };
     let cases = [

@@ -7,17 +7,20 @@ use cranny_bench::{
     BenchError, Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results,
     RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord, Unheard, WorkerProgram, run_campaign,
 };
+use cranny_plan::Registry;
 
 /// A campaign of so many short trials.
 fn schedule(runs: u64) -> Schedule {
     let campaign = Campaign {
         scenarios: vec!["021".into()],
-        planners: vec![CampaignPlanner::new(PlannerCall::parse("reach").expect("a planner"))],
+        planners: vec![CampaignPlanner::new(
+            PlannerCall::parse("reach", &Registry::default()).expect("a planner"),
+        )],
         runs,
         time_limit_s: 0.5,
         ..Campaign::default()
     };
-    campaign.schedule().expect("a schedule")
+    campaign.schedule(&Registry::default()).expect("a schedule")
 }
 
 /// Workers that a shell runs.

@@ -1,11 +1,9 @@
 //! `cranny bench`: one module a subcommand.
 
 use std::io::{BufReader, stdin, stdout};
-use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use cranny_bench::{Sandbox, WorkerProgram};
-use strum::VariantArray as _;
+use cranny_plan::Registry;
 
 use crate::Answer;
 use crate::arguments::Output;
@@ -45,35 +43,18 @@ enum BenchCommand {
     Worker,
 }
 
-pub fn run(arguments: &BenchArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &BenchArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
-        BenchCommand::Run(arguments) => bench_run::run(arguments, output),
-        BenchCommand::Slurm(arguments) => bench_slurm::run(arguments, output),
+        BenchCommand::Run(arguments) => bench_run::run(arguments, registry, output),
+        BenchCommand::Slurm(arguments) => bench_slurm::run(arguments, registry, output),
         BenchCommand::Status(arguments) => bench_status::run(arguments, output),
         BenchCommand::Merge(arguments) => bench_merge::run(arguments, output),
         BenchCommand::Report(arguments) => bench_report::run(arguments, output),
         BenchCommand::Export(arguments) => bench_export::run(arguments, output),
         BenchCommand::Replay(arguments) => bench_replay::run(arguments, output),
         BenchCommand::Worker => {
-            cranny_bench::serve(BufReader::new(stdin()), &mut stdout())?;
+            cranny_bench::serve(registry, BufReader::new(stdin()), &mut stdout())?;
             Ok(Answer::Done)
         }
     }
-}
-
-/// The commit that this program was built from.
-pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
-
-/// Parses which walls the programs of others run within.
-pub fn sandbox(text: &str) -> Result<Sandbox, String> {
-    let known = || Sandbox::VARIANTS.iter().map(|sandbox| sandbox.name()).collect::<Vec<_>>().join(", ");
-    text.parse().map_err(|_| format!("give one of {}", known()))
-}
-
-/// This program, as a worker.
-pub fn worker() -> Result<WorkerProgram, Failure> {
-    let program: PathBuf = std::env::current_exe()?;
-    let limits = cranny_file::are_limits_lifted().then_some("--large-files");
-    let arguments = ["bench", "worker"].into_iter().chain(limits).map(str::to_owned).collect();
-    Ok(WorkerProgram { program, arguments })
 }

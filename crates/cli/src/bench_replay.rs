@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::Output;
-use crate::bench;
+use crate::bench_worker;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::whole;
@@ -39,7 +39,7 @@ pub struct ReplayArguments {
     #[arg(long)]
     allow_exec: bool,
     /// Walls around that program, as in `bench run`
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench::sandbox)]
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Write the way points here (.csv)
     #[arg(long, short, value_name = "FILE")]
@@ -76,10 +76,10 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
     }
     let results = Results::open(&arguments.results)?;
     let settings = CampaignSettings {
-        worker: bench::worker()?,
+        worker: bench_worker::worker()?,
         workers: 1,
         memory_limit_bytes: MEMORY_LIMIT_BYTES,
-        information: RunInformation::here(bench::COMMIT, "", 1),
+        information: RunInformation::here(bench_worker::COMMIT, "", 1),
         sandbox: arguments.sandbox,
         again: Vec::new(),
     };

@@ -9,14 +9,14 @@ use cranny_bench::{
     Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
     TrialRecord, close_to_others, run_campaign,
 };
-use cranny_plan::Criterion;
+use cranny_plan::{Criterion, Registry};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use strum::VariantArray as _;
 
 use crate::Answer;
 use crate::arguments::{CriterionArgument, MarginArguments, Output};
-use crate::bench;
+use crate::bench_worker;
 use crate::cluster_folder::ClusterCampaign;
 use crate::failure::Failure;
 use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
@@ -94,7 +94,7 @@ pub struct RunArguments {
     margins: MarginArguments,
     /// Walls around the programs of others: those that this machine has (auto), none (off), or all of them or nothing is
     /// run (require)
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench::sandbox)]
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
@@ -154,9 +154,9 @@ struct Lost {
     first: String,
 }
 
-pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     close_to_others();
-    let campaign = campaign(arguments)?;
+    let campaign = campaign(arguments, registry)?;
     // Better now than after the opening of many scenarios.
     output_file::check_folder(&arguments.output)?;
     if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
@@ -164,7 +164,7 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
     }
     let stop = stop_on_interrupt()?;
     let spinner = spinner("opening the scenarios", output.quiet);
-    let schedule = campaign.schedule();
+    let schedule = campaign.schedule(registry);
     spinner.finish_and_clear();
     let mut schedule = schedule?;
     if let Some(file) = &arguments.manifest {
@@ -183,10 +183,10 @@ pub fn run(arguments: &RunArguments, output: Output) -> Result<Answer, Failure> 
     let command = std::env::args().collect::<Vec<_>>().join(" ");
     let workers = arguments.workers;
     let settings = CampaignSettings {
-        worker: bench::worker()?,
+        worker: bench_worker::worker()?,
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
-        information: RunInformation::here(bench::COMMIT, &command, workers),
+        information: RunInformation::here(bench_worker::COMMIT, &command, workers),
         sandbox: arguments.sandbox,
         again: arguments.again.clone(),
     };
@@ -229,16 +229,16 @@ impl Answered<'_> {
 }
 
 /// What file, preset and flags say together.
-fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
+fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, Failure> {
     let mut campaign = match (&arguments.campaign, arguments.preset) {
-        (Some(file), _) => Campaign::read(file)?,
+        (Some(file), _) => Campaign::read(file, registry)?,
         (None, Some(PresetArgument::Paper)) => Campaign::paper()?,
         (None, None) => Campaign::default(),
     };
     if !arguments.scenarios.is_empty() {
         campaign.scenarios.clone_from(&arguments.scenarios);
     }
-    choose_planners(&mut campaign, arguments)?;
+    choose_planners(&mut campaign, arguments, registry)?;
     if !arguments.criterion.is_empty() {
         campaign.criteria = arguments.criterion.iter().map(|criterion| Criterion::from(*criterion)).collect();
     }
@@ -270,14 +270,18 @@ fn campaign(arguments: &RunArguments) -> Result<Campaign, Failure> {
         return Err(Failure::Flag { flag: "scenarios", problem: problem.to_owned() });
     }
     if campaign.planners.is_empty() {
-        let problem = format!("say which (built in: {})", cranny_plan::planner_names().join(", "));
+        let problem = format!("say which (built in: {})", registry.names().join(", "));
         return Err(Failure::Flag { flag: "planners", problem });
     }
     Ok(campaign)
 }
 
 /// Of the planners of a file or a preset those that flags name; others are added.
-fn choose_planners(campaign: &mut Campaign, arguments: &RunArguments) -> Result<(), Failure> {
+fn choose_planners(
+    campaign: &mut Campaign,
+    arguments: &RunArguments,
+    registry: &Registry,
+) -> Result<(), Failure> {
     if arguments.planners.is_empty() && arguments.planner.is_empty() {
         return Ok(());
     }
@@ -285,7 +289,7 @@ fn choose_planners(campaign: &mut Campaign, arguments: &RunArguments) -> Result<
     for word in arguments.planners.iter().chain(&arguments.planner) {
         let planner = match known.iter().find(|planner| planner.name == *word) {
             Some(planner) => planner.clone(),
-            None => planner_of(word)?,
+            None => planner_of(word, registry)?,
         };
         campaign.planners.push(planner);
     }
@@ -293,12 +297,12 @@ fn choose_planners(campaign: &mut Campaign, arguments: &RunArguments) -> Result<
 }
 
 /// `reach`, `exec:…`, `released:…`, or one of them after `NAME=`.
-fn planner_of(word: &str) -> Result<CampaignPlanner, Failure> {
+fn planner_of(word: &str, registry: &Registry) -> Result<CampaignPlanner, Failure> {
     let (name, call) = match word.split_once('=') {
         Some((name, call)) if !name.contains([':', ' ']) && !name.is_empty() => (Some(name), call),
         _ => (None, word),
     };
-    let planner = CampaignPlanner::new(PlannerCall::parse(call)?);
+    let planner = CampaignPlanner::new(PlannerCall::parse(call, registry)?);
     Ok(CampaignPlanner { name: name.map_or(planner.name.clone(), str::to_owned), ..planner })
 }
 

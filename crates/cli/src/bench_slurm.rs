@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_bench::{Campaign, MOST_SHARDS, Manifest, Sandbox};
+use cranny_plan::Registry;
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::Output;
-use crate::bench;
+use crate::bench_worker;
 use crate::cluster_folder::{ClusterCampaign, ClusterFolder};
 use crate::failure::Failure;
 use crate::number_argument::whole;
@@ -44,7 +45,7 @@ pub struct SlurmArguments {
     #[arg(long, value_name = "FOLDER")]
     local: Option<String>,
     /// Walls around the programs of others, as in `bench run`
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench::sandbox)]
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Write the scripts, but submit nothing
     #[arg(long)]
@@ -77,7 +78,7 @@ struct Answered {
     commands: Vec<String>,
 }
 
-pub fn run(arguments: &SlurmArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &SlurmArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let given = arguments.folder();
     let (folder, mut campaign, tasks) = match &arguments.resume {
         Some(folder) => {
@@ -90,7 +91,7 @@ pub fn run(arguments: &SlurmArguments, output: Output) -> Result<Answer, Failure
             let lost: Vec<u64> = lost.map(|task| task.number).collect();
             (folder, campaign, lost)
         }
-        None => begin(arguments, output)?,
+        None => begin(arguments, registry, output)?,
     };
     if !arguments.sbatch.is_empty() {
         campaign.sbatch.clone_from(&arguments.sbatch);
@@ -133,14 +134,15 @@ pub fn run(arguments: &SlurmArguments, output: Output) -> Result<Answer, Failure
 /// A new folder with its scripts; all tasks are to be submitted.
 fn begin(
     arguments: &SlurmArguments,
+    registry: &Registry,
     output: Output,
 ) -> Result<(ClusterFolder, ClusterCampaign, Vec<u64>), Failure> {
     let missing = |flag| Failure::Flag { flag, problem: "it is needed".to_owned() };
     let file = arguments.campaign.as_deref().ok_or_else(|| missing("campaign"))?;
     let tasks = arguments.array.ok_or_else(|| missing("array"))?;
-    let campaign = Campaign::read(file)?;
+    let campaign = Campaign::read(file, registry)?;
     let spinner = spinner("opening the scenarios", output.quiet);
-    let schedule = campaign.schedule();
+    let schedule = campaign.schedule(registry);
     spinner.finish_and_clear();
     let schedule = schedule?;
     if tasks > schedule.questions.len() as u64 {

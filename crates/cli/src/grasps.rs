@@ -4,24 +4,20 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, csv_text, nearest_distances,
-    read_csv, sample_grasps, spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, csv_text, nearest_distances, read_csv, sample_grasps,
+    spread,
 };
 use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::grasp_choice::GraspChoice;
-use crate::grasp_subject::Subject;
-use crate::number_argument::{positive, whole};
-use crate::output_file;
+use crate::grasp_subject::{SampleArguments, Subject};
 use crate::progress::{bar, stop_on_interrupt};
-use crate::text;
+use crate::{Answer, output_file, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct GraspsArguments {
@@ -39,72 +35,6 @@ pub enum GraspsCommand {
     Coverage(CoverageArguments),
     /// How far the grasps of a file are from each other
     Distances(DistancesArguments),
-}
-
-#[derive(Clone, Debug, Args)]
-#[command(after_help = "Examples:
-  cranny grasps sample banana
-  cranny grasps sample sugar_box --pose 2 --count 500 --choose farthest -o box.csv
-  cranny grasps sample scan.obj --friction 0.4 --bare --json
-  cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
-  cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario
-  cranny grasps sample my_shelf -o my_shelf/grasps.csv
-
-Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
-them: the 16 numbers of each row by row, score, width (and robust score with the number of its trials, where
-`cranny simulate grasps -o` wrote them). The score is 1 for contacts that need no friction and 0
-for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
-the grasp and on the way.")]
-pub struct SampleArguments {
-    /// Built-in object, the folder of an object, a mesh file (normals outwards; holes are allowed), or a
-    /// scenario: built-in, a folder or packed
-    #[arg(value_name = "OBJECT|ID")]
-    pub object: String,
-    /// Where to write the grasps
-    #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
-    pub output: PathBuf,
-    /// How many grasps to write
-    #[arg(long, value_name = "N", default_value = "200", value_parser = whole::<usize>(1..=100_000))]
-    pub count: usize,
-    /// How many to sample, from which those are chosen [default: ten times as many]
-    #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=1_000_000))]
-    pub candidates: Option<usize>,
-    /// How to choose
-    #[arg(long, value_enum, default_value = "covering")]
-    pub choose: GraspChoice,
-    /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
-    #[arg(long, value_name = "MU")]
-    pub friction: Option<f64>,
-    /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
-    #[arg(long, value_name = "FILE")]
-    pub gripper: Option<PathBuf>,
-    /// Approach directions about each closing axis
-    #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches,
-          value_parser = whole::<usize>(1..=3600))]
-    pub approaches: usize,
-    /// Turn the approach directions of each closing axis at random, instead of from level on
-    #[arg(long)]
-    pub random_approaches: bool,
-    /// The object rests on the ground in this one of its stable poses (see `cranny object show`): grasp it
-    /// from the side or from above, hand above the ground
-    #[arg(long, value_name = "K")]
-    pub pose: Option<usize>,
-    /// Between which depths the gripper stands, in millimetres along the approach from the middle between
-    /// the contacts
-    #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0])]
-    pub depth: Vec<f64>,
-    /// Length of the straight approach that must be free, in millimetres
-    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
-    pub approach: f64,
-    /// Do not ask whether the hand collides with the object or the ground
-    #[arg(long)]
-    pub bare: bool,
-    /// What to multiply the coordinates of a mesh file by
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
-    pub scale: f64,
-    /// Seed of all randomness: the same seed gives the same grasps
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
-    pub seed: u64,
 }
 
 #[derive(Clone, Debug, Args)]

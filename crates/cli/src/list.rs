@@ -1,5 +1,6 @@
 use std::fmt::Write;
 
+use cranny_plan::Registry;
 use serde::Serialize;
 
 use crate::Answer;
@@ -20,7 +21,7 @@ struct Listed {
     summary: String,
 }
 
-pub fn run(output: Output) -> Result<Answer, Failure> {
+pub fn run(registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let scenarios: Vec<Listed> = cranny_scenario::catalogue()
         .iter()
         .map(|entry| Listed {
@@ -29,7 +30,7 @@ pub fn run(output: Output) -> Result<Answer, Failure> {
             summary: entry.description.to_string(),
         })
         .collect();
-    let listing = Listing { scenarios, planners: cranny_plan::planner_names() };
+    let listing = Listing { scenarios, planners: registry.names() };
     if output.json {
         text::print_json(&listing)?;
         return Ok(Answer::Done);

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, audit};
+use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, Registry, audit};
 use cranny_scenario::{
     Geometry, GivenGrasps, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints,
 };
@@ -27,8 +27,8 @@ pub struct PageRequest<'a> {
     pub criterion: Option<Criterion>,
     /// Which grasps the path may end at, if not those that the plans name.
     pub grasps: GivenGrasps,
-    /// Whether the searches are run again, and their trees shown.
-    pub search_trees: bool,
+    /// The planners by which the searches are run again, if their trees are to be shown.
+    pub search_trees: Option<&'a Registry>,
 }
 
 /// A page, and what postures are judged in where it has a robot.
@@ -45,7 +45,7 @@ impl PageTask {
                 &[
                     ("--robot", request.robot.is_some()),
                     ("--geometry", request.geometry.is_some()),
-                    ("--search-tree", request.search_trees),
+                    ("--search-tree", request.search_trees.is_some()),
                     ("the plan", !request.plans.is_empty()),
                 ],
             )?;
@@ -69,7 +69,10 @@ impl PageTask {
         let shown = tasks.open(Some(Criterion::Exact))?;
         let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
         let cell = exact.cell().ok_or(PlanError::Annotation)?;
-        let stop = if request.search_trees { Some(stop_on_interrupt()?) } else { None };
+        let trees = match request.search_trees {
+            Some(registry) => Some((registry, stop_on_interrupt()?)),
+            None => None,
+        };
         let mut plans = Vec::new();
         for (file, read) in request.plans.iter().zip(&files) {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
@@ -90,8 +93,9 @@ impl PageTask {
             let verification = plan.audit(&problem, AuditSettings::default())?;
             let grip = plan.grip(&problem)?;
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, grip)?;
-            if let Some(stop) = &stop {
-                shown_plan.search_tree = Some(search_replay::replay(file, plan, &problem, stop, output)?);
+            if let Some((registry, stop)) = &trees {
+                let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
+                shown_plan.search_tree = Some(tree);
             }
             plans.push(shown_plan);
         }

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, GraspFailure, Improvement, OptimiseSettings, Outcome, TimingMethod,
+    AuditSettings, Budget, CarryEnd, GraspFailure, Improvement, OptimiseSettings, Outcome, Registry,
+    TimingMethod,
 };
 use cranny_scenario::{PlanFile, PlanShortening, PlanTiming, read_waypoints, write_trajectory_csv};
 use cranny_solve::{Carry, Request, Timing, solve};
@@ -42,12 +43,13 @@ struct Answered<'a> {
     untimed: Option<String>,
 }
 
-pub fn run(arguments: &PlanArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();
     let PlanTask { source, grasps, problem } =
         PlanTask::open(&arguments.task, &arguments.moveit, Demand::default(), output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let request = request(arguments, carry(arguments, problem.robot().dof())?);
+    let carry = carry(arguments, problem.robot().dof())?;
+    let request = Request { registry: registry.clone(), ..request(arguments, carry) };
     request.check(&problem)?;
     // Better now than after the search.
     let file = destination(arguments, &source.scenario, output)?;
@@ -167,6 +169,7 @@ fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
             is_demanded: arguments.rate.is_some(),
         }),
         audit: AuditSettings::default(),
+        ..Request::default()
     }
 }
 

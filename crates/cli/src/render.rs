@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_plan::Problem;
+use cranny_plan::{Problem, Registry};
 use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
@@ -147,7 +147,7 @@ const MOST_PICTURES: usize = 10_000;
 /// Points of all pictures of a motion in one file, which are held in memory: 1.5 GB.
 const MOST_MOVING_POINTS: usize = 500_000_000;
 
-pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let format = Format::of(&arguments.output)?;
     // So that nobody waits for a picture that cannot be written; places in a folder are looked at when their
     // names are known.
@@ -171,7 +171,7 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
                 "one moment is shown in a still picture: give -o a name that ends in .png",
             ));
         }
-        (Some(id), _) => one(id, arguments, format, output)?,
+        (Some(id), _) => one(id, arguments, format, registry, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
     let page =
@@ -180,7 +180,13 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
     Ok(Answer::Done)
 }
 
-fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) -> Result<Rendered, Failure> {
+fn one(
+    id: &str,
+    arguments: &RenderArguments,
+    format: Format,
+    registry: &Registry,
+    output: Output,
+) -> Result<Rendered, Failure> {
     let is_moving = format.is_moving();
     let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
     let plan = arguments.plans.first().map(PathBuf::as_path);
@@ -208,13 +214,18 @@ fn one(id: &str, arguments: &RenderArguments, format: Format, output: Output) ->
             rendered = Rendered { pictures: count, width, height, ..rendered };
             rendered.files.push(file.clone());
         }
-        Format::Html => return page(id, arguments, output),
+        Format::Html => return page(id, arguments, registry, output),
     }
     Ok(rendered)
 }
 
 /// The viewer's page with all its data, in one file.
-fn page(id: &str, arguments: &RenderArguments, output: Output) -> Result<Rendered, Failure> {
+fn page(
+    id: &str,
+    arguments: &RenderArguments,
+    registry: &Registry,
+    output: Output,
+) -> Result<Rendered, Failure> {
     // Better now than after a search.
     PageServer::check_page()?;
     let request = PageRequest {
@@ -224,7 +235,7 @@ fn page(id: &str, arguments: &RenderArguments, output: Output) -> Result<Rendere
         geometry: arguments.geometry,
         criterion: None,
         grasps: GivenGrasps::Own,
-        search_trees: arguments.search_tree,
+        search_trees: arguments.search_tree.then_some(registry),
     };
     PageTask::open(&request, output)?.page.write_html(&arguments.output)?;
     Ok(Rendered { files: vec![arguments.output.clone()], ..Rendered::default() })

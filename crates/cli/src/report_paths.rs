@@ -96,7 +96,7 @@ fn content(shown: &Shown, output: Output) -> Result<String, Failure> {
         geometry: None,
         criterion: Some(trial.criterion),
         grasps: PathDemand::of_settings(&trial.settings).given_grasps(),
-        search_trees: false,
+        search_trees: None,
     };
     let task = PageTask::open(&request, Output { quiet: true, ..output })?;
     Ok(task.page.html()?)

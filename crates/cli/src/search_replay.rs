@@ -2,9 +2,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use cranny_plan::{Observer, Outcome, Problem};
+use cranny_plan::{Observer, Outcome, Problem, Registry};
 use cranny_scenario::PlanFile;
-use cranny_solve::{Answer, solve};
+use cranny_solve::{Answer, Request, solve};
 use cranny_view::TreeRecording;
 
 use crate::arguments::Output;
@@ -18,6 +18,7 @@ pub fn replay(
     file: &Path,
     plan: &PlanFile,
     problem: &Problem,
+    registry: &Registry,
     stop: &Arc<AtomicBool>,
     output: Output,
 ) -> Result<TreeRecording, Failure> {
@@ -25,7 +26,8 @@ pub fn replay(
         recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
-    let answer = solve(problem, &plan.request(), &mut watched)?;
+    let request = Request { registry: registry.clone(), ..plan.request() };
+    let answer = solve(problem, &request, &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;
     let note = |text: String| text::note(&format!("{}: {text}", file.display()));

@@ -1,15 +1,32 @@
 use std::path::PathBuf;
 
+use clap::Args;
 use cranny_spatial::Pose;
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::simulate::SimulateExportArguments;
-use crate::simulate_subject::Subject;
-use crate::{output_file, text};
+use crate::simulate_subject::{Subject, SubjectArguments};
+use crate::{Answer, output_file, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate export 031 --support-only -o box.json
+  cranny simulate export 021 --mjcf -o ball.xml
+
+The document holds the model as MJCF, what the hand does, what counts as held, and all grasps; in Python,
+cranny.mujoco_grasps runs it in MuJoCo and answers by the same rules.")]
+pub struct SimulateExportArguments {
+    #[command(flatten)]
+    pub subject: SubjectArguments,
+    /// Write the model alone, as MuJoCo's XML
+    #[arg(long)]
+    pub mjcf: bool,
+    /// Where to write
+    #[arg(long, short, value_name = "FILE", default_value = "experiment.json")]
+    pub output: PathBuf,
+}
 
 /// What `simulate export --json` prints.
 #[derive(Serialize)]

@@ -3,20 +3,56 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
+use clap::Args;
 use cranny_bench::statistics::wilson;
 use cranny_grasp::{Grasp, GraspSet, csv_text};
 use cranny_scenario::ScenarioError;
 use cranny_sim::{Disturbance, GraspOutcome, GraspRow};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
+use crate::number_argument::whole;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::simulate::SimulateGraspsArguments;
-use crate::simulate_subject::{Subject, flag};
-use crate::{output_file, recording, text};
+use crate::simulate_subject::{Subject, SubjectArguments, flag};
+use crate::{Answer, output_file, recording, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate grasps 021
+  cranny simulate grasps 031 --support-only --friction 0.5 --json
+  cranny simulate grasps 041 --grasp 7 --record grasp7.glb    or .gif, to be looked at
+  cranny simulate grasps 041 --grasp 7 --record grasp7.json   for `cranny view grasp7.json`, or `render`
+  cranny simulate grasps 011 --trials 32                       a robust score: slightly wrong grasps too
+  cranny simulate grasps 011 --trials 32 -o scored.csv         the grasps with it, beside the geometric score
+  cranny simulate grasps mug --grasps mug.csv --pose 0         an object on the ground
+
+The object comes to rest; the open hand stands at the grasp, closes with its closing force, lifts 100 mm and shakes
+along and about each axis (10 mm, 10°, 5 Hz). held: the object is then within 10 mm and 15° of where it was in the
+hand; slipped: elsewhere in it; dropped: no longer touched; never-closed: the fingers found nothing; knocked-away: and
+pushed it off. An open hand that stands in the object (knocked-away) or with a finger in what is around (never-closed) by
+more than 1 mm begins nothing. What simulators say of real grasps is right for about 85 in 100.")]
+pub struct SimulateGraspsArguments {
+    #[command(flatten)]
+    pub subject: SubjectArguments,
+    /// Only this grasp, from 0
+    #[arg(long, value_name = "K")]
+    pub grasp: Option<usize>,
+    /// Try each grasp so many times more, with the hand, friction, mass and force a little wrong (3 mm and 3° on each
+    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the share that is held is the robust score
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
+    pub trials: usize,
+    /// Seed of the trials
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Write what moved where (with --grasp): .glb, .gif, or .json for `cranny render`
+    #[arg(long, value_name = "FILE", requires = "grasp")]
+    pub record: Option<PathBuf>,
+}
 
 /// What `simulate grasps --json` prints; the keys stay.
 #[derive(Serialize)]

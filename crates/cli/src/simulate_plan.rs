@@ -2,21 +2,45 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, PlanFile, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, TargetPhysics, read_waypoints};
 use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanTest, TrackingError};
 use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::number_argument::positive;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
-use crate::simulate::InsteadArguments;
 use crate::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
-use crate::{number_argument, output_file, recording};
+use crate::{Answer, number_argument, output_file, recording};
+
+/// What goes before what files say of object and hand.
+#[derive(Clone, Debug, Args)]
+pub struct InsteadArguments {
+    /// Mass of the object, in kilograms [default: its own]
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    mass: Option<f64>,
+    /// Coefficient of friction between the object and all that touches it [default: its own]
+    #[arg(long, value_name = "MU", value_parser = positive)]
+    friction: Option<f64>,
+    /// With what the fingers press, in newtons [default: the hand's own]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    closing_force: Option<f64>,
+}
+
+impl InsteadArguments {
+    pub fn of_target(&self) -> TargetPhysics {
+        TargetPhysics { mass_kg: self.mass, friction: self.friction }
+    }
+
+    pub fn of_hand(&self, hand: Hand) -> Hand {
+        Hand { closing_force_n: self.closing_force.unwrap_or(hand.closing_force_n), ..hand }
+    }
+}
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:

@@ -3,6 +3,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
+use clap::Args;
 use cranny_bench::statistics::wilson;
 use cranny_bench::{BenchError, Results, SimulatedGrasp, StoredTrial, source_of};
 use cranny_plan::robot_hand;
@@ -10,13 +11,35 @@ use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{GraspOutcome, GraspRow, GraspTest};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::number_argument::whole;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::simulate::SimulateResultsArguments;
 use crate::task::open_scenario;
-use crate::text;
+use crate::{Answer, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate results results.db
+  cranny simulate results results.db --trials 32 --json
+
+Each grasp at which a solved trial ends is tried once, as `cranny simulate grasps` does it: the hand alone, in the
+scenario of the trial. What came of it is kept in the same file, in a table simulated_grasps, in the place of what was
+kept there under the same settings; trials stay as they are.")]
+pub struct SimulateResultsArguments {
+    /// Results of campaigns, as `cranny bench run` wrote them
+    #[arg(value_name = "RESULTS")]
+    pub results: PathBuf,
+    /// Only what the target stands on, not all that stands around; the hand may then be where obstacles are
+    #[arg(long)]
+    pub support_only: bool,
+    /// Try each grasp so many times more, everything a little wrong, for its robust score
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
+    pub trials: usize,
+    /// Seed of these trials
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+}
 
 /// What `simulate results --json` prints; the keys stay.
 #[derive(Serialize)]

@@ -1,15 +1,33 @@
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
+use clap::Args;
 use cranny_sim::{ChiSquared, SettledPose, Settling, settle};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::number_argument::whole;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::simulate::SettleArguments;
-use crate::{object, text};
+use crate::{Answer, object, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate settle sugar_box
+  cranny simulate settle banana --count 1000 --seed 3 --json
+
+The object falls from 20 mm above level ground, turned at random.")]
+pub struct SettleArguments {
+    /// Built-in object, or the folder of one
+    #[arg(value_name = "OBJECT")]
+    pub object: String,
+    /// How often it is dropped
+    #[arg(long, value_name = "N", default_value = "400", value_parser = whole::<usize>(1..=1_000_000))]
+    pub count: usize,
+    /// Seed of the turns
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+}
 
 /// What `simulate settle --json` prints; the keys stay.
 #[derive(Serialize)]

@@ -1,3 +1,6 @@
+use std::path::PathBuf;
+
+use clap::Args;
 use cranny_grasp::{GraspSet, Hand, read_csv};
 use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, ScenarioError, is_scenario, panda_hand, read_gripper};
@@ -6,8 +9,30 @@ use cranny_sim::GraspTest;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::object;
-use crate::simulate::SubjectArguments;
+use crate::simulate_plan::InsteadArguments;
 use crate::task::open_scenario;
+
+/// What is grasped, by what, and how.
+#[derive(Clone, Debug, Args)]
+pub struct SubjectArguments {
+    /// Scenario: built-in, a folder or packed; or an object: built-in or a folder
+    #[arg(value_name = "ID|OBJECT")]
+    pub subject: String,
+    /// File of grasps: in the planning frame of a scenario, in the frame of an object [default: the scenario's own]
+    #[arg(long, value_name = "FILE")]
+    pub grasps: Option<PathBuf>,
+    /// Of a scenario, only what the target stands on; the hand may then be where obstacles are
+    #[arg(long)]
+    pub support_only: bool,
+    /// An object rests on the ground in this one of its stable poses; without it, it floats until the hand has closed
+    #[arg(long, value_name = "K")]
+    pub pose: Option<usize>,
+    #[command(flatten)]
+    pub instead: InsteadArguments,
+    /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
+    #[arg(long, value_name = "FILE")]
+    pub gripper: Option<PathBuf>,
+}
 
 /// Everything that a simulation of grasps is about.
 pub struct Subject {

@@ -2,6 +2,7 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
+use cranny_plan::Registry;
 use cranny_view::{PageLimits, PageServer, interrupted};
 use serde::Serialize;
 use tempfile::NamedTempFile;
@@ -56,7 +57,7 @@ struct Viewed<'a> {
     url: String,
 }
 
-pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure> {
+pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     // Better now than after a search.
     PageServer::check_page()?;
     let server = PageServer::bind(arguments.port, PageLimits::default())?;
@@ -67,7 +68,7 @@ pub fn run(arguments: &ViewArguments, output: Output) -> Result<Answer, Failure>
         geometry: arguments.geometry,
         criterion: None,
         grasps: cranny_scenario::GivenGrasps::Own,
-        search_trees: arguments.search_tree,
+        search_trees: arguments.search_tree.then_some(registry),
     };
     let PageTask { page, cells } = PageTask::open(&request, output)?;
     let url = server.url();

@@ -1,19 +1,4 @@
-//! Is this configuration free, is this whole motion free, and by how much?
-//!
-//! A [`Cell`] is a robot in a [`World`]. Its answers are the reference that every faster check is held to:
-//! distances in `f64` between the real shapes, links as solids, obstacles as solids. Where a distance
-//! matters it is the certified lower bound of [`cranny_shape::separation`], so "free" is never a rounding
-//! error. [`Cell::motion_is_free`] proves a whole straight edge of configuration space.
-//!
-//! [`ReleasedCheck`] is the other thing: the loose check of the released planners, for comparison only.
-//!
-//! All poses are in the planning frame, the root frame of the robot.
-//!
-//! ## Limits
-//! Links that no joint of the group moves are checked against other links but not against the world: where
-//! a fixed base stands on its table is not for a planner to decide. What touches and is not checked is said:
-//! [`Cell::unchecked`]. Joint paths are straight lines in
-//! configuration space; other curves are proven piece by piece. Nothing here deforms.
+#![doc = include_str!("../README.md")]
 
 mod ball_pack;
 mod batch;

@@ -1,13 +1,4 @@
-//! Grasps: where a gripper would be, how good that is, how far one grasp is from another, how they are
-//! sampled on a bare object, and the files that hold sets of them.
-//!
-//! The **gripper frame** has its origin between the finger pads, y along the axis on which the fingers close,
-//! z out of the palm, the approach direction. A parallel gripper turned by 180° about z is the same grasp.
-//!
-//! ## Limits
-//! Parallel grippers only, two point contacts with friction; torque about the line between the contacts is
-//! not resisted. Contacts are those of one triangle each; pads do not bend around an edge. Whether hand and
-//! fingers fit around the object is asked in `plan`.
+#![doc = include_str!("../README.md")]
 
 mod contact;
 mod error;

@@ -34,12 +34,10 @@ pub enum PlanError {
     },
     /// A planner needs a set of grasps.
     #[error(
-        "a set of grasps is needed, and the problem has none (planners that make grasps of their own: {planners})"
+        "a set of grasps is needed, and the problem has none (planners that make grasps of their own: grasp-reach, \
+         grasp-rrt)"
     )]
-    NoGraspSet {
-        /// Those that need none.
-        planners: String,
-    },
+    NoGraspSet,
     /// A planner makes grasps of its own alone.
     #[error(
         "planner '{planner}' makes grasps of its own, for a problem without a set of grasps; leave the set out \
@@ -62,6 +60,12 @@ pub enum PlanError {
         name: String,
         /// The names that there are.
         known: String,
+    },
+    /// A registry knows a planner of that name already.
+    #[error("there is a planner '{name}' already")]
+    TwicePlanner {
+        /// The name.
+        name: &'static str,
     },
     /// A planner has no such setting.
     #[error("planner '{planner}' has no setting '{setting}' (there are: {known})")]

@@ -1,11 +1,12 @@
 use std::time::{Duration, Instant};
 
+use cranny_spatial::other_seed;
 use serde::{Deserialize, Serialize};
 
-use crate::goal_pool::GoalPool;
-use crate::lane_search::LaneSearch;
-use crate::planner::Clock;
-use crate::shortcut::Shortener;
+use crate::path::shortcut::{STOP, Shortener};
+use crate::planners::lane_search::LaneSearch;
+use crate::search::clock::Clock;
+use crate::search::goal_pool::GoalPool;
 use crate::{
     AuditSettings, Budget, Clearances, CostKind, Observer, Outcome, PathCost, PlanError, PlanReport, Planner,
     Problem, Reach, audit_with, search,
@@ -38,7 +39,7 @@ impl OptimiseSettings {
     /// searches until three running were hardly worth it, which takes a millisecond or a few. A stop of 0.01 makes paths
     /// 0.2 % longer and trajectories 4 % shorter.
     pub fn delivery() -> Self {
-        Self { time: Duration::MAX, idle_searches: 3, cost: CostKind::L2, stop: 0.01, ..Self::default() }
+        Self { time: Duration::MAX, idle_searches: 3, cost: CostKind::L2, stop: STOP, ..Self::default() }
     }
 }
 
@@ -309,12 +310,6 @@ impl Best<'_> {
     }
 }
 
-/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
-pub fn other_seed(seed: u64, round: u64) -> u64 {
-    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
-    seed.wrapping_add(round.wrapping_mul(GOLDEN))
-}
-
 /// Counts on from the searches before.
 struct Offset<'a> {
     observer: &'a mut dyn Observer,
@@ -324,6 +319,10 @@ struct Offset<'a> {
 impl Observer for Offset<'_> {
     fn node_added(&mut self, tree: usize, q: &[f64], parent: Option<usize>) {
         self.observer.node_added(tree, q, parent);
+    }
+
+    fn node_cut(&mut self, tree: usize, node: usize) {
+        self.observer.node_cut(tree, node);
     }
 
     fn progress(&mut self, iterations: u64) {

@@ -1,43 +1,22 @@
-use cranny_spatial::Stream;
+//! What planners are made of: the door [`Planner`](crate::Planner), trees and their nearest neighbours, samples, goals.
 
-use crate::planner::Clock;
-use crate::{Budget, Observer, Outcome, PlanReport, Problem, Statistics};
-
-/// What every search has: what it is about, its random numbers, what it has cost so far, and who watches.
-pub(crate) struct Search<'a> {
-    pub problem: &'a Problem,
-    pub random: Stream,
-    pub statistics: Statistics,
-    pub observer: &'a mut dyn Observer,
-    clock: Clock,
-}
-
-impl<'a> Search<'a> {
-    pub fn new(problem: &'a Problem, budget: &Budget, seed: u64, observer: &'a mut dyn Observer) -> Self {
-        let clock = Clock::new(budget);
-        Self { problem, random: Stream::new(seed, 0), statistics: Statistics::default(), observer, clock }
-    }
-
-    /// Counts another iteration.
-    ///
-    /// # Errors
-    /// Why the search must end instead.
-    pub fn begin_iteration(&mut self) -> Result<(), Outcome> {
-        if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
-            return Err(outcome);
-        }
-        self.statistics.iterations += 1;
-        Ok(())
-    }
-
-    /// A configuration drawn uniformly from within the joint limits.
-    pub fn sample(&mut self) -> Vec<f64> {
-        self.problem.robot().random_configuration(&mut self.random)
-    }
-
-    /// The report of how it ended.
-    pub fn report(self, ended: Result<Vec<Vec<f64>>, Outcome>) -> PlanReport {
-        let planning_time_s = self.clock.elapsed_s();
-        PlanReport::of(ended, Statistics { planning_time_s, ..self.statistics })
-    }
-}
+pub(crate) mod approach_sphere;
+pub(crate) mod baseline_check;
+pub(crate) mod bidirectional;
+pub(crate) mod box_pages;
+pub(crate) mod clock;
+pub(crate) mod connector;
+pub(crate) mod forest;
+pub(crate) mod goal_meter;
+pub(crate) mod goal_pool;
+pub(crate) mod grasp_source;
+pub(crate) mod growth;
+pub(crate) mod ik_pipeline;
+pub(crate) mod jacobian_search;
+pub(crate) mod near_set;
+pub(crate) mod nearest;
+pub(crate) mod pair_watch;
+pub(crate) mod planner;
+pub(crate) mod ranges;
+pub(crate) mod roadmap;
+pub(crate) mod search_state;

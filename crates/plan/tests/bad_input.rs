@@ -2,9 +2,7 @@
 
 use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, makes_grasps, paper};
 use cranny_collision::{CollisionError, Margins, World};
-use cranny_plan::{
-    Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Unobserved, audit, planner, planner_names,
-};
+use cranny_plan::{Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Registry, Unobserved, audit};
 
 fn built(start: Vec<f64>, goal: Goal) -> Result<Problem, PlanError> {
     Problem::exact(ball(), World::default(), None, start, goal, Margins::default())
@@ -68,9 +66,12 @@ fn a_margin_that_is_no_distance_is_refused() {
 fn a_problem_without_goals_is_refused_by_every_planner() {
     let no_grasps = exact(&arm(), Vec::new(), &START, grasps(Vec::new()));
     let no_configurations = exact(&arm(), Vec::new(), &START, Goal::Configurations(Vec::new()));
-    for name in planner_names() {
-        let run =
-            |problem| planner(name).and_then(|p| p.plan(problem, &Budget::default(), 0, &mut Unobserved));
+    for name in Registry::default().names() {
+        let run = |problem| {
+            Registry::default()
+                .planner(name)
+                .and_then(|p| p.plan(problem, &Budget::default(), 0, &mut Unobserved))
+        };
         if makes_grasps(name) {
             // An empty set is one, too.
             assert!(matches!(run(&no_grasps), Err(PlanError::GraspSet { .. })), "{name}");
@@ -95,9 +96,9 @@ fn a_planner_refuses_a_kind_of_problem_that_it_cannot_take() {
 
 #[test]
 fn an_unknown_planner_is_refused_with_the_names_that_there_are() {
-    let message = planner("rech").map(|_| ()).expect_err("there is none").to_string();
+    let message = Registry::default().planner("rech").map(|_| ()).expect_err("there is none").to_string();
     assert!(message.contains("'rech'"), "{message}");
-    for name in planner_names() {
+    for name in Registry::default().names() {
         assert!(message.contains(name), "{message}");
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::fixture::block;
 use cranny_collision::{Margins, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{Budget, Goal, Outcome, Problem, ShortcutSettings, Unobserved, audit, planner, shortcut};
+use cranny_plan::{Budget, Goal, Outcome, Problem, Registry, ShortcutSettings, Unobserved, audit, shortcut};
 use cranny_robot::{Robot, RobotOptions};
 
 /// An arm of six joints that turn by 2π either way, as many arms of today do.
@@ -66,8 +66,12 @@ fn no_goal_is_more_than_half_a_turn_away() {
     let problem = problem(&[1.3, -0.6, 1.0, -0.6, 0.1, 0.4]);
     for name in ["reach", "ik-rrt"] {
         for seed in 0..10 {
-            let found =
-                planner(name).expect("a planner").plan(&problem, &Budget::default(), seed, &mut Unobserved);
+            let found = Registry::default().planner(name).expect("a planner").plan(
+                &problem,
+                &Budget::default(),
+                seed,
+                &mut Unobserved,
+            );
             let found = found.expect("a good problem");
             assert_eq!(found.outcome, Outcome::Solved);
             let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
@@ -108,7 +112,7 @@ fn continuous_joints_wrap() {
     let problem = problem_of(arm_of(r#"type="continuous""#, ""), start, &[1.3, -0.6, 1.0, -0.6, -0.2, 0.4]);
     let mut beyond = 0;
     for seed in 0..10 {
-        let found = planner("reach").expect("a planner");
+        let found = Registry::default().planner("reach").expect("a planner");
         let found = found.plan(&problem, &Budget::default(), seed, &mut Unobserved).expect("a good problem");
         assert_eq!(found.outcome, Outcome::Solved);
         let path = shortcut(&problem, &found.path, ShortcutSettings::default()).expect("proven").path;

@@ -6,7 +6,7 @@ use crate::fixture::{START, arm, ball, block, easy, easy_grasps, exact, grasps, 
 use cranny_grasp::Grasp;
 use cranny_plan::{
     Budget, CostKind, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    Unobserved, audit, better, default_planner, optimise, planner,
+    Registry, Unobserved, audit, better, default_planner, optimise,
 };
 use proptest::prelude::*;
 
@@ -98,7 +98,7 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
     let score = |score_weight: f64| {
         let budget = Budget { iterations: 400, time: FOR_EVER };
         let settings = OptimiseSettings { time: FOR_EVER, score_weight, ..OptimiseSettings::default() };
-        let reach = planner("reach").expect("the flagship");
+        let reach = Registry::default().planner("reach").expect("the flagship");
         let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 1, &mut Unobserved);
         let path = found.expect("a good problem").report.path;
         let goal = audit(&problem, &path).expect("way points of the robot").goal.expect("a grasp");
@@ -127,7 +127,7 @@ fn a_path_that_clearance_counts_for_keeps_off_what_it_need_not_touch() {
     let nearest_m = |cost: CostKind| {
         let settings = OptimiseSettings { time: FOR_EVER, cost, ..OptimiseSettings::default() };
         let budget = Budget { iterations: 2000, time: FOR_EVER };
-        let reach = planner("reach").expect("the flagship");
+        let reach = Registry::default().planner("reach").expect("the flagship");
         let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Unobserved);
         let judged =
             audit(&problem, &found.expect("a good problem").report.path).expect("a path of the robot");
@@ -190,7 +190,7 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
     let problem = easy();
     let budget = Budget { iterations: u64::MAX, time: FOR_EVER };
     let settings = OptimiseSettings { time: FOR_EVER, ..OptimiseSettings::default() };
-    let reach = planner("reach").expect("the flagship");
+    let reach = Registry::default().planner("reach").expect("the flagship");
     let found =
         optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Impatient { searches: 0 });
     let found = found.expect("a good problem");
@@ -222,7 +222,7 @@ fn weights_that_are_none_and_the_papers_criterion_are_refused() {
         );
     }
     let problem = crate::fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()));
-    let ik_rrt = planner("ik-rrt").expect("a baseline");
+    let ik_rrt = Registry::default().planner("ik-rrt").expect("a baseline");
     let settings = OptimiseSettings::default();
     let refused =
         optimise(ik_rrt.as_ref(), &mut problem.clone(), &Budget::default(), settings, 0, &mut Unobserved);

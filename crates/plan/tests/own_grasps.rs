@@ -2,8 +2,7 @@
 
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    Audit, Budget, FailureReason, Goal, OwnGrasp, PlanError, Problem, Unobserved, Violation, audit, planner,
-    planner_names,
+    Audit, Budget, FailureReason, Goal, OwnGrasp, PlanError, Problem, Registry, Unobserved, Violation, audit,
 };
 
 use crate::fixture::{
@@ -97,9 +96,9 @@ fn a_grasp_is_read_back_bit_by_bit_and_what_is_none_is_refused() {
 #[test]
 fn planners_that_need_a_set_name_those_that_need_none() {
     let (with, without) = (easy(), without_set(still_life(), &GANTRY_START));
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let plan = |problem: &Problem| {
-            let planner = planner(name).expect("a planner of the registry");
+            let planner = Registry::default().planner(name).expect("a planner of the registry");
             planner.plan(problem, &Budget { iterations: 10, ..Budget::default() }, 0, &mut Unobserved)
         };
         if makes_grasps(name) {

@@ -7,13 +7,16 @@ use crate::fixture::{
     out_of_reach_for, plan, still_life, walled_in_for, without_set,
 };
 use cranny_plan::{
-    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Unobserved, audit, planner,
-    planner_names,
+    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Registry, Unobserved, audit,
 };
 
 /// The names of those that also reach for configurations: they know too which grasps the hand alone can take.
 fn take_configurations() -> Vec<&'static str> {
-    planner_names().into_iter().filter(|name| !name.starts_with("j-plus") && !makes_grasps(name)).collect()
+    Registry::default()
+        .names()
+        .into_iter()
+        .filter(|name| !name.starts_with("j-plus") && !makes_grasps(name))
+        .collect()
 }
 
 fn bits(report: &PlanReport) -> Vec<Vec<u64>> {
@@ -38,7 +41,7 @@ fn assert_solves(name: &str, problem: &Problem, seed: u64) -> PlanReport {
 
 #[test]
 fn a_solved_path_verifies() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         for seed in 0..3 {
             let report = assert_solves(name, &easy_for(name), seed);
             assert!(report.path.len() > 1 && report.statistics.collision_checks > 0, "{name}");
@@ -67,7 +70,7 @@ fn under_the_papers_criterion_a_seed_gives_the_same_bytes_too() {
 
 #[test]
 fn a_seed_and_a_number_of_iterations_give_the_same_bytes() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let run = |seed| plan(name, &easy_for(name), 100_000, seed);
         let (first, again) = (run(7), run(7));
         assert_eq!(first.outcome, again.outcome, "{name}");
@@ -81,7 +84,7 @@ fn a_seed_and_a_number_of_iterations_give_the_same_bytes() {
 
 #[test]
 fn a_greater_budget_does_not_change_a_path_that_was_found() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let found = plan(name, &easy_for(name), u64::MAX, 7);
         let just_enough = plan(name, &easy_for(name), found.statistics.iterations + 1, 7);
         assert_eq!(bits(&found), bits(&just_enough), "{name}");
@@ -96,7 +99,7 @@ fn a_start_at_a_grasp_is_solved() {
     };
     let problem = exact(&arm(), still_life(), &end_of("reach"), grasps(easy_grasps()));
     let without = without_set(still_life(), &end_of("grasp-reach"));
-    for name in planner_names() {
+    for name in Registry::default().names() {
         assert_solves(name, if makes_grasps(name) { &without } else { &problem }, 0);
     }
 }
@@ -112,7 +115,7 @@ fn a_start_in_collision_or_outside_the_limits_is_told() {
     bodies.push(block("rock", [x, y, z], [0.1; 3]));
     let gantry_in_rock = without_set(bodies, &GANTRY_START);
     let gantry_outside = without_set(still_life(), &[1.1, 0.0, 0.5, 0.0, 0.0, 0.0]);
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let own = [&gantry_in_rock, &gantry_outside];
         for problem in if makes_grasps(name) { own } else { [&in_rock, &outside] } {
             let report = plan(name, problem, 1000, 0);
@@ -123,7 +126,7 @@ fn a_start_in_collision_or_outside_the_limits_is_told() {
 
 #[test]
 fn a_hand_that_collides_at_every_grasp_is_told_apart_from_a_spent_budget() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let excluded = plan(name, &walled_in_for(name), 200, 0).outcome;
         let unreached = plan(name, &out_of_reach_for(name), 200, 0);
         assert_eq!((unreached.outcome, unreached.path.len()), (Outcome::BudgetExhausted, 0), "{name}");
@@ -137,7 +140,7 @@ fn a_hand_that_collides_at_every_grasp_is_told_apart_from_a_spent_budget() {
 
 #[test]
 fn iterations_are_kept_to() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         for iterations in [0, 1, 33] {
             let report = plan(name, &out_of_reach_for(name), iterations, 0);
             assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
@@ -153,11 +156,13 @@ fn iterations_are_kept_to() {
 #[test]
 fn time_ends_a_search_that_nothing_else_would_end() {
     let allowed = Duration::from_millis(50);
-    let mut cases: Vec<_> = planner_names().into_iter().map(|name| (name, out_of_reach_for(name))).collect();
+    let mut cases: Vec<_> =
+        Registry::default().names().into_iter().map(|name| (name, out_of_reach_for(name))).collect();
     cases.extend(take_configurations().into_iter().map(|name| (name, divided())));
     for (name, problem) in cases {
         let budget = Budget { time: allowed, ..Budget::default() };
-        let report = planner(name)
+        let report = Registry::default()
+            .planner(name)
             .and_then(|planner| planner.plan(&problem, &budget, 0, &mut Unobserved))
             .expect("a problem it can take");
         assert_eq!(report.outcome, Outcome::BudgetExhausted, "{name}");
@@ -189,9 +194,9 @@ impl Observer for Impatient {
 
 #[test]
 fn an_observer_can_stop_a_search() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let mut observer = Impatient { stop_after: 3, ..Impatient::default() };
-        let planner = planner(name).expect("a planner of the registry");
+        let planner = Registry::default().planner(name).expect("a planner of the registry");
         let report = planner.plan(&out_of_reach_for(name), &Budget::default(), 0, &mut observer);
         let report = report.expect("a good problem");
         assert_eq!((report.outcome, report.path.len()), (Outcome::Cancelled, 0), "{name}");
@@ -201,9 +206,9 @@ fn an_observer_can_stop_a_search() {
 
 #[test]
 fn watching_does_not_change_a_search() {
-    for name in planner_names() {
+    for name in Registry::default().names() {
         let mut observer = Impatient { stop_after: u64::MAX, ..Impatient::default() };
-        let planner = planner(name).expect("a planner of the registry");
+        let planner = Registry::default().planner(name).expect("a planner of the registry");
         let watched =
             planner.plan(&easy_for(name), &Budget::default(), 7, &mut observer).expect("a good problem");
         assert_eq!(bits(&watched), bits(&plan(name, &easy_for(name), u64::MAX, 7)), "{name}");
@@ -245,8 +250,8 @@ fn a_way_far_from_the_box_between_start_and_goal_is_found_in_time() {
 
 #[test]
 fn every_planner_has_a_name_and_settings_for_the_record() {
-    for name in planner_names() {
-        let planner: Box<dyn Planner> = planner(name).expect("a planner of the registry");
+    for name in Registry::default().names() {
+        let planner = Registry::default().planner(name).expect("a planner of the registry");
         assert_eq!(planner.name(), name);
         assert!(planner.settings().is_object(), "{name}");
     }

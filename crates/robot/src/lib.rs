@@ -1,33 +1,4 @@
-//! Where the links are: a robot from its URDF, SRDF, `robot.yaml` and `limits.yaml`, the pose of every link, Jacobians
-//! and inverse kinematics.
-//!
-//! [`Robot`] is immutable and shared between threads; what a computation writes to lives in a scratch value
-//! of the caller ([`LinkFrames`], [`Jacobian`], [`IkSolver`], [`IkBatch`], [`IkSearch`]).
-//!
-//! ```
-//! use cranny_robot::{Robot, RobotOptions};
-//!
-//! let urdf = r#"<robot name="slide">
-//!   <link name="rail"/><link name="cart"/>
-//!   <joint name="drive" type="prismatic">
-//!     <parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
-//!     <limit lower="-1" upper="1" velocity="0.5" effort="1"/>
-//!   </joint>
-//! </robot>"#;
-//! let robot = Robot::from_urdf_text(urdf, "slide.urdf", None, &RobotOptions::default())?;
-//! assert_eq!(robot.frames_at(&[0.25]).link(robot.tip()).translation.x, 0.25);
-//! # Ok::<(), cranny_robot::RobotError>(())
-//! ```
-//!
-//! All poses are `root_from_link`: the robot's root link is the planning frame. The order of `q` is the
-//! order of the joint group, [`Robot::joint_names`].
-//!
-//! ## Limits
-//! At most [`MAX_LINKS`] links and joints. Open trees only: no closed chains; ball joints are refused. Continuous joints
-//! are revolute joints with limits of ±3π ([`CONTINUOUS_LIMIT_RAD`]), planar and floating joints chains of three and six
-//! joints (`NAME/x`, `NAME/y`, …) that go ±2 m ([`FREE_JOINT_LIMIT_M`]), unless `limits.yaml` says otherwise. Textures, transmissions,
-//! safety controllers and sensors of a URDF are not read; of an SRDF, virtual joints and sphere approximations are not. A mesh stands for its convex hull unless [`MeshUse::Solid`] is asked for.
-//! Inverse kinematics is numerical: it may miss a solution that exists, and proves nothing by finding none.
+#![doc = include_str!("../README.md")]
 
 mod assembly;
 mod derived;

@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{Budget, Outcome, ShortcutSettings, Unobserved, audit, path_length, shortcut};
+use cranny_plan::{Budget, Outcome, Registry, ShortcutSettings, Unobserved, audit, path_length, shortcut};
 use cranny_scenario::{OpenOptions, Scenario};
 
 fn main() {
@@ -22,7 +22,7 @@ fn main() {
     let seeds: u64 = seeds.parse().expect("a number of seeds");
     let (name, settings) = planner.split_once(':').unwrap_or((planner, "{}"));
     let settings = serde_json::from_str(settings).expect("settings of the planner as JSON");
-    let planner = cranny_plan::planner_with(name, &settings).expect("a planner");
+    let planner = Registry::default().planner_with(name, &settings).expect("a planner");
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     println!(
         "| scenario | solved | verified | median ms | p95 ms | max ms | length | shortened | apart | shortcut ms | clearance mm |"

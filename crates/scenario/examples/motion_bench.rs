@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Unobserved, planner_with};
+use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Registry, Unobserved};
 use cranny_scenario::{MoveItOptions, MoveItProblem};
 use cranny_spatial::Stream;
 
@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let folder = words.first().ok_or("usage: motion_bench FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]")?;
     let settings = words.get(3).map_or(Ok(serde_json::Map::new()), |text| serde_json::from_str(text))?;
-    let planner = planner_with(words.get(1).map_or("reach", String::as_str), &settings)?;
+    let planner =
+        Registry::default().planner_with(words.get(1).map_or("reach", String::as_str), &settings)?;
     let seeds: u64 = words.get(2).map_or(Ok(1), |word| word.parse())?;
     let robot = match (is_real, std::env::var_os("CRANNY_DATA")) {
         (false, _) => None,

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
 use cranny_plan::{
-    Budget, CostKind, MotionLimits, OptimiseSettings, Outcome, PathCost, Problem, TimingMethod, Trajectory,
-    Unobserved, better, optimise, planner,
+    Budget, CostKind, MotionLimits, OptimiseSettings, Outcome, PathCost, Problem, Registry, TimingMethod,
+    Trajectory, Unobserved, better, optimise,
 };
 use cranny_scenario::{MoveItOptions, MoveItProblem, OpenOptions, Scenario};
 
@@ -64,7 +64,7 @@ fn measure(
 ) -> Result<(), Box<dyn Error>> {
     let measured = PathCost::new(problem, cost, 0.0)?;
     let limits = MotionLimits::of(problem.robot(), TimingMethod::TimeOptimal).ok();
-    let reach = planner("reach")?;
+    let reach = Registry::default().planner("reach")?;
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
     let tell = |way: &str, begin: Instant, path: &[Vec<f64>]| {
         let time_s = begin.elapsed().as_secs_f64();

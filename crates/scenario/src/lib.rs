@@ -1,26 +1,4 @@
-//! The files and recipes that describe a task, and the files that hold an answer: scenarios of the built-in
-//! catalogue, of Cranny's own layout and of the paper's released layout, and recipes that make them; `MoveIt` scenes and requests; plans and
-//! bare way points.
-//!
-//! ```
-//! use cranny_collision::Margins;
-//! use cranny_scenario::{OpenOptions, Scenario};
-//!
-//! let scenario = Scenario::open("021", &OpenOptions::default())?;
-//! assert_eq!(scenario.grasps.len(), 200);
-//! let problem = scenario.problem(Margins::default())?;
-//! # Ok::<(), cranny_scenario::ScenarioError>(())
-//! ```
-//!
-//! Files may place things in a frame of their own, the *scene*; a [`Scenario`] holds everything in the
-//! planning frame, the root frame of the robot.
-//!
-//! ## Limits
-//! Under `paper`, the start of 044 and 045 touches the gate: the boxes around the built-in robot's links are larger
-//! than the released ones (`--robot` takes those). Meshes of obstacles must be
-//! closed; point clouds are no obstacles yet. Of `MoveIt` requests, goals in
-//! joint space alone are read, and a scene's allowed collision matrix lifts no check that the SRDF does not. What
-//! overlapping shapes of a target share counts for each of them where it is weighed.
+#![doc = include_str!("../README.md")]
 
 mod alteration;
 mod archive;

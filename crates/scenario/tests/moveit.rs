@@ -7,7 +7,7 @@ use std::sync::Once;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{Budget, Goal, Outcome, Problem, Unobserved, audit, planner};
+use cranny_plan::{Budget, Goal, Outcome, Problem, Registry, Unobserved, audit};
 use cranny_scenario::{MoveItDeviation, MoveItOptions, MoveItProblem, ScenarioError};
 use cranny_spatial::{Point, Vector};
 
@@ -425,7 +425,11 @@ fn published_problems_are_solved_and_the_path_holds() {
             let problem = open(&folder.join(family), 7, &MoveItOptions::default());
             let problem = problem.problem(Margins::default()).unwrap();
             let budget = Budget { time: Duration::from_secs(20), ..Budget::default() };
-            let report = planner(name).unwrap().plan(&problem, &budget, 0, &mut Unobserved).unwrap();
+            let report = Registry::default()
+                .planner(name)
+                .unwrap()
+                .plan(&problem, &budget, 0, &mut Unobserved)
+                .unwrap();
             assert_eq!(report.outcome, Outcome::Solved, "{name} {family}");
             let verdict = audit(&problem, &report.path).unwrap();
             assert!(verdict.valid, "{name} {family}: {:?}", verdict.violations);

@@ -7,7 +7,9 @@ use std::sync::Once;
 use std::sync::atomic::AtomicBool;
 
 use cranny_collision::Margins;
-use cranny_plan::{Budget, Criterion, IkAnnotationSettings, IkStatus, Unobserved, annotate_ik, audit};
+use cranny_plan::{
+    Budget, Criterion, IkAnnotationSettings, IkStatus, Registry, Unobserved, annotate_ik, audit,
+};
 use cranny_scenario::{Geometry, OpenOptions, Scenario};
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector};
 
@@ -181,7 +183,7 @@ fn reach_ends_at_many_grasps_and_base_positions() {
     for id in ["012", "034", "044"] {
         let scenario = open(&folder.join(id), Criterion::Exact, None);
         let problem = scenario.problem(Margins::default()).unwrap();
-        let reach = cranny_plan::planner("reach").unwrap();
+        let reach = Registry::default().planner("reach").unwrap();
         let (mut grasps, mut bases) = (BTreeSet::new(), BTreeSet::new());
         for seed in 0..20 {
             let report = reach.plan(&problem, &Budget::default(), seed, &mut Unobserved).unwrap();

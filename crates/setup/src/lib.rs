@@ -1,11 +1,4 @@
-//! A robot of one's own: from a URDF to its hand, limits, unchecked pairs and start, and the folder that keeps them.
-//!
-//! [`RobotSetup::of`] never asks: it chooses, and says what, why, and how to choose otherwise ([`Choice`]).
-//!
-//! ## Limits
-//! Hands that close towards a middle: two fingers or more that come together, or one jaw that closes on a part that stands.
-//! Suction cups and tools have no grasps here. What is measured, is measured on collision geometry; a mesh counts as its
-//! hull.
+#![doc = include_str!("../README.md")]
 
 mod anatomy;
 mod choice;

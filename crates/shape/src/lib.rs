@@ -1,16 +1,4 @@
-//! Solids and triangle meshes: how far apart they are, how deep they overlap, what bounds them, what a ray
-//! meets, what they weigh and how they come to rest, and how they are read from mesh files.
-//!
-//! A [`Solid`] is full: something wholly inside it touches it. A [`Surface`] is only its triangles, as in
-//! the released `paper` check. Distances come with a certificate: [`Separation::lower_m`] is never above
-//! the true distance, whatever the iteration behind it did, because it is read off a separating plane.
-//!
-//! Hulls, depths of overlap and convex decomposition are `parry3d-f64`'s; this crate alone names that library.
-//!
-//! ## Limits
-//! No point clouds, no height fields, no signed distance fields. Density is uniform. Meshes with holes have
-//! no volume here, and nothing fills the holes. A body that crosses itself is full where it winds around; one that
-//! winds backwards somewhere is refused, if the part is wider than a sixteenth of the body.
+#![doc = include_str!("../README.md")]
 
 mod area;
 mod backwards;

@@ -1,8 +1,4 @@
-//! Does a grasp hold? The hand alone closes on the object, lifts it and shakes it, in rigid-body physics: `rapier`, or
-//! as a model for MuJoCo. A simulation is no proof, and no better than its friction: what simulators say of real
-//! grasps is right for about 85 in 100.
-//!
-//! Everything is a function of its input: the same test gives the same bytes on any number of threads.
+#![doc = include_str!("../README.md")]
 
 mod arm;
 mod contact_patch;

@@ -1,11 +1,4 @@
-//! From a problem to an answer, one way for everybody: search, shorten or better, prove, time.
-//!
-//! A [`Request`] says how a [`Problem`](cranny_plan::Problem) is to be solved; [`solve`] gives an [`Answer`], which the
-//! command line, Python, the plan file and the pictures carry and add nothing to. Whoever made a path,
-//! [`audit`](cranny_plan::audit) judges it; an answer holds what it said of this one.
-//!
-//! ## Limits
-//! An answer has one segment, which reaches the goal, or three, which take the object away too.
+#![doc = include_str!("../README.md")]
 
 mod answer;
 mod error;

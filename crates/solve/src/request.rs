@@ -1,7 +1,7 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem,
-    TimingMethod, default_planner, planner_with,
+    Registry, TimingMethod, default_planner,
 };
 use cranny_robot::LimitViolation;
 use serde_json::{Map, Value};
@@ -12,6 +12,8 @@ use crate::{Carry, SolveError};
 /// cuts the search short.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
+    /// The planners that there are. Default: the built-in ones.
+    pub registry: Registry,
     /// Name of the planner. Default: the best for the criterion.
     pub planner: Option<String>,
     /// What differs from its default settings, by name.
@@ -166,6 +168,7 @@ impl Request {
 
     pub(crate) fn planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {
         let default = default_planner(problem);
-        Ok(planner_with(self.planner.as_deref().unwrap_or(default.name()), &self.settings)?)
+        let name = self.planner.as_deref().unwrap_or(default.name());
+        Ok(self.registry.planner_with(name, &self.settings)?)
     }
 }

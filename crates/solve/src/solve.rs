@@ -6,9 +6,10 @@ use cranny_collision::Cell;
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
     OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Problem, Reach, ShortcutSettings, TaskPath,
-    Trajectory, Unobserved, audit_task, audit_with, better, optimise, other_seed, search, shortcut,
+    Trajectory, Unobserved, audit_task, audit_with, better, optimise, search, shortcut,
 };
 use cranny_robot::Robot;
+use cranny_spatial::other_seed;
 
 use crate::task::Task;
 use crate::{

@@ -94,6 +94,10 @@ impl Observer for Task<'_> {
         self.observer.node_added(tree, q, parent);
     }
 
+    fn node_cut(&mut self, tree: usize, node: usize) {
+        self.observer.node_cut(tree, node);
+    }
+
     fn progress(&mut self, iterations: u64) {
         self.observer.progress(iterations);
     }

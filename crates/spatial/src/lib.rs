@@ -1,11 +1,4 @@
-//! The ground floor: poses, how far two of them differ, the tolerances that the whole project shares,
-//! trigonometry and random numbers that give the same bits on every machine.
-//!
-//! All lengths are metres, all angles radians. A transform is named target-from-source, so that inner
-//! names cancel: `world_from_gripper = world_from_object * object_from_gripper`.
-//!
-//! ## Limits
-//! Rotations are unit quaternions; there is no screw or dual-quaternion algebra here.
+#![doc = include_str!("../README.md")]
 
 mod difference;
 mod lanes;
@@ -18,7 +11,7 @@ pub use lanes::{
     LANES, LaneArray, LaneVector, MOST_TURN_IN_LANES_RAD, SINE_ERROR_IN_LANES, simd_level, simd_levels,
     sin_cos_lanes,
 };
-pub use random::Stream;
+pub use random::{Stream, other_seed};
 pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, FARTHEST_M, ROUNDING_M};
 pub use trigonometry::sin_cos;
 

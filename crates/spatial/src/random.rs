@@ -59,6 +59,12 @@ impl Stream {
     }
 }
 
+/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
+pub fn other_seed(seed: u64, round: u64) -> u64 {
+    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+    seed.wrapping_add(round.wrapping_mul(GOLDEN))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,9 +1,4 @@
-//! The small robots that tests of several rooms share, as URDF text: whoever tests reads it with what the room has.
-//!
-//! A robot that a single test needs stands in that test.
-//!
-//! ## Limits
-//! For tests alone: no other code may use these.
+#![doc = include_str!("../README.md")]
 
 /// A cart that slides along x, without geometry.
 pub const SLIDE: &str = r#"<robot name="slide">

@@ -1,29 +1,4 @@
-//! What a task looks like: one scene, from which pictures, animations and glTF files are made without a
-//! graphics card or a browser, and a page that shows it in one ([`PageData`], [`PageServer`]).
-//!
-//! ```
-//! use cranny_scenario::{OpenOptions, Scenario};
-//! use cranny_view::{Picture, PictureSettings, Scene, SceneSettings, StandardView};
-//!
-//! let scenario = Scenario::open("021", &OpenOptions::default())?;
-//! let scene = Scene::of_task(&scenario, None, &SceneSettings::default())?;
-//! let settings = PictureSettings { width: 160, height: 120, ..PictureSettings::default() };
-//! let picture = Picture::of(&scene, StandardView::Side, &settings)?;
-//! assert_eq!(picture.pixels().len(), 160 * 120);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! A [`Scene`] is plain data in the planning frame. Pictures have the same bytes on every machine.
-//!
-//! The page itself is built from `web/` and embedded by `build.rs`; what it is told stands in
-//! `web/src/page_data.ts`.
-//!
-//! ## Limits
-//! Textures of mesh files are not shown, their diffuse colours are. Light is a sun and a sky: no mirrors, no
-//! light from thing to thing. What can be seen through casts no shadow; several such things are laid over each
-//! other from the farthest to the nearest by where they stand, which is wrong where they pass through each other.
-//! The clearance that a page plots is measured at instants; what lies between them only the verdict says. Fingers
-//! close evenly and together, and a hand that carries nothing away stays open. Recordings have one colour a body.
+#![doc = include_str!("../README.md")]
 
 mod camera;
 mod clearance_profile;

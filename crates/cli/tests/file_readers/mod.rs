@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use cranny_bench::{Campaign, read_output};
 use cranny_grasp::check_csv;
+use cranny_plan::Registry;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
     Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
@@ -79,7 +80,7 @@ pub const FILE_READERS: [FileReader; 27] = [
     }),
     reader("folder", "folder.txt", read_folder),
     reader("campaign", "campaign.yaml", |folder| {
-        let _ = Campaign::read(&folder.join("campaign.yaml"));
+        let _ = Campaign::read(&folder.join("campaign.yaml"), &Registry::default());
     }),
     reader("exec_answer", "answer.json", |folder| {
         let _ = read_output(&fs::read(folder.join("answer.json")).unwrap_or_default(), 2, true);

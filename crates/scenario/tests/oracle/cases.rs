@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, Once, OnceLock};
 use std::time::Duration;
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Budget, Criterion, Outcome, Problem, ShortcutSettings, Unobserved, planner, shortcut};
+use cranny_plan::{Budget, Criterion, Outcome, Problem, Registry, ShortcutSettings, Unobserved, shortcut};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Carry, Request, solve};
 
@@ -79,7 +79,7 @@ fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
 /// What `reach` finds with the first seed that lets it, shortened as it is delivered.
 fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
     const SEEDS: u64 = 3;
-    let planner = planner("reach").unwrap();
+    let planner = Registry::default().planner("reach").unwrap();
     let budget = Budget { time: Duration::from_secs(30), ..Budget::default() };
     for seed in 0..SEEDS {
         let report = planner.plan(problem, &budget, seed, &mut Unobserved).unwrap();

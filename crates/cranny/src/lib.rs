@@ -1,0 +1,37 @@
+#![doc = include_str!("../README.md")]
+
+#[doc(inline)]
+pub use cranny_collision::{Cell, Margins, World};
+#[doc(inline)]
+pub use cranny_grasp::{Grasp, GraspSet};
+#[doc(inline)]
+pub use cranny_plan::{
+    Audit, Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Registry, Trajectory,
+    Unobserved, audit,
+};
+#[doc(inline)]
+pub use cranny_robot::Robot;
+#[doc(inline)]
+pub use cranny_scenario::{OpenOptions, PlanFile, Scenario};
+#[doc(inline)]
+pub use cranny_solve::{Answer, Request, Timing, solve};
+#[doc(inline)]
+pub use cranny_spatial::{Pose, Stream};
+
+#[cfg(feature = "bench")]
+pub use cranny_bench as bench;
+#[cfg(feature = "command")]
+pub use cranny_cli as command;
+pub use cranny_collision as collision;
+pub use cranny_grasp as grasp;
+pub use cranny_plan as plan;
+pub use cranny_robot as robot;
+pub use cranny_scenario as scenario;
+#[cfg(feature = "setup")]
+pub use cranny_setup as setup;
+pub use cranny_shape as shape;
+#[cfg(feature = "sim")]
+pub use cranny_sim as sim;
+pub use cranny_spatial as spatial;
+#[cfg(feature = "view")]
+pub use cranny_view as view;

@@ -1,0 +1,46 @@
+use cranny_collision::Scratch;
+use cranny_grasp::rows_of_pose;
+
+use crate::task::closing_hand::ClosedHand;
+use crate::{FailureReason, GraspMeasure, OwnGrasp, Violation};
+
+/// Says of a configuration whether the hand holds the target there: the one judge, whom planners ask too.
+#[derive(Debug)]
+pub(crate) struct GraspJudge<'a> {
+    measure: &'a GraspMeasure,
+    scratch: Scratch,
+}
+
+impl<'a> GraspJudge<'a> {
+    pub fn new(measure: &'a GraspMeasure) -> Self {
+        Self { measure, scratch: measure.hand().holding().scratch() }
+    }
+
+    /// The grasp that the hand takes at a configuration, which is a way point of this number.
+    ///
+    /// 1. Its contacts on the surface of the target are in force closure, with a score of
+    ///    [`GraspMeasure::LEAST_SCORE`] or more.
+    /// 2. The fingers close on the target, each until it touches, and proven meet nothing else on their way.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn grasp_at(&mut self, q: &[f64], way_point: usize) -> Result<OwnGrasp, Violation> {
+        let grip = |reason| Violation::Grip { way_point, reason };
+        // 1.
+        let robot = self.measure.hand().holding().robot();
+        let world_from_gripper = *robot.frames_at(q).link(robot.tip());
+        let score =
+            self.measure.score(&world_from_gripper).ok_or_else(|| grip(FailureReason::ClosesOnNothing))?;
+        if score < GraspMeasure::LEAST_SCORE {
+            return Err(Violation::WeakGrasp { way_point, score, required: GraspMeasure::LEAST_SCORE });
+        }
+        // 2.
+        let ClosedHand { opening_m, .. } = self.measure.hand().close(q, &mut self.scratch).map_err(grip)?;
+        let rows = rows_of_pose(&world_from_gripper);
+        let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);
+        Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score })
+    }
+}

@@ -1,0 +1,65 @@
+use serde::{Deserialize, Serialize};
+
+use crate::path::step::RELEASED_STEP_M;
+use crate::search::growth::Growth;
+use crate::search::jacobian_search::{GraspChoice, JacobianSettings, plan_by_jacobian};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+
+/// J⁺-RRT (Vahrenkamp, Asfour & Dillmann 2009; Shkolnik & Tedrake 2009; the paper's §V.A): one tree from the
+/// start that grows towards random configurations and, now and then, towards a grasp by the pseudo-inverse
+/// of the Jacobian.
+///
+/// 1. With probability `1 − p_goal`, one step from the nearest node towards a uniform random configuration.
+/// 2. Otherwise pick a grasp, and from the node that is nearest to it take pseudo-inverse steps until the
+///    gripper arrives, the motion is blocked, or it comes no nearer.
+/// 3. Every new node is measured against all grasps; the first that has arrived ends the search.
+///
+/// One iteration is one pass through 1 or 2.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JPlusRrt {
+    /// Probability of step 2, in [0, 1]. Default 0.01, the paper's.
+    pub p_goal: f64,
+    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, the released value.
+    pub step_m: f64,
+    /// How the grasp of step 2 is picked. Default: uniformly.
+    pub choice: GraspChoice,
+    /// Damping λ of the pseudo-inverse. Default 0.05: as much as keeps steps near singularities bounded
+    /// without slowing them elsewhere.
+    pub damping: f64,
+}
+
+impl Default for JPlusRrt {
+    fn default() -> Self {
+        Self { p_goal: 0.01, step_m: RELEASED_STEP_M, choice: GraspChoice::Uniform, damping: 0.05 }
+    }
+}
+
+impl Planner for JPlusRrt {
+    fn name(&self) -> &'static str {
+        "j-plus-rrt"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        Ranges::of(self.name())
+            .share("p_goal", self.p_goal)?
+            .positive("step_m", self.step_m)?
+            .positive("damping", self.damping)?;
+        Ok(())
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let Self { p_goal, step_m, choice, damping } = *self;
+        let settings = JacobianSettings { p_goal, growth: Growth::Step { step_m }, choice, damping };
+        plan_by_jacobian(self.name(), settings, problem, (budget, seed), observer)
+    }
+}

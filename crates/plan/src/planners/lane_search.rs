@@ -1,0 +1,498 @@
+use std::time::Instant;
+
+use cranny_collision::{Cell, Scratch};
+use cranny_robot::between;
+use cranny_spatial::{LANES, Stream};
+
+use crate::path::joint_metric::JointMetric;
+use crate::planners::even_sequence::EvenSequence;
+use crate::planners::laps::Laps;
+use crate::search::clock::Clock;
+use crate::search::connector::Path;
+use crate::search::forest::Forest;
+use crate::search::goal_pool::GoalPool;
+use crate::{GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem, Reach, Statistics};
+
+/// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
+const ITERATIONS_PER_DETOUR: u64 = 100;
+
+/// A proof may take so many intervals at first, and so many more with each iteration.
+const FIRST_EFFORT: u64 = 200;
+const EFFORT_PER_ITERATION: u64 = 2;
+
+/// A path as a search finds it may cost so many times the bound: shortened it may cost less, and another way round is worth
+/// more than the last per cent of the same.
+const SLACK: f64 = 3.0;
+
+/// After so many iterations there is one goal more than [`Reach::goals`].
+const ITERATIONS_PER_GOAL: u64 = 100;
+
+/// A search by lanes: a tree from the start and a forest from the goals that grow towards each other ([`Reach`]).
+pub(crate) struct LaneSearch<'a> {
+    settings: Reach,
+    problem: &'a Problem,
+    cell: &'a Cell,
+    random: Stream,
+    /// The forest from the start (of one root), and the one from the goals.
+    sides: [Forest; 2],
+    /// How far each node of either may see.
+    domains: [Vec<f64>; 2],
+    /// The roots of the latter.
+    goals: Vec<usize>,
+    /// All goals that were ever found, and what each costs by itself.
+    known: Vec<(Vec<f64>, f64)>,
+    /// Goals for the next search.
+    drawn: Vec<(Vec<f64>, f64)>,
+    /// A path must cost less than [`SLACK`] times this, straight ways to goals less than this itself.
+    bound: f64,
+    /// The iteration at which this search began, and at which it ends.
+    began: u64,
+    last: u64,
+    /// What a goal of each grasp costs by itself; nothing, if there are none.
+    grasp_costs: Vec<f64>,
+    scratch: Scratch,
+    /// The configuration to grow towards, the one that a growth begins at, and the one that is added.
+    sample: Vec<f64>,
+    from: Vec<f64>,
+    q: Vec<f64>,
+    /// Where in the box that is sampled the samples lie.
+    shares: EvenSequence,
+    clock: Clock,
+    laps: Laps,
+    observer: &'a mut dyn Observer,
+    statistics: Statistics,
+    failures: Vec<GraspFailure>,
+}
+
+/// How a growth follows on the way that led to where it begins.
+#[derive(Clone, Copy)]
+enum Way {
+    Turns,
+    GoesOn,
+}
+
+/// Where a growth towards a target ended.
+struct Growth {
+    /// The last node that was reached; the one it began at if there was no way.
+    node: usize,
+    /// Whether that is the target.
+    is_target: bool,
+    /// Whether nothing was in the way so far.
+    is_open: bool,
+}
+
+impl<'a> LaneSearch<'a> {
+    /// # Errors
+    /// [`PlanError::Goal`] for another criterion than `exact`.
+    pub fn new(
+        settings: Reach,
+        problem: &'a Problem,
+        metric: JointMetric,
+        (clock, seed): (Clock, u64),
+        observer: &'a mut dyn Observer,
+    ) -> Result<Self, PlanError> {
+        let cell = problem.exact_cell("reach")?;
+        let forest = Forest::new(problem.robot().dof(), metric);
+        let mut random = Stream::new(seed, 0);
+        let shares = EvenSequence::new(problem.robot().dof(), &mut random);
+        Ok(Self {
+            settings,
+            problem,
+            cell,
+            random,
+            sides: [forest.clone(), forest],
+            domains: [Vec::new(), Vec::new()],
+            goals: Vec::new(),
+            known: Vec::new(),
+            drawn: Vec::new(),
+            bound: f64::INFINITY,
+            began: 0,
+            last: u64::MAX,
+            grasp_costs: Vec::new(),
+            scratch: cell.scratch(),
+            sample: problem.start().to_vec(),
+            from: Vec::new(),
+            q: Vec::new(),
+            shares,
+            clock,
+            laps: Laps::default(),
+            observer,
+            statistics: Statistics::default(),
+            failures: Vec::new(),
+        })
+    }
+
+    /// The report of how it ended.
+    pub fn report(self, ended: Result<Path, Outcome>) -> PlanReport {
+        let mut statistics = self.statistics;
+        statistics.nodes = self.sides.iter().map(|side| side.added() as u64).sum();
+        statistics.planning_time_s = self.clock.elapsed_s();
+        let share = self.laps.share_of(statistics.iterations);
+        statistics.collision_time_s *= share;
+        statistics.nearest_time_s *= share;
+        PlanReport { failures: self.failures, ..PlanReport::of(ended, statistics) }
+    }
+
+    /// Looks for a path to the goals of the problem, or of a pool.
+    pub fn run(&mut self, pool: Option<GoalPool>) -> Result<Path, Outcome> {
+        // Start and goals in one look.
+        let start = self.problem.start();
+        let mut free = Vec::new();
+        let ends = [start, &self.problem.goal_configurations().concat()].concat();
+        self.cell.are_free(&ends, &mut self.scratch, &mut free);
+        if !free[0] {
+            return Err(Outcome::StartInvalid);
+        }
+        self.add_root(0, start, 0.0);
+        let goals = self.problem.goal_configurations();
+        for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
+            if let Some(path) = self.add_goal(goal, 0.0) {
+                return Ok(path);
+            }
+        }
+        let Some(mut pool) = pool else { return self.search(None) };
+        let ended = self.search(Some(&mut pool));
+        if ended.is_err() {
+            self.failures = pool.failures(&mut self.scratch);
+        }
+        ended
+    }
+
+    fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {
+        loop {
+            // With no goal that is free, or will do, there is nothing to search for.
+            if self.goals.is_empty() && pool.is_none() {
+                return Err(Outcome::GoalsInvalid);
+            }
+            if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
+                return Err(outcome);
+            }
+            if self.statistics.iterations >= self.last {
+                return Err(Outcome::GaveUp);
+            }
+            self.laps.choose(self.statistics.iterations);
+            self.statistics.iterations += 1;
+            // 1. and 2.
+            // Goals that the search does not come to may all be cut off from the start: later there are more.
+            let most = self.settings.goals + (self.statistics.iterations / ITERATIONS_PER_GOAL) as usize;
+            if let Some(pool) = pool.as_mut().filter(|_| self.goals.len() < most) {
+                if pool.is_hopeless() {
+                    return Err(Outcome::NoReachableGrasp);
+                }
+                let found =
+                    pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics, self.observer);
+                for (grasp, goal) in found {
+                    let cost = self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
+                    if let Some(path) = self.add_goal(&goal, cost) {
+                        return Ok(path);
+                    }
+                }
+            }
+            if self.goals.is_empty() {
+                continue;
+            }
+            // 3.
+            let smaller = usize::from(self.sides[1].len() < self.sides[0].len());
+            if let Some(path) = self.grow_both(smaller) {
+                return Ok(path);
+            }
+        }
+    }
+
+    /// Takes the trees away, but for the start and the goals that are known.
+    fn begin_anew(&mut self) {
+        self.sides.iter_mut().for_each(Forest::clear);
+        self.domains = [Vec::new(), Vec::new()];
+        self.add_root(0, self.problem.start(), 0.0);
+        self.goals.clear();
+        for (goal, cost) in std::mem::take(&mut self.known) {
+            self.remember_goal(&goal, cost);
+        }
+    }
+
+    /// Iterations so far.
+    pub fn iterations(&self) -> u64 {
+        self.statistics.iterations
+    }
+
+    /// Whether whoever watches asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.observer.should_stop()
+    }
+
+    /// What paths to each grasp cost beside their length.
+    pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
+        self.grasp_costs = costs;
+    }
+
+    /// Makes the goal configurations of the problem known that are free.
+    pub fn know_goals(&mut self) {
+        let goals = self.problem.goal_configurations();
+        self.known.extend(
+            goals
+                .iter()
+                .filter(|goal| self.cell.is_free(goal, &mut self.scratch))
+                .map(|goal| (goal.clone(), 0.0)),
+        );
+    }
+
+    /// Draws goals of one more batch, about a path that is known, for the next search: those to which a path may cost less
+    /// than `bound`.
+    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
+        let Self { random, scratch, statistics, observer, .. } = self;
+        let found = pool.draw_batch(path, random, scratch, statistics, *observer);
+        let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
+        self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
+        let [side, _] = &self.sides;
+        let start = self.problem.start();
+        self.drawn.retain(|(goal, cost)| side.distance(start, goal) + cost < bound);
+    }
+
+    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
+    /// the straight line costs more are forgotten. The tree from the start begins with the way points of `along`, if any,
+    /// but for its goal: what is found leaves that path somewhere.
+    pub fn run_below(
+        &mut self,
+        bound: f64,
+        iterations: u64,
+        along: Option<&[Vec<f64>]>,
+    ) -> Result<Path, Outcome> {
+        self.bound = bound;
+        self.began = self.statistics.iterations;
+        self.last = self.began.saturating_add(iterations);
+        let drawn = std::mem::take(&mut self.drawn);
+        self.known.extend(drawn);
+        self.begin_anew();
+        if let Some((_, path)) = along.and_then(<[_]>::split_last) {
+            self.add_path(path);
+        }
+        self.search(None)
+    }
+
+    /// Adds a path that begins at the start to its tree, with nodes as far apart as a growth sets them.
+    fn add_path(&mut self, path: &[Vec<f64>]) {
+        let mut node = 0;
+        for edge in path.windows(2) {
+            let steps = (self.sides[0].distance(&edge[0], &edge[1]) / self.settings.step).ceil().max(1.0);
+            let mut way = Way::Turns;
+            for step in 1..=as_count(steps) {
+                let q: Vec<f64> = between(&edge[0], &edge[1], step as f64 / steps).collect();
+                node = self.add_node(0, &q, node, way);
+                way = Way::GoesOn;
+            }
+        }
+    }
+
+    /// Adds a goal to those that are known, and as a root, unless every path to it costs too much.
+    fn remember_goal(&mut self, goal: &[f64], cost: f64) -> Option<usize> {
+        let least = self.sides[0].distance(self.problem.start(), goal) + cost;
+        (least < self.bound).then(|| {
+            self.known.push((goal.to_vec(), cost));
+            let root = self.add_root(1, goal, cost);
+            self.goals.push(root);
+            root
+        })
+    }
+
+    /// Adds a root to the goal forest, and looks whether the way to it lies open.
+    fn add_goal(&mut self, goal: &[f64], cost: f64) -> Option<Path> {
+        let root = self.remember_goal(goal, cost)?;
+        self.laps.begin();
+        self.meet(1, root)
+    }
+
+    /// Growth of one side towards a random configuration, and the other side's way to where it ended.
+    fn grow_both(&mut self, side: usize) -> Option<Path> {
+        let mut sample = std::mem::take(&mut self.sample);
+        self.draw(&mut sample);
+        self.laps.begin();
+        let nearest = self.nearest(side, &sample);
+        let forest = &self.sides[side];
+        let sees = self.domains[side].get(nearest).copied().unwrap_or(f64::INFINITY);
+        if sees < f64::INFINITY && forest.distance(forest.q(nearest), &sample) > sees {
+            self.sample = sample;
+            return None;
+        }
+        let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
+        self.sample = sample;
+        if node == nearest {
+            let domains = &mut self.domains[side];
+            if domains.len() <= nearest {
+                domains.resize(nearest + 1, f64::INFINITY);
+            }
+            domains[nearest] = self.settings.domain;
+            return None;
+        }
+        self.meet(side, node)
+    }
+
+    /// A random configuration about the box between the start and a random goal.
+    fn draw(&mut self, sample: &mut [f64]) {
+        let root = self.goals[self.random.index(self.goals.len())];
+        let goal = self.sides[1].q(root);
+        let beyond = self.settings.detour
+            * (1.0 + (self.statistics.iterations - self.began) as f64 / ITERATIONS_PER_DETOUR as f64);
+        let joints = self.problem.start().iter().zip(goal).zip(self.problem.robot().limits());
+        for ((value, share), ((start, goal), limits)) in sample.iter_mut().zip(self.shares.next()).zip(joints)
+        {
+            let lower = limits.lower.max(start.min(*goal) - beyond);
+            let upper = limits.upper.min(start.max(*goal) + beyond);
+            *value = lower + (upper - lower) * share;
+        }
+    }
+
+    /// Whether a path through a node at `q`, which is grown from `from`, may cost less than the bound.
+    fn is_below_bound(&self, side: usize, from: usize, q: &[f64]) -> bool {
+        if self.bound.is_infinite() {
+            return true;
+        }
+        let forest = &self.sides[side];
+        let to_come = forest.cost(from) + forest.distance(forest.q(from), q);
+        let to_go = if side == 0 {
+            let to_goal =
+                |root: &usize| self.sides[1].distance(self.sides[1].q(*root), q) + self.sides[1].cost(*root);
+            self.goals.iter().map(to_goal).fold(f64::INFINITY, f64::min)
+        } else {
+            forest.distance(self.problem.start(), q)
+        };
+        to_come + to_go < SLACK * self.bound
+    }
+
+    /// The other side's way to a node, as far as it goes; a path if it gets there.
+    fn meet(&mut self, side: usize, node: usize) -> Option<Path> {
+        let meeting = self.sides[side].q(node).to_vec();
+        let from = self.nearest(1 - side, &meeting);
+        let mut other = self.grow(1 - side, from, Way::Turns, &meeting);
+        while other.is_open && !other.is_target {
+            other = self.grow(1 - side, other.node, Way::GoesOn, &meeting);
+        }
+        let cost = self.sides[side].cost(node) + self.sides[1 - side].cost(other.node);
+        if !other.is_target || cost >= SLACK * self.bound {
+            return None;
+        }
+        self.proven_path(if side == 0 { [node, other.node] } else { [other.node, node] })
+    }
+
+    fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
+        let nearest = self.sides[side].nearest(q).unwrap_or(0);
+        self.statistics.nearest_time_s += self.laps.lap_s();
+        nearest
+    }
+
+    /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
+    /// adds a node for each whole step, and at the target.
+    fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
+        let Reach { step, looks, .. } = self.settings;
+        let forest = &self.sides[side];
+        self.from.clear();
+        self.from.extend_from_slice(forest.q(from));
+        let spacing = step / looks as f64;
+        // Looks all the way to the target, and how many of them one pass takes.
+        let all = (forest.distance(&self.from, target) / spacing).ceil().max(1.0);
+        let count = LANES.min(as_count(all));
+        let is_last = count >= as_count(all);
+        let place = |look: usize| if is_last && look == count { 1.0 } else { look as f64 / all };
+        let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
+        let free = self.cell.free_ahead(&self.from, target, &places[..count], &mut self.scratch);
+        self.statistics.collision_checks += count as u64;
+        self.statistics.collision_time_s += self.laps.lap_s();
+        let (is_open, is_target) = (free == count, free == count && is_last);
+        let mut node = from;
+        let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
+        for end in ends {
+            self.q.clear();
+            self.q.extend(between(&self.from, target, place(end)));
+            if !self.is_below_bound(side, node, &self.q) {
+                return Growth { node, is_target: false, is_open: false };
+            }
+            let q = std::mem::take(&mut self.q);
+            node = self.add_node(side, &q, node, way);
+            self.q = q;
+            way = Way::GoesOn;
+        }
+        Growth { node, is_target, is_open }
+    }
+
+    /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
+    fn proven_path(&mut self, ends: [usize; 2]) -> Option<Path> {
+        let begin = Instant::now();
+        let mut refuted = None;
+        'sides: for (side, end) in ends.into_iter().enumerate() {
+            for node in self.sides[side].turns_to_root(end) {
+                let forest = &mut self.sides[side];
+                let Some(from) = forest.unproven_edge(node) else { continue };
+                self.statistics.collision_checks += 1;
+                // What passes something very closely is for those who find nothing else.
+                let effort = FIRST_EFFORT
+                    .saturating_add(EFFORT_PER_ITERATION.saturating_mul(self.statistics.iterations));
+                let (a, b) = (forest.q(from), forest.q(node));
+                if let Some(at) = self.cell.unproven_at(effort, a, b, &mut self.scratch) {
+                    refuted = Some((side, forest.first_beyond(node, at)));
+                    break 'sides;
+                }
+                forest.set_proven(node);
+            }
+        }
+        self.statistics.proof_time_s += begin.elapsed().as_secs_f64();
+        if let Some((side, node)) = refuted {
+            self.observer.node_cut(side, node);
+            self.sides[side].cut(node);
+            return None;
+        }
+        let way = |side: usize| {
+            let forest = &self.sides[side];
+            forest.turns_to_root(ends[side]).into_iter().map(|node| forest.q(node).to_vec())
+        };
+        let mut path: Path = way(0).collect();
+        path.reverse();
+        // Both ways end where they meet: it stands in the path once.
+        path.extend(way(1).skip(1));
+        if self.observer.accepts_goal(&path) {
+            return Some(path);
+        }
+        self.refuse(ends);
+        None
+    }
+
+    /// Cuts off a goal that will not do, where both sides have met. What led to it is of use for its neighbours: it grows
+    /// on from the start.
+    fn refuse(&mut self, ends: [usize; 2]) {
+        let goals = &self.sides[1];
+        let (nodes, turns) = (goals.nodes_to_root(ends[1]), goals.turns_to_root(ends[1]));
+        let mut last = ends[0];
+        for pair in nodes.windows(2) {
+            let q = self.sides[1].q(pair[1]).to_vec();
+            let way = if turns.contains(&pair[0]) { Way::Turns } else { Way::GoesOn };
+            last = self.add_node(0, &q, last, way);
+        }
+        if let Some(root) = nodes.last() {
+            let goals = &mut self.sides[1];
+            self.goals.retain(|goal| goal != root);
+            self.known.retain(|(goal, _)| goal != goals.q(*root));
+            goals.cut(*root);
+            self.observer.node_cut(1, *root);
+        }
+    }
+
+    fn add_node(&mut self, side: usize, q: &[f64], parent: usize, way: Way) -> usize {
+        self.observer.node_added(side, q, Some(parent));
+        match way {
+            Way::Turns => self.sides[side].add(q, Some(parent)),
+            Way::GoesOn => self.sides[side].prolong(q, parent),
+        }
+    }
+
+    fn add_root(&mut self, side: usize, q: &[f64], cost: f64) -> usize {
+        self.observer.node_added(side, q, None);
+        self.sides[side].add_root(q, cost)
+    }
+}
+
+/// Looks that would take longer than this are not taken at once anyway.
+const MOST_LOOKS: f64 = 1e9;
+
+// The value lies within what a count can hold.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn as_count(looks: f64) -> usize {
+    looks.min(MOST_LOOKS) as usize
+}

@@ -1,0 +1,202 @@
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use crate::path::step::RELEASED_STEP_M;
+use crate::search::connector::{Connector, Path, connect};
+use crate::search::growth::{Grower, Growth};
+use crate::search::roadmap::{Roadmap, RoadmapFile};
+use crate::search::search_state::Search;
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Unobserved};
+
+/// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
+/// of all grasps at once.
+///
+/// 1. The roadmap is that of a file, or empty. The start becomes a node of it, and so do goals, which inverse kinematics
+///    finds meanwhile.
+/// 2. Where no goal is connected, an iteration adds a uniform random configuration, if it is free. A new node is joined with the `neighbours` nearest
+///    (L2 in joint space) to which the edge is proven.
+/// 3. Where start and a goal are connected the shortest way between them is taken, and those of its edges are proven that
+///    are as a file has them; one that cannot be is left out.
+///
+/// One iteration is one random configuration, one way that is looked at, or one batch of inverse kinematics before there is a
+/// goal. Differs from the publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prm {
+    /// How many nearest a node is joined with at most. Default 15.
+    pub neighbours: usize,
+    /// Goals that are enough. Default 100.
+    pub goals: usize,
+    /// The file of a roadmap to begin with, which stays as it is. Default none.
+    pub roadmap: Option<RoadmapFile>,
+}
+
+impl Default for Prm {
+    fn default() -> Self {
+        Self { neighbours: 15, goals: 100, roadmap: None }
+    }
+}
+
+impl Planner for Prm {
+    fn name(&self) -> &'static str {
+        "prm"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        Ranges::of(self.name()).count("neighbours", self.neighbours, usize::MAX)?.count(
+            "goals",
+            self.goals,
+            usize::MAX,
+        )?;
+        Ok(())
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let robot = problem.robot();
+        let roadmap = match &self.roadmap {
+            None => Roadmap::new(robot),
+            Some(file) => Roadmap::of_file(file, robot)?,
+        };
+        let mut graph = Graph::new(problem, roadmap, self.neighbours);
+        connect(self.name(), &mut graph, self.goals, problem, (budget, seed), observer)
+    }
+}
+
+impl Prm {
+    /// A roadmap of so many nodes for the robot of a problem in its world, for any start and goal. `progress` hears how many
+    /// there are, and says whether to go on; where it stops, the roadmap is what there is by then.
+    ///
+    /// # Errors
+    /// [`PlanError::Goal`] for another criterion than `exact`.
+    pub fn build(
+        &self,
+        problem: &Problem,
+        nodes: usize,
+        seed: u64,
+        progress: &mut dyn FnMut(usize) -> bool,
+    ) -> Result<Roadmap, PlanError> {
+        problem.exact_cell(self.name())?;
+        let mut observer = Unobserved;
+        let mut search = Search::new(
+            problem,
+            &Budget { time: std::time::Duration::MAX, ..Budget::default() },
+            seed,
+            &mut observer,
+        );
+        let mut graph = Graph::new(problem, Roadmap::new(problem.robot()), self.neighbours);
+        while graph.roadmap.len() < nodes && progress(graph.roadmap.len()) {
+            graph.add_random(&mut search);
+        }
+        Ok(graph.roadmap)
+    }
+}
+
+struct Graph<'a> {
+    roadmap: Roadmap,
+    neighbours: usize,
+    grower: Grower<'a>,
+    start: usize,
+    /// The node of each goal; none where it was removed.
+    goals: Vec<Option<usize>>,
+}
+
+impl<'a> Graph<'a> {
+    fn new(problem: &'a Problem, roadmap: Roadmap, neighbours: usize) -> Self {
+        let grower = Grower::new(problem, Growth::Step { step_m: RELEASED_STEP_M });
+        Self { roadmap, neighbours, grower, start: 0, goals: Vec::new() }
+    }
+
+    /// Adds a node that is free.
+    fn add(&mut self, q: &[f64], search: &mut Search) -> usize {
+        let begin = Instant::now();
+        let near = self.roadmap.nearest(q, self.neighbours);
+        search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
+        let node = self.roadmap.add(q);
+        let mut first = None;
+        for other in near {
+            if self.grower.edge(self.roadmap.q(other), q, search) {
+                self.roadmap.join(node, other, true);
+                first = first.or(Some(other));
+            }
+        }
+        search.observer.node_added(0, q, first);
+        node
+    }
+
+    fn add_random(&mut self, search: &mut Search) {
+        let q = search.sample();
+        search.statistics.collision_checks += 1;
+        if self.grower.check.is_free(&q) {
+            self.add(&q, search);
+        }
+    }
+
+    /// Step 3, once: a way is proven, or what cannot be is left out of it.
+    fn connected(&mut self, search: &mut Search) -> Option<Connected> {
+        let start = self.start;
+        let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
+        let reached: Vec<usize> =
+            goals.into_iter().filter(|goal| self.roadmap.are_connected(start, *goal)).collect();
+        let way = (!reached.is_empty()).then(|| self.roadmap.shortest_way(start, &reached)).flatten()?;
+        for edge in way.windows(2) {
+            let (a, b) = (edge[0], edge[1]);
+            if self.roadmap.is_proven(a, b) {
+                continue;
+            }
+            if !self.grower.edge(self.roadmap.q(a), self.roadmap.q(b), search) {
+                self.roadmap.cut(a, b);
+                return Some(Connected::Refuted);
+            }
+            self.roadmap.set_proven(a, b);
+        }
+        let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
+        Some(Connected::Path(way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal))
+    }
+}
+
+/// What became of a way in the roadmap from the start to a goal.
+enum Connected {
+    Path(Path, usize),
+    Refuted,
+}
+
+impl Connector for Graph<'_> {
+    fn add_start(&mut self, q: &[f64], search: &mut Search) {
+        self.start = self.add(q, search);
+    }
+
+    fn add_goal(&mut self, q: &[f64], search: &mut Search) {
+        let node = self.add(q, search);
+        self.goals.push(Some(node));
+    }
+
+    fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
+        match self.connected(search) {
+            Some(Connected::Path(path, goal)) => Some((path, goal)),
+            // A roadmap of another world has many such ways: each is an iteration, so that time and watcher are asked.
+            Some(Connected::Refuted) => None,
+            None => {
+                self.add_random(search);
+                None
+            }
+        }
+    }
+
+    fn remove_goal(&mut self, goal: usize, _search: &mut Search) {
+        self.goals[goal] = None;
+    }
+
+    fn len(&self) -> usize {
+        self.roadmap.len()
+    }
+}

@@ -1,0 +1,70 @@
+use serde::{Deserialize, Serialize};
+
+use crate::path::step::RELEASED_STEP_M;
+use crate::search::bidirectional::Bidirectional;
+use crate::search::connector::connect;
+use crate::search::growth::Growth;
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+
+/// RBT-Connect: trees of burs that grow towards each other (Lačević, Osmanković & Ademović 2016, "Burs of free C-space: a
+/// novel structure for path planning", ICRA), with the goals of all grasps at once.
+///
+/// 1. As in [`RrtConnect`](crate::RrtConnect) inverse kinematics adds goals, and both sides take turns.
+/// 2. A node is extended by a bur: spines towards the random configuration and in random directions, each as far as no pair of
+///    things can have come together. What a spine needs is known from the distances at its node: it is proven without
+///    another look.
+/// 3. Where the first spine would be shorter than a step the node is extended by a proven step instead. The other side follows
+///    by spines towards the new node, or steps.
+///
+/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
+/// publication in that each pair of things has its own distance, where they take the least of all, in that the robot itself
+/// counts among them: a robot is always closer to itself than the critical distance, which is asked of the world alone, as is
+/// in 3 the length of the spine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RbtConnect {
+    /// Spines of a bur, the one towards the target included. Default 7, that of the released planners.
+    pub spines: usize,
+    /// Where the world is nearer than this to a link that moves, in metres, trees grow by steps. Default 0.1, theirs.
+    pub critical_m: f64,
+    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, theirs.
+    pub step_m: f64,
+    /// Goals that are enough. Default 100.
+    pub goals: usize,
+}
+
+impl Default for RbtConnect {
+    fn default() -> Self {
+        Self { spines: 7, critical_m: 0.1, step_m: RELEASED_STEP_M, goals: 100 }
+    }
+}
+
+impl Planner for RbtConnect {
+    fn name(&self) -> &'static str {
+        "rbt-connect"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        Ranges::of(self.name())
+            .count("spines", self.spines, usize::MAX)?
+            .positive("critical_m", self.critical_m)?
+            .positive("step_m", self.step_m)?
+            .count("goals", self.goals, usize::MAX)?;
+        Ok(())
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let growth = Growth::Bur { spines: self.spines, critical_m: self.critical_m, step_m: self.step_m };
+        let mut trees = Bidirectional::new(problem, growth);
+        connect(self.name(), &mut trees, self.goals, problem, (budget, seed), observer)
+    }
+}

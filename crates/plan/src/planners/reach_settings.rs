@@ -1,0 +1,55 @@
+use cranny_spatial::LANES;
+use serde::{Deserialize, Serialize};
+
+use crate::{PlanError, Ranges};
+
+/// The flagship: one search for grasp and motion at exact tolerance.
+///
+/// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
+///    their twins, as further roots of one goal forest.
+/// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
+/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side grows towards a random
+///    configuration, the other side then goes as far as it can towards the new node. Random configurations lie
+///    about the box between the start and one of the goals, farther and farther beyond it as time goes on; within it they
+///    follow a sequence that fills it evenly (Richtmyer 1951), which takes a quarter off the slowest. From a node
+///    that was blocked nothing far away is tried again (dynamic domains: Yershova, Jaillet, Siméon & `LaValle` 2005).
+/// 4. Growth looks at a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
+///    before the first that is not free; where both sides meet, every straight way of the path is proven as one
+///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
+///
+/// One iteration is one random configuration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
+    pub step: f64,
+    /// Configurations looked at between two nodes, the second included. One growth looks at 16 (`LANES`).
+    /// Default 4.
+    pub looks: usize,
+    /// Goals that are enough at first. Default 100: more do not help, unless all are cut off; one more for every 100
+    /// iterations.
+    pub goals: usize,
+    /// How far beyond start and goal each joint of a random configuration may lie at first (m, rad); once more
+    /// that far for every 100 iterations, up to the joint limits. Default 0.5.
+    pub detour: f64,
+    /// A node from which growth was blocked at once is grown from only towards what is no farther away than this, in the
+    /// metric weighted by reach. Default 2.
+    pub domain: f64,
+}
+
+impl Default for Reach {
+    fn default() -> Self {
+        Self { step: 0.25, looks: 4, goals: 100, detour: 0.5, domain: 2.0 }
+    }
+}
+
+impl Reach {
+    /// The ranges of the settings.
+    pub(crate) fn search_ranges(&self, ranges: Ranges) -> Result<Ranges, PlanError> {
+        ranges
+            .positive("step", self.step)?
+            .count("looks", self.looks, LANES)?
+            .count("goals", self.goals, usize::MAX)?
+            .positive("detour", self.detour)?
+            .positive("domain", self.domain)
+    }
+}

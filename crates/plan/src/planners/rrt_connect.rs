@@ -1,0 +1,58 @@
+use serde::{Deserialize, Serialize};
+
+use crate::path::step::RELEASED_STEP_M;
+use crate::search::bidirectional::Bidirectional;
+use crate::search::connector::connect;
+use crate::search::growth::Growth;
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+
+/// RRT-Connect (Kuffner & `LaValle` 2000, §II) with the goals of all grasps at once.
+///
+/// 1. Inverse kinematics adds goal configurations, each the root of a tree of its own.
+/// 2. The tree from the start and the forest from the goals take turns: one is extended by a step from its nearest node
+///    (L2 in joint space) towards a uniform random configuration, the other then step by step towards where that ended, until
+///    it is there or blocked.
+/// 3. Every step is proven as it is made, so that a path needs no proof of its own.
+///
+/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
+/// publication in 1, and in that the length of a step is measured at the links.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RrtConnect {
+    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, that of the released planners.
+    pub step_m: f64,
+    /// Goals that are enough. Default 100.
+    pub goals: usize,
+}
+
+impl Default for RrtConnect {
+    fn default() -> Self {
+        Self { step_m: RELEASED_STEP_M, goals: 100 }
+    }
+}
+
+impl Planner for RrtConnect {
+    fn name(&self) -> &'static str {
+        "rrt-connect"
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        Ranges::of(self.name()).positive("step_m", self.step_m)?.count("goals", self.goals, usize::MAX)?;
+        Ok(())
+    }
+
+    fn plan(
+        &self,
+        problem: &Problem,
+        budget: &Budget,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<PlanReport, PlanError> {
+        let growth = Growth::Step { step_m: self.step_m };
+        let mut trees = Bidirectional::new(problem, growth);
+        connect(self.name(), &mut trees, self.goals, problem, (budget, seed), observer)
+    }
+}

@@ -1,0 +1,93 @@
+use cranny_collision::{Bubble, Cell, Motion, ReleasedCheck, ReleasedScratch, Scratch};
+use cranny_grasp::GraspSet;
+use cranny_robot::LinkFrames;
+use cranny_spatial::Pose;
+
+use crate::Problem;
+use crate::task::grasp_poses::{all_open_poses, poses};
+use crate::task::problem::Validity;
+
+/// What planners ask that grow by steps or burs, some of them under either criterion: a check with its scratch.
+pub(crate) enum BaselineCheck<'a> {
+    Exact(&'a Cell, Box<Scratch>),
+    Paper { check: &'a ReleasedCheck, scratch: Box<ReleasedScratch>, distances: Box<(&'a Cell, Scratch)> },
+}
+
+impl<'a> BaselineCheck<'a> {
+    pub fn of(problem: &'a Problem) -> Self {
+        match problem.validity() {
+            Validity::Exact(cell) => Self::Exact(cell, Box::new(cell.scratch())),
+            Validity::Paper { check, distances, .. } => Self::Paper {
+                check,
+                scratch: Box::new(check.scratch()),
+                distances: Box::new((distances, distances.scratch())),
+            },
+        }
+    }
+
+    /// Whether a single configuration is free.
+    pub fn is_free(&mut self, q: &[f64]) -> bool {
+        match self {
+            Self::Exact(cell, scratch) => cell.is_free(q, scratch),
+            Self::Paper { check, scratch, .. } => check.is_free(q, scratch),
+        }
+    }
+
+    /// Whether goals are checked: the released planners do not.
+    pub fn checks_goals(&self) -> bool {
+        matches!(self, Self::Exact(..))
+    }
+
+    /// Whether a tree may grow from `a`, which is free, to `b`: under `exact` if the whole motion is
+    /// proven, under `paper` if `b` alone is free.
+    pub fn edge_is_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        match self {
+            // A blocked end is the usual reason, and cheaper to find than the whole proof.
+            Self::Exact(cell, scratch) => {
+                cell.is_free(b, scratch) && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven)
+            }
+            Self::Paper { check, scratch, .. } => check.is_free(b, scratch),
+        }
+    }
+
+    /// [`Self::edge_is_free`] for one who knows the link frames at `b` already.
+    pub fn edge_to_frames_is_free(&mut self, a: &[f64], b: &[f64], frames_at_b: &LinkFrames) -> bool {
+        match self {
+            Self::Exact(..) => self.edge_is_free(a, b),
+            Self::Paper { check, .. } => check.robot().within_limits(b) && check.holds(frames_at_b),
+        }
+    }
+
+    /// [`Cell::bubble`].
+    pub fn bubble(&mut self, q: &[f64], critical_m: f64) -> Option<Bubble> {
+        match self {
+            Self::Exact(cell, scratch) => cell.bubble(q, critical_m, scratch),
+            Self::Paper { distances, .. } => distances.0.bubble(q, critical_m, &mut distances.1),
+        }
+    }
+
+    /// [`Cell::free_share`]: under `exact` so much is proven; under `paper` it is how far a spine goes at most.
+    pub fn free_share(&mut self, bubble: &Bubble, target: &[f64]) -> f64 {
+        match self {
+            Self::Exact(cell, scratch) => cell.free_share(bubble, target, scratch),
+            Self::Paper { distances, .. } => distances.0.free_share(bubble, target, &mut distances.1),
+        }
+    }
+
+    /// Whether a bubble proves what lies in it: under `paper` each way point is looked at, and no two are farther apart than
+    /// a step.
+    pub fn is_proven_by_bubbles(&self) -> bool {
+        matches!(self, Self::Exact(..))
+    }
+
+    /// The poses of grasps, from the highest score down, that the hand alone can take (`exact`), or all (`paper`).
+    pub fn open_poses(&mut self, grasps: &GraspSet) -> Vec<(usize, Pose)> {
+        match self {
+            Self::Exact(cell, scratch) => all_open_poses(cell, grasps, scratch),
+            Self::Paper { .. } => {
+                let both = |grasp: usize| poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
+                grasps.by_score().into_iter().flat_map(both).collect()
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+use cranny_collision::{Cell, Scratch};
+
+use crate::search::goal_pool::GoalPool;
+use crate::search::search_state::Search;
+use crate::{Budget, Goal, GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem};
+
+/// Way points, each of one value per joint.
+pub type Path = Vec<Vec<f64>>;
+
+/// Trees or a graph that a start and any number of goals are put into, and that grow until they connect them.
+pub trait Connector {
+    /// Puts in the start, once and first; it is free.
+    fn add_start(&mut self, q: &[f64], search: &mut Search);
+
+    /// Puts in a goal, which is free; goals are counted from 0.
+    fn add_goal(&mut self, q: &[f64], search: &mut Search);
+
+    /// Grows by one iteration, once there is a goal: a path, of which every edge is proven, and which goal it leads to.
+    fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)>;
+
+    /// The best path that is known already where [`Self::grow`] would look for a better one: it is given when the budget is
+    /// spent.
+    fn best(&self) -> Option<(Path, usize)> {
+        None
+    }
+
+    /// Takes a goal away that will not do.
+    fn remove_goal(&mut self, goal: usize, search: &mut Search);
+
+    /// How many nodes there are.
+    fn len(&self) -> usize;
+}
+
+/// Looks for a path to any goal of a problem: of grasps, inverse kinematics finds goals between the iterations, up to
+/// `most_goals`.
+///
+/// # Errors
+/// [`PlanError`] for another criterion than `exact`, or a problem without a goal.
+pub fn connect(
+    planner: &'static str,
+    connector: &mut dyn Connector,
+    most_goals: usize,
+    problem: &Problem,
+    (budget, seed): (&Budget, u64),
+    observer: &mut dyn Observer,
+) -> Result<PlanReport, PlanError> {
+    let mut search = Search::new(problem, budget, seed, observer);
+    let (cell, goal) = (problem.exact_cell(planner)?, problem.some_goal()?);
+    let mut goals = Goals { connector, most: most_goals, added: 0, removed: 0 };
+    let mut failures = Vec::new();
+    let ended = goals.run(cell, goal, &mut search, &mut failures);
+    search.statistics.nodes = goals.connector.len() as u64;
+    Ok(PlanReport { failures, ..search.report(ended) })
+}
+
+struct Goals<'a> {
+    connector: &'a mut dyn Connector,
+    most: usize,
+    added: usize,
+    removed: usize,
+}
+
+impl Goals<'_> {
+    fn run(
+        &mut self,
+        cell: &Cell,
+        goal: &Goal,
+        search: &mut Search,
+        failures: &mut Vec<GraspFailure>,
+    ) -> Result<Path, Outcome> {
+        let mut scratch = cell.scratch();
+        let start = search.problem.start();
+        if !cell.is_free(start, &mut scratch) {
+            return Err(Outcome::StartInvalid);
+        }
+        self.connector.add_start(start, search);
+        match goal {
+            Goal::Configurations(goals) => {
+                search.statistics.collision_checks += goals.len() as u64;
+                for goal in goals.iter().filter(|goal| cell.is_free(goal, &mut scratch)) {
+                    self.add(goal, search);
+                }
+                self.grow_until_connected(search, &mut |_| Ok(Vec::new()))
+            }
+            Goal::Grasps(grasps) => {
+                let mut pool = GoalPool::new(search.problem, cell, grasps);
+                let ended =
+                    self.grow_until_connected(search, &mut |search| draw(&mut pool, &mut scratch, search));
+                if ended.is_err() {
+                    *failures = pool.failures(&mut scratch);
+                }
+                ended
+            }
+        }
+    }
+
+    fn grow_until_connected(
+        &mut self,
+        search: &mut Search,
+        new_goals: &mut dyn FnMut(&mut Search) -> Result<Path, Outcome>,
+    ) -> Result<Path, Outcome> {
+        let is_given = matches!(search.problem.goal(), Goal::Configurations(_));
+        loop {
+            if is_given && self.added == self.removed {
+                return Err(Outcome::GoalsInvalid);
+            }
+            let (found, spent) = match search.begin_iteration() {
+                Ok(()) => {
+                    if self.added - self.removed < self.most {
+                        for goal in new_goals(search)? {
+                            self.add(&goal, search);
+                        }
+                    }
+                    let can_grow = self.added > self.removed;
+                    (can_grow.then(|| self.connector.grow(search)).flatten(), None)
+                }
+                Err(outcome) => (self.connector.best(), Some(outcome)),
+            };
+            match (found, spent) {
+                (Some((path, _)), _) if search.observer.accepts_goal(&path) => return Ok(path),
+                (Some((_, goal)), _) => {
+                    self.connector.remove_goal(goal, search);
+                    self.removed += 1;
+                }
+                (None, Some(outcome)) => return Err(outcome),
+                (None, None) => {}
+            }
+        }
+    }
+
+    fn add(&mut self, goal: &[f64], search: &mut Search) {
+        self.connector.add_goal(goal, search);
+        self.added += 1;
+    }
+}
+
+/// The goals that one more iteration brings, unless there can be none.
+fn draw(pool: &mut GoalPool, scratch: &mut Scratch, search: &mut Search) -> Result<Path, Outcome> {
+    let goals = pool.draw(&mut search.random, scratch, &mut search.statistics, search.observer);
+    if pool.is_hopeless() {
+        Err(Outcome::NoReachableGrasp)
+    } else {
+        Ok(goals.into_iter().map(|(_, q)| q).collect())
+    }
+}

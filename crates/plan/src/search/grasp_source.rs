@@ -1,0 +1,78 @@
+use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings};
+use cranny_spatial::{Pose, Stream};
+
+use crate::path::grasp_judge::GraspJudge;
+use crate::task::grasp_poses::poses;
+use crate::{GraspMeasure, PlanError};
+
+/// First contacts that are drawn for one batch of inverse kinematics, at most: a millisecond or so, where the hand collides
+/// almost everywhere.
+const DRAWS_PER_BATCH: usize = 128;
+
+/// What is left, after a batch without a goal, of the score that is asked beyond the least: a search that finds nothing
+/// soon takes what there is.
+const LEFT_PER_BATCH: f64 = 0.95;
+
+/// Grasps that are sampled on the target while a search wants them.
+pub(crate) struct GraspSource<'a> {
+    sampler: GraspSampler<'a>,
+    measure: &'a GraspMeasure,
+    judge: GraspJudge<'a>,
+    /// How much more than [`GraspMeasure::LEAST_SCORE`] is asked of a grasp by now.
+    score_beyond: f64,
+    /// Draws that are left to the batch.
+    left: usize,
+    /// Goals that there were when the batch began.
+    goals: u64,
+}
+
+impl<'a> GraspSource<'a> {
+    /// Of grasps with at least this score, in [0, 1], at first, and with less and less down to
+    /// [`GraspMeasure::LEAST_SCORE`] where they lead to no goals.
+    ///
+    /// # Errors
+    /// [`PlanError::NoGraspMeasure`] for a surface on which no grasp can be sampled: there is none with a measure.
+    pub fn new(measure: &'a GraspMeasure, first_score: f64) -> Result<Self, PlanError> {
+        let settings = SamplerSettings {
+            // Whatever needs no more friction than this has the least score.
+            friction: (1.0 - GraspMeasure::LEAST_SCORE) * measure.friction(),
+            opening_m: measure.opening_m(),
+            first_approach: FirstApproach::Random,
+            ..SamplerSettings::default()
+        };
+        let sampler = GraspSampler::new(measure.surface_in_world(), &settings)
+            .map_err(|_| PlanError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })?;
+        let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);
+        let judge = GraspJudge::new(measure);
+        Ok(Self { sampler, measure, judge, score_beyond, left: 0, goals: 0 })
+    }
+
+    /// A new batch begins, so many goals being found.
+    pub fn begin_batch(&mut self, goals: u64) {
+        if goals == self.goals {
+            self.score_beyond *= LEFT_PER_BATCH;
+        }
+        (self.goals, self.left) = (goals, DRAWS_PER_BATCH);
+    }
+
+    /// One more grasp and its twin; `None` where the batch has drawn enough.
+    pub fn draw(&mut self, random: &mut Stream) -> Option<[Pose; 2]> {
+        while self.left > 0 {
+            self.left -= 1;
+            let mut found = None;
+            self.sampler.draw(random, &mut |SampledGrasp { grasp, .. }| found = Some(grasp));
+            // Pads from outside may meet another pair of contacts than the sampler did: a hole, the far side of a ring.
+            let least = GraspMeasure::LEAST_SCORE + self.score_beyond;
+            let is_good = |pose: &Pose| self.measure.score(pose).is_some_and(|score| score >= least);
+            if let Some(grasp) = found.filter(|grasp| is_good(&grasp.world_from_gripper)) {
+                return Some(poses(&grasp));
+            }
+        }
+        None
+    }
+
+    /// Whether the hand holds the target at a configuration.
+    pub fn holds(&mut self, q: &[f64]) -> bool {
+        self.judge.grasp_at(q, 0).is_ok()
+    }
+}

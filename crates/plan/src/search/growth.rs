@@ -1,0 +1,172 @@
+use std::time::Instant;
+
+use cranny_collision::Bubble;
+use cranny_robot::{Robot, between};
+
+use crate::path::step::Stepper;
+use crate::search::baseline_check::BaselineCheck;
+use crate::search::forest::Forest;
+use crate::search::search_state::Search;
+use crate::{Observer, Problem};
+
+/// How a tree grows from one of its nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Growth {
+    /// By a step in which the origin of no link frame moves farther than so many metres.
+    Step { step_m: f64 },
+    /// By a bur: so many spines, of which the first goes towards the target and the others towards random configurations,
+    /// each as far as the bubble about the node is free; by a step where the world is nearer than the critical distance, or the
+    /// first spine would be shorter.
+    Bur { spines: usize, critical_m: f64, step_m: f64 },
+}
+
+impl Growth {
+    fn step_m(self) -> f64 {
+        match self {
+            Self::Step { step_m } | Self::Bur { step_m, .. } => step_m,
+        }
+    }
+}
+
+/// What a tree grows by, from one of its nodes.
+pub(crate) struct Grown {
+    /// Towards the target.
+    pub ahead: Branch,
+    /// The other spines.
+    pub aside: Vec<Branch>,
+}
+
+/// The new nodes in one direction, each grown from the one before.
+#[derive(Default)]
+pub(crate) struct Branch {
+    /// None where it is blocked. A spine is one node, but where way points may be no farther apart than a step.
+    pub nodes: Vec<Vec<f64>>,
+    /// Whether the last is the target.
+    pub is_target: bool,
+}
+
+impl Branch {
+    /// Adds the nodes to a forest, which observers know by the index `tree`, the first below `from`; gives the last.
+    pub fn add_to(
+        &self,
+        forest: &mut Forest,
+        tree: usize,
+        from: usize,
+        observer: &mut dyn Observer,
+    ) -> Option<usize> {
+        self.nodes.iter().fold(None, |last, q| {
+            let parent = last.or(Some(from));
+            observer.node_added(tree, q, parent);
+            Some(forest.add(q, parent))
+        })
+    }
+}
+
+/// Grows trees along ways that are free by the criterion of a problem.
+pub(crate) struct Grower<'a> {
+    pub check: BaselineCheck<'a>,
+    stepper: Stepper,
+    robot: &'a Robot,
+    growth: Growth,
+}
+
+impl<'a> Grower<'a> {
+    pub fn new(problem: &'a Problem, growth: Growth) -> Self {
+        let robot = problem.robot().as_ref();
+        Self { check: BaselineCheck::of(problem), stepper: Stepper::new(robot), robot, growth }
+    }
+
+    /// Grows from `q` towards `target`, another configuration; a bur has its random spines only where it `explores`.
+    pub fn grow(&mut self, q: &[f64], target: &[f64], explores: bool, search: &mut Search) -> Grown {
+        let bur = match self.growth {
+            Growth::Step { .. } => None,
+            Growth::Bur { spines, critical_m, .. } => {
+                let begin = Instant::now();
+                let bubble = self.check.bubble(q, critical_m);
+                search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+                let spines = if explores { spines } else { 1 };
+                bubble.and_then(|bubble| self.bur(q, &bubble, target, spines, search))
+            }
+        };
+        bur.unwrap_or_else(|| {
+            let step = self.step(q, target, search);
+            let ahead = step.map(|(end, is_target)| Branch { nodes: vec![end], is_target });
+            Grown { ahead: ahead.unwrap_or_default(), aside: Vec::new() }
+        })
+    }
+
+    /// A step from `q` towards `target`, unless it is blocked: where it ends, and whether that is the target.
+    pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
+        let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
+        let (to, frames) = (self.stepper.q(), self.stepper.frames());
+        let begin = Instant::now();
+        let is_free = self.check.edge_to_frames_is_free(q, to, frames);
+        search.statistics.collision_checks += 1;
+        search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        is_free.then(|| (to.to_vec(), is_target))
+    }
+
+    /// Whether the whole edge between two configurations is free.
+    pub fn edge(&mut self, from: &[f64], to: &[f64], search: &mut Search) -> bool {
+        let begin = Instant::now();
+        search.statistics.collision_checks += 1;
+        let is_free = self.check.edge_is_free(from, to);
+        search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        is_free
+    }
+
+    /// The bur about `q`, unless its first spine is shorter than a step. Its spines are proven by the bubble that they begin
+    /// in.
+    fn bur(
+        &mut self,
+        q: &[f64],
+        bubble: &Bubble,
+        target: &[f64],
+        spines: usize,
+        search: &mut Search,
+    ) -> Option<Grown> {
+        let first = self.spine(q, bubble, target, search);
+        let (end, is_target) = &first;
+        let is_long =
+            *is_target || self.stepper.displacement_between(self.robot, q, end) >= self.growth.step_m();
+        is_long.then(|| {
+            let ahead = self.branch(q, first, search);
+            let aside = (1..spines)
+                .map(|_| {
+                    let target = search.sample();
+                    let spine = self.spine(q, bubble, &target, search);
+                    self.branch(q, spine, search)
+                })
+                .collect();
+            Grown { ahead, aside }
+        })
+    }
+
+    /// The end of a spine towards `target`, and whether that is the target.
+    fn spine(&mut self, q: &[f64], bubble: &Bubble, target: &[f64], search: &mut Search) -> (Vec<f64>, bool) {
+        let begin = Instant::now();
+        let share = self.check.free_share(bubble, target);
+        search.statistics.collision_checks += 1;
+        search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
+        (between(q, target, share).collect(), share >= 1.0)
+    }
+
+    /// The nodes of a spine from `q`.
+    fn branch(&mut self, q: &[f64], (end, is_target): (Vec<f64>, bool), search: &mut Search) -> Branch {
+        if self.check.is_proven_by_bubbles() {
+            let nodes = if end == q { Vec::new() } else { vec![end] };
+            return Branch { nodes, is_target };
+        }
+        let mut nodes: Vec<Vec<f64>> = Vec::new();
+        loop {
+            let from = nodes.last().map_or(q, Vec::as_slice);
+            if from == end {
+                return Branch { nodes, is_target };
+            }
+            let Some((next, _)) = self.step(from, &end, search) else {
+                return Branch { nodes, is_target: false };
+            };
+            nodes.push(next);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+use crate::PlanError;
+
+/// Says whether the settings of a planner lie in their ranges, one after the other ([`Planner::check`](crate::Planner::check)).
+///
+/// ```
+/// # use cranny_plan::{PlanError, Ranges};
+/// # fn checked() -> Result<(), PlanError> {
+/// let (p_goal, step_m, goals) = (0.1, 0.05, 40);
+/// Ranges::of("my-planner").share("p_goal", p_goal)?.positive("step_m", step_m)?.count("goals", goals, usize::MAX)?;
+/// # Ok(())
+/// # }
+/// # assert!(checked().is_ok());
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Ranges {
+    planner: &'static str,
+}
+
+impl Ranges {
+    /// Of the planner of this name.
+    pub fn of(planner: &'static str) -> Self {
+        Self { planner }
+    }
+
+    /// A finite number above 0.
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for another.
+    pub fn positive(self, setting: &str, value: f64) -> Result<Self, PlanError> {
+        self.when(value > 0.0 && value.is_finite(), || format!("'{setting}' is {value}, but must be above 0"))
+    }
+
+    /// A probability, a score, a share: in [0, 1].
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for another.
+    pub fn share(self, setting: &str, value: f64) -> Result<Self, PlanError> {
+        self.when((0.0..=1.0).contains(&value), || format!("'{setting}' is {value}, but must be in [0, 1]"))
+    }
+
+    /// A number of things, from 1 to `most`.
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for another.
+    pub fn count(self, setting: &str, value: usize, most: usize) -> Result<Self, PlanError> {
+        self.when((1..=most).contains(&value), || {
+            let at_most = if most == usize::MAX { String::new() } else { format!(" and at most {most}") };
+            format!("'{setting}' is {value}, but must be above 0{at_most}")
+        })
+    }
+
+    fn when(self, is_good: bool, problem: impl FnOnce() -> String) -> Result<Self, PlanError> {
+        if is_good {
+            return Ok(self);
+        }
+        Err(PlanError::Setting { planner: self.planner.to_owned(), problem: problem() })
+    }
+}

@@ -1,0 +1,248 @@
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_file::TextFault;
+use cranny_robot::{Robot, distance};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::PlanError;
+use crate::search::near_set::NearSet;
+
+/// A graph of configurations, kept in a file for any number of questions (multi-query).
+///
+/// What a file says of edges is not believed: those of a path are proven, and what cannot be is left out. So a roadmap of
+/// another world, or of one that has changed, costs time and no truth.
+#[derive(Clone, Debug)]
+pub struct Roadmap {
+    joints: Vec<String>,
+    nodes: Vec<Vec<f64>>,
+    near: NearSet,
+    /// Of each node its neighbours.
+    neighbours: Vec<Vec<Neighbour>>,
+    /// Of each node one that stands for all that are connected with it.
+    components: Vec<usize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    node: usize,
+    is_proven: bool,
+}
+
+/// A file that a roadmap stands in, read when the setting is that names it.
+#[derive(Clone, Debug)]
+pub struct RoadmapFile {
+    path: PathBuf,
+    content: Arc<Content>,
+}
+
+/// What stands in it.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Content {
+    format: String,
+    joints: Vec<String>,
+    nodes: Vec<Vec<f64>>,
+    edges: Vec<[usize; 2]>,
+}
+
+impl RoadmapFile {
+    /// Reads what a [`Roadmap`] was serialised to, as JSON.
+    ///
+    /// # Errors
+    /// [`PlanError::Roadmap`] for a file that cannot be read or is none.
+    pub fn read(path: &Path) -> Result<Self, PlanError> {
+        let fault = |problem: String| PlanError::Roadmap { path: path.to_owned(), problem };
+        let text = cranny_file::TEXT.text(path).map_err(|reason| fault(reason.to_string()))?;
+        let content = cranny_file::json(text.as_bytes())
+            .map_err(|TextFault { line, problem }| fault(format!("line {line}: {problem}")))?;
+        Ok(Self { path: path.to_owned(), content: Arc::new(content) })
+    }
+}
+
+impl PartialEq for RoadmapFile {
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
+impl Serialize for RoadmapFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.path.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for RoadmapFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::read(&PathBuf::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
+/// What the file of a roadmap says first.
+const FORMAT: &str = "cranny-roadmap/1";
+
+impl Roadmap {
+    /// One without nodes.
+    pub fn new(robot: &Robot) -> Self {
+        Self {
+            joints: robot.joint_names().to_vec(),
+            nodes: Vec::new(),
+            near: NearSet::new(robot.dof()),
+            neighbours: Vec::new(),
+            components: Vec::new(),
+        }
+    }
+
+    /// The roadmap of a file, which must be of the same robot.
+    ///
+    /// # Errors
+    /// [`PlanError::Roadmap`] for one that is not.
+    pub fn of_file(file: &RoadmapFile, robot: &Robot) -> Result<Self, PlanError> {
+        let fault = |problem: String| PlanError::Roadmap { path: file.path.clone(), problem };
+        let file = &file.content;
+        if file.format != FORMAT {
+            return Err(fault(format!("its format is '{}', but must be '{FORMAT}'", file.format)));
+        }
+        if file.joints != robot.joint_names() {
+            let [theirs, ours] = [&file.joints[..], robot.joint_names()].map(|names| names.join(", "));
+            return Err(fault(format!("it is of a robot with the joints {theirs}; this one has {ours}")));
+        }
+        let mut roadmap = Self::new(robot);
+        for (index, q) in file.nodes.iter().enumerate() {
+            if q.len() != robot.dof() || !robot.within_limits(q) {
+                return Err(fault(format!("node {index} is no configuration within the joint limits")));
+            }
+            roadmap.add(q);
+        }
+        for &[a, b] in &file.edges {
+            if a == b || a.max(b) >= roadmap.len() {
+                return Err(fault(format!("there is no edge from node {a} to {b}")));
+            }
+            roadmap.join(a, b, false);
+        }
+        Ok(roadmap)
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// How many edges there are.
+    pub fn edges(&self) -> usize {
+        self.neighbours.iter().map(Vec::len).sum::<usize>() / 2
+    }
+
+    pub(crate) fn q(&self, node: usize) -> &[f64] {
+        &self.nodes[node]
+    }
+
+    pub(crate) fn add(&mut self, q: &[f64]) -> usize {
+        self.nodes.push(q.to_vec());
+        self.neighbours.push(Vec::new());
+        self.components.push(self.components.len());
+        self.near.add(q)
+    }
+
+    /// The nodes nearest to `q`, the nearest first.
+    pub(crate) fn nearest(&self, q: &[f64], k: usize) -> Vec<usize> {
+        self.near.nearest(q, k)
+    }
+
+    pub(crate) fn join(&mut self, a: usize, b: usize, is_proven: bool) {
+        for (a, b) in [(a, b), (b, a)] {
+            self.neighbours[a].push(Neighbour { node: b, is_proven });
+        }
+        let (a, b) = (self.component(a), self.component(b));
+        self.components[a.max(b)] = a.min(b);
+    }
+
+    /// Whether there is a way between two nodes.
+    pub(crate) fn are_connected(&mut self, a: usize, b: usize) -> bool {
+        self.component(a) == self.component(b)
+    }
+
+    fn component(&mut self, node: usize) -> usize {
+        let mut root = node;
+        while self.components[root] != root {
+            root = self.components[root];
+        }
+        self.components[node] = root;
+        root
+    }
+
+    /// The shortest way (L2) from a node to any of `goals`, by its nodes.
+    pub(crate) fn shortest_way(&self, from: usize, goals: &[usize]) -> Option<Vec<usize>> {
+        let mut costs = vec![f64::INFINITY; self.len()];
+        let mut before = vec![None; self.len()];
+        // Costs are not negative: their bits are in their order.
+        let mut open = BinaryHeap::from([(Reverse(0.0_f64.to_bits()), from)]);
+        costs[from] = 0.0;
+        while let Some((Reverse(cost), node)) = open.pop() {
+            if cost > costs[node].to_bits() {
+                continue;
+            }
+            if goals.contains(&node) {
+                let mut way: Vec<usize> = std::iter::successors(Some(node), |node| before[*node]).collect();
+                way.reverse();
+                return Some(way);
+            }
+            for next in &self.neighbours[node] {
+                let cost = costs[node] + distance(&self.nodes[node], &self.nodes[next.node]);
+                if cost < costs[next.node] {
+                    costs[next.node] = cost;
+                    before[next.node] = Some(node);
+                    open.push((Reverse(cost.to_bits()), next.node));
+                }
+            }
+        }
+        None
+    }
+
+    pub(crate) fn is_proven(&self, a: usize, b: usize) -> bool {
+        self.neighbours[a].iter().any(|next| next.node == b && next.is_proven)
+    }
+
+    pub(crate) fn set_proven(&mut self, a: usize, b: usize) {
+        for (a, b) in [(a, b), (b, a)] {
+            let all = self.neighbours[a].iter_mut().filter(|next| next.node == b);
+            all.for_each(|next| next.is_proven = true);
+        }
+    }
+
+    /// Leaves an edge out.
+    pub(crate) fn cut(&mut self, a: usize, b: usize) {
+        for (a, b) in [(a, b), (b, a)] {
+            self.neighbours[a].retain(|next| next.node != b);
+        }
+        self.components = (0..self.len()).collect();
+        for node in 0..self.len() {
+            for index in 0..self.neighbours[node].len() {
+                let (a, b) = (self.component(node), self.component(self.neighbours[node][index].node));
+                self.components[a.max(b)] = a.min(b);
+            }
+        }
+    }
+}
+
+impl Serialize for Roadmap {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let later = |node: usize| self.neighbours[node].iter().map(|n| n.node).filter(move |n| *n > node);
+        let edges = (0..self.nodes.len()).flat_map(|node| later(node).map(move |other| [node, other]));
+        let content = Content {
+            format: FORMAT.to_owned(),
+            joints: self.joints.clone(),
+            nodes: self.nodes.clone(),
+            edges: edges.collect(),
+        };
+        content.serialize(serializer)
+    }
+}

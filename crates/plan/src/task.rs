@@ -1,0 +1,12 @@
+//! What is asked: problem, goals, grasps, and what follows a grasp.
+
+pub(crate) mod carry;
+pub(crate) mod closing_hand;
+pub(crate) mod grasp_failure;
+pub(crate) mod grasp_measure;
+pub(crate) mod grasp_poses;
+pub(crate) mod hand_filter;
+pub(crate) mod ik_annotation;
+pub(crate) mod not_checked;
+pub(crate) mod own_grasp;
+pub(crate) mod problem;

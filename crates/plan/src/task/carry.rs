@@ -1,0 +1,341 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Closing, Motion, Resting, Scratch};
+use cranny_robot::{Hold, IkSettings, IkSolver, between, distance};
+use cranny_spatial::{Pose, Rotation, Vector};
+
+use crate::task::closing_hand::{ClosedHand, ClosingHand};
+use crate::{FailureReason, Goal, PlanError, Problem};
+
+/// How an object leaves what it rests on.
+///
+/// Of each body that it touches at rest it stays, until the end of the lift-off, no nearer than at rest, but for
+/// `slack_m`; there it is `clear_m` off all of them, and from there on they are obstacles like any other. Everything else
+/// is an obstacle all the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftOffSettings {
+    /// How far the object goes at most, in metres.
+    pub most_m: f64,
+    /// How far it is off what it rested on in the end, at least, in metres; more where the margin is.
+    pub clear_m: f64,
+    /// How much nearer than at rest it may come to what it touches, in metres: joint values are rounded, and straight
+    /// lines in joint space are none in space.
+    pub slack_m: f64,
+}
+
+impl Default for LiftOffSettings {
+    fn default() -> Self {
+        Self { most_m: 0.03, clear_m: 0.002, slack_m: 1e-4 }
+    }
+}
+
+/// Where an object is carried to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CarryEnd {
+    /// The configuration that the robot started from.
+    #[default]
+    Home,
+    /// Any of these configurations (m, rad; one value per joint each).
+    Configurations(Vec<Vec<f64>>),
+    /// Anywhere the object is so far from all bodies but floors, in metres ([`Self::CLEAR_M`]).
+    Out {
+        /// How far.
+        clear_m: f64,
+    },
+}
+
+impl CarryEnd {
+    /// How far an object is from everything that is out, unless more is asked, in metres.
+    pub const CLEAR_M: f64 = 0.05;
+}
+
+/// Between two configurations of a lift-off, in metres.
+const RUNG_M: f64 = 0.005;
+/// Between two configurations on the way back, in the metric of the joints (m, rad).
+const PIECE: f64 = 0.25;
+/// Pieces of an edge whose lengths together are that of its way in space.
+const LOOKS_ALONG: u32 = 8;
+
+/// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
+#[derive(Clone, Debug)]
+pub struct Carrier {
+    problem: Problem,
+    settings: LiftOffSettings,
+    hand: ClosingHand,
+    resting: Resting,
+    /// The object in the hand while it is lifted off.
+    lifting: Cell,
+}
+
+/// An object in the hand that has closed on it.
+#[derive(Clone, Debug)]
+pub struct Grip {
+    /// How the hand holds it.
+    pub hold: Hold,
+    /// How far the fingers are apart, in metres.
+    pub opening_m: f64,
+    /// How much farther the finger that touches last has to go than the first, in metres.
+    pub uneven_m: f64,
+    /// Robot, object and world while the object is lifted off, and from then on.
+    lifting: Arc<Cell>,
+    carrying: Arc<Cell>,
+}
+
+impl Carrier {
+    /// Of a problem under `exact` whose target is to be carried.
+    ///
+    /// # Errors
+    /// [`PlanError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
+    /// close; [`PlanError::Collision`] for a target that has no end or rests in a hollow.
+    pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
+        let lacking = |needs| PlanError::NothingToCarry { needs };
+        let (hand, cell) = ClosingHand::new(problem.cell().map(Arc::as_ref), problem.target(), lacking)?;
+        let clear_m = settings.clear_m.max(cell.margins().margin_m);
+        let resting = cell.resting(hand.target(), clear_m)?;
+        Ok(Self {
+            lifting: hand.holding().sparing(&resting.parts()),
+            settings: LiftOffSettings { clear_m, ..settings },
+            problem: problem.clone(),
+            hand,
+            resting,
+        })
+    }
+
+    /// What the object is called.
+    pub fn object(&self) -> &str {
+        &self.lifting.world().bodies()[self.hand.target()].name
+    }
+
+    /// Closes the hand at a configuration: the fingers, until the first touches the object as it then stands in the hand.
+    ///
+    /// # Errors
+    /// Why it does not hold the object then: a finger touches nothing, or meets something else on its way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn close(&self, q: &[f64]) -> Result<Grip, FailureReason> {
+        let ClosedHand { hold, opening_m, uneven_m } =
+            self.hand.close(q, &mut self.hand.holding().scratch())?;
+        let held =
+            |cell: &Cell| cell.with_hold(hold).map(Arc::new).map_err(|_| FailureReason::ClosesOnNothing);
+        let (lifting, carrying) = (held(&self.lifting)?, held(self.hand.holding())?);
+        Ok(Grip { hold, opening_m, uneven_m, lifting, carrying })
+    }
+
+    /// What keeps the object, gripped with the tip at a pose, from being at every one of these configurations; `None` if it
+    /// can be at one of them, as far as collisions go.
+    ///
+    /// # Panics
+    /// If a configuration has not one value per joint.
+    pub fn blocked_at(&self, world_from_tip: &Pose, ends: &[Vec<f64>]) -> Option<[String; 2]> {
+        let tip_from_held = world_from_tip.inverse() * self.hand.world_from_target();
+        let blocked = |closing| {
+            let cell = self.hand.holding().with_hold(Hold { tip_from_held, closing }).ok()?;
+            let mut scratch = cell.scratch();
+            let mut contacts = ends.iter().map(|end| cell.first_contact(end, &mut scratch));
+            let first = contacts.next()??;
+            contacts.all(|contact| contact.is_some()).then(|| (first.names(&cell), cell))
+        };
+        // Most are free with the hand open too, which it need not be closed for.
+        let (names, open) = blocked(0.0)?;
+        open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
+    }
+
+    /// Where the gripper is at a configuration.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn gripper(&self, q: &[f64]) -> Pose {
+        *self.problem.robot().frames_at(q).link(self.problem.robot().tip())
+    }
+
+    /// The configurations that an object may be carried to; `None` where they are not counted.
+    pub fn ends(&self, end: &CarryEnd) -> Option<Vec<Vec<f64>>> {
+        match end {
+            CarryEnd::Home => Some(vec![self.problem.start().to_vec()]),
+            CarryEnd::Configurations(ends) => Some(ends.clone()),
+            CarryEnd::Out { .. } => None,
+        }
+    }
+
+    /// How the object leaves what it rests on.
+    pub fn settings(&self) -> LiftOffSettings {
+        self.settings
+    }
+
+    /// The way of a held object off what it rests on, from where the hand closed on it: up, or up and away from what it
+    /// touches, in straight pieces that are proven each.
+    ///
+    /// # Errors
+    /// What is in the way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn lift_off(&self, grip: &Grip, q: &[f64]) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let mut scratch = grip.lifting.scratch();
+        if let Some(contact) = grip.lifting.first_contact(q, &mut scratch) {
+            let [first, second] = contact.names(&grip.lifting);
+            return Err(FailureReason::LiftOffBlocked { first, second });
+        }
+        let mut reason = FailureReason::LiftOffOutOfReach;
+        for way in self.resting.ways_off() {
+            match self.lifted(grip, q, &way, &mut scratch) {
+                Ok(path) => return Ok(path),
+                Err(Some([first, second])) => reason = FailureReason::LiftOffBlocked { first, second },
+                Err(None) => {}
+            }
+        }
+        Err(reason)
+    }
+
+    /// The way off in one direction, as short as it can be; what stops it, if that is known.
+    fn lifted(
+        &self,
+        grip: &Grip,
+        q: &[f64],
+        way: &Vector,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
+        let robot = self.problem.robot();
+        let world_from_tip = *robot.frames_at(q).link(robot.tip());
+        // What is left of the tolerance of an answer is for the straight lines between.
+        let settings = IkSettings {
+            translation_tolerance_m: 1e-6,
+            rotation_tolerance_rad: 1e-5,
+            ..IkSettings::default()
+        };
+        let mut solver = IkSolver::new(robot, settings);
+        let (mut path, mut gone_m, mut above) = (vec![q.to_vec()], 0.0, grip.carrying.scratch());
+        loop {
+            let last = &path[path.len() - 1];
+            if gone_m > 0.0 && self.is_off(grip, last, &mut above) && grip.carrying.is_free(last, &mut above)
+            {
+                return Ok(path);
+            }
+            if gone_m >= self.settings.most_m - 1e-9 {
+                let contact = grip.carrying.first_contact(last, &mut above);
+                return Err(contact.map(|contact| contact.names(&grip.carrying)));
+            }
+            gone_m = (gone_m + RUNG_M).min(self.settings.most_m);
+            let target = Pose::from_parts((way * gone_m).into(), Rotation::identity()) * world_from_tip;
+            let next = solver.step_from(&target, last).ok_or(None)?;
+            match grip.lifting.motion_is_free(last, &next, scratch) {
+                Motion::Proven => {}
+                Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
+                    return Err(Some(contact.names(&grip.lifting)));
+                }
+                Motion::OutOfLimits { .. } => return Err(None),
+            }
+            if let Some((_, body)) = self.stays_off(grip, last, &next, scratch) {
+                return Err(Some([self.object().to_owned(), self.body_name(body)]));
+            }
+            path.push(next);
+        }
+    }
+
+    /// Whether the object is as far off what it rested on as it must be at the end of a lift-off.
+    pub(crate) fn is_off(&self, grip: &Grip, q: &[f64], scratch: &mut Scratch) -> bool {
+        grip.carrying.lifted_m(&self.resting, q, scratch) >= self.settings.clear_m
+    }
+
+    /// Where an edge of a lift-off brings the object nearer to what it rested on, or may, and to which body.
+    pub(crate) fn stays_off(
+        &self,
+        grip: &Grip,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+    ) -> Option<(f64, usize)> {
+        grip.lifting.stays_off(&self.resting, self.settings.slack_m, a, b, scratch)
+    }
+
+    /// How far the object goes along a path, in metres.
+    pub(crate) fn length_m(&self, grip: &Grip, path: &[Vec<f64>]) -> f64 {
+        let robot = self.problem.robot();
+        let place = |q: Vec<f64>| {
+            let world_from_held = robot.frames_at(&q).link(robot.tip()) * grip.hold.tip_from_held;
+            world_from_held.translation.vector
+        };
+        let of_edge = |ends: &[Vec<f64>]| {
+            let looks = (0..=LOOKS_ALONG).map(|look| f64::from(look) / f64::from(LOOKS_ALONG));
+            let places: Vec<Vector> =
+                looks.map(|at| place(between(&ends[0], &ends[1], at).collect())).collect();
+            places.windows(2).map(|places| (places[1] - places[0]).norm()).sum::<f64>()
+        };
+        path.windows(2).map(of_edge).sum()
+    }
+
+    pub(crate) fn body_name(&self, body: usize) -> String {
+        self.lifting.world().bodies()[body].name.clone()
+    }
+}
+
+impl Grip {
+    /// The cell in which the object is taken off what it rests on, and the one in which it is carried on from there.
+    pub fn cells(&self) -> [&Arc<Cell>; 2] {
+        [&self.lifting, &self.carrying]
+    }
+
+    /// The problem of moving the object on the way off what it rests on.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
+    pub fn lifting(&self, from: &[f64], to: &[f64]) -> Result<Problem, PlanError> {
+        Problem::in_cell(self.lifting.clone(), from.to_vec(), Goal::Configurations(vec![to.to_vec()]))
+    }
+
+    /// The problem of carrying it on from there to any of these configurations.
+    ///
+    /// # Errors
+    /// As [`Self::lifting`].
+    pub fn carrying(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
+        Problem::in_cell(self.carrying.clone(), from.to_vec(), Goal::Configurations(to))
+    }
+
+    /// Whether a configuration is free with the object in the hand, and within its limits.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        self.carrying.is_free(q, scratch)
+    }
+
+    /// Room to ask the hand with the object in.
+    pub fn carrying_scratch(&self) -> Scratch {
+        self.carrying.scratch()
+    }
+
+    /// How far the object is from all bodies but floors, in metres, certified from below; at most `beyond_m`.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
+        self.carrying.held_clearance(q, beyond_m, scratch)
+    }
+
+    /// Configurations along a path, from its begin on, as far as the path is proven with the object in the hand: no two
+    /// farther apart than one could grow in a step.
+    pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut scratch = self.carrying.scratch();
+        let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
+        for edge in path.windows(2) {
+            let [a, b] = edge else { break };
+            let pieces = (distance(a, b) / PIECE).ceil().max(1.0);
+            // At most so many that their number is exact.
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            for piece in 1..=pieces.min(1e6) as u32 {
+                let next: Vec<f64> = if f64::from(piece) >= pieces {
+                    b.clone()
+                } else {
+                    between(a, b, f64::from(piece) / pieces).collect()
+                };
+                let last = &along[along.len() - 1];
+                if !self.carrying.motion_is_free(last, &next, &mut scratch).is_proven() {
+                    return along;
+                }
+                along.push(next);
+            }
+        }
+        along
+    }
+}

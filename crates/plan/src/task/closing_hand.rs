@@ -1,0 +1,98 @@
+use cranny_collision::{Cell, Closing, Scratch};
+use cranny_robot::{Hold, Robot};
+use cranny_spatial::Pose;
+
+use crate::{FailureReason, PlanError};
+
+/// The hand of a robot and the target of a problem, on which it closes.
+#[derive(Clone, Debug)]
+pub(crate) struct ClosingHand {
+    target: usize,
+    world_from_target: Pose,
+    /// The target in the open hand, anywhere in it.
+    holding: Cell,
+}
+
+/// A hand that has closed.
+#[derive(Clone, Debug)]
+pub(crate) struct ClosedHand {
+    /// How it holds the target.
+    pub hold: Hold,
+    /// How far the fingers are apart, in metres.
+    pub opening_m: f64,
+    /// How much farther the finger that touches last has to go than the first, in metres.
+    pub uneven_m: f64,
+}
+
+impl ClosingHand {
+    /// Of a cell, which is given back, and the body to close on; `lacking` says what the error is if it lacks something.
+    ///
+    /// # Errors
+    /// That of `lacking` without a cell (under `paper`), without a target, or for a robot whose hand cannot close;
+    /// [`PlanError::Collision`] for a target that has no end.
+    pub fn new(
+        cell: Option<&Cell>,
+        target: Option<usize>,
+        lacking: fn(&'static str) -> PlanError,
+    ) -> Result<(Self, &Cell), PlanError> {
+        let cell = cell.ok_or_else(|| lacking("the exact criterion"))?;
+        let target = target.ok_or_else(|| lacking("a target"))?;
+        if cell.robot().hand().is_none_or(|hand| hand.fingers == 0) {
+            return Err(lacking("a hand that can close (a robot.yaml beside the URDF names its fingers)"));
+        }
+        let thing = &cell.world().bodies()[target];
+        let world_from_target = thing.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
+        let nowhere = Hold { tip_from_held: Pose::identity(), closing: 0.0 };
+        Ok((Self { target, world_from_target, holding: cell.holding(target, nowhere)? }, cell))
+    }
+
+    /// Which body of the world the target is.
+    pub fn target(&self) -> usize {
+        self.target
+    }
+
+    /// The target in the open hand, anywhere in it.
+    pub fn holding(&self) -> &Cell {
+        &self.holding
+    }
+
+    /// Where the target, which has not moved, is in the hand at a configuration.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn tip_from_held(&self, q: &[f64]) -> Pose {
+        let robot: &Robot = self.holding.robot();
+        robot.frames_at(q).link(robot.tip()).inverse() * self.world_from_target
+    }
+
+    /// Where the target stands.
+    pub fn world_from_target(&self) -> Pose {
+        self.world_from_target
+    }
+
+    /// Closes the fingers at a configuration, until the first touches the target, and proves that they meet nothing else.
+    /// `scratch` is that of [`Self::holding`].
+    ///
+    /// # Errors
+    /// Why the hand does not hold the target then: a finger touches nothing, or meets something else on its way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn close(&self, q: &[f64], scratch: &mut Scratch) -> Result<ClosedHand, FailureReason> {
+        let tip_from_held = self.tip_from_held(q);
+        let held = |closing| {
+            let hold = Hold { tip_from_held, closing };
+            self.holding.with_hold(hold).map_err(|_| FailureReason::ClosesOnNothing)
+        };
+        let Closing { closing, uneven_m } =
+            held(0.0)?.close_on_held().ok_or(FailureReason::ClosesOnNothing)?;
+        let closed = held(closing)?;
+        if let Some(contact) = closed.closing_contact(q, scratch) {
+            let [first, second] = contact.names(&closed);
+            return Err(FailureReason::ClosingCollides { first, second });
+        }
+        let hand = self.holding.robot().hand();
+        let opening_m = hand.map_or(0.0, |hand| hand.description.opening_m * (1.0 - closing));
+        Ok(ClosedHand { hold: Hold { tip_from_held, closing }, opening_m, uneven_m })
+    }
+}

@@ -1,0 +1,316 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Margins, ReleasedCheck, World};
+use cranny_grasp::GraspSet;
+use cranny_robot::Robot;
+use cranny_spatial::PoseDifference;
+use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr};
+
+use crate::{GraspMeasure, NotChecked, PlanError};
+
+/// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
+/// was made for: whoever has a problem need not look again.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    robot: Arc<Robot>,
+    target: Option<usize>,
+    start: Vec<f64>,
+    goal: Goal,
+    /// What grasps are measured by, if no set of them is given.
+    grasp_measure: Option<Arc<GraspMeasure>>,
+    validity: Validity,
+}
+
+/// Where a path must end.
+#[derive(Clone, Debug)]
+pub enum Goal {
+    /// At any of these grasps; a problem without a set has none of them, and a [`Problem::grasp_measure`].
+    Grasps(GraspSet),
+    /// At any of these configurations.
+    Configurations(Vec<Vec<f64>>),
+}
+
+/// When a problem counts as solved (DESIGN, "What solved means").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, EnumString, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Criterion {
+    /// Within 1 mm and 1° of a grasp, the real geometry, the whole path proven.
+    #[default]
+    Exact,
+    /// The released planners' own measure, for comparison only: within `d < 50`, way points only.
+    Paper,
+}
+
+impl Criterion {
+    /// What files and flags call it.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+}
+
+/// What counts as free, with the geometry that decides it.
+#[derive(Clone, Debug)]
+pub(crate) enum Validity {
+    /// Exact shapes, and proofs of whole motions.
+    Exact(Arc<Cell>),
+    /// The released check of single configurations, and the value of `d = ½·mm + ½·deg` below which the gripper has
+    /// arrived; and the cell that tells planners of distances, which the released check does not know.
+    Paper { check: Arc<ReleasedCheck>, threshold: f64, distances: Arc<Cell> },
+}
+
+/// The released planners stop below this value of `d = ½·mm + ½·deg`.
+pub const PAPER_THRESHOLD: f64 = 50.0;
+
+impl Problem {
+    /// A problem under the `exact` criterion. Pairs of links that touch in every sample are not checked
+    /// ([`Cell::unchecked`]), but those that are free at the start or at a goal configuration are.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not
+    /// fit the robot, [`PlanError::Collision`] for a negative margin.
+    ///
+    /// # Panics
+    /// If the world has no body `target`.
+    pub fn exact(
+        robot: Arc<Robot>,
+        world: World,
+        target: Option<usize>,
+        start: Vec<f64>,
+        goal: Goal,
+        margins: Margins,
+    ) -> Result<Self, PlanError> {
+        let cell = match target {
+            Some(target) => Cell::for_grasp(robot.clone(), world, target, margins)?,
+            None => Cell::new(robot.clone(), world, margins)?,
+        };
+        let validity = Validity::Exact(Arc::new(cell));
+        let mut problem = Self { robot, target, start, goal, grasp_measure: None, validity }.checked()?;
+        if let Validity::Exact(cell) = &problem.validity {
+            let known = std::iter::once(&problem.start).chain(problem.goal_configurations());
+            problem.validity = Validity::Exact(cell.with_pairs_free_at(known.map(Vec::as_slice)));
+        }
+        Ok(problem)
+    }
+
+    /// A problem under the `exact` criterion in a cell that there is already.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not fit the
+    /// robot.
+    pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
+        let robot = cell.robot().clone();
+        let validity = Validity::Exact(cell);
+        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
+    }
+
+    /// A problem under the `paper` criterion: `check` decides; of distances to `world` planners may ask for how far to go.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start or goal configuration that does not
+    /// fit the robot.
+    pub fn paper(check: ReleasedCheck, world: World, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
+        let robot = check.robot().clone();
+        let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
+        let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
+        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
+    }
+
+    /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
+    /// surface of the target, with this coefficient of friction between it and the pads.
+    ///
+    /// # Errors
+    /// [`PlanError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no surface, of a robot
+    /// whose hand cannot close, or for a friction that is not positive; [`PlanError::Collision`] for a target that has no
+    /// end.
+    pub fn without_grasp_set(&self, friction: f64) -> Result<Self, PlanError> {
+        let grasp_measure = Some(Arc::new(self.new_grasp_measure(friction)?));
+        Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
+    }
+
+    /// The robot; its root frame is the planning frame.
+    pub fn robot(&self) -> &Arc<Robot> {
+        &self.robot
+    }
+
+    /// Which body of the world is to be grasped and may later be carried, by index.
+    pub fn target(&self) -> Option<usize> {
+        self.target
+    }
+
+    /// The configuration to start from (m, rad; one value per joint).
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Where to go.
+    pub fn goal(&self) -> &Goal {
+        &self.goal
+    }
+
+    /// What grasps are measured by, if no set of them is given ([`Self::without_grasp_set`]).
+    pub fn grasp_measure(&self) -> Option<&GraspMeasure> {
+        self.grasp_measure.as_deref()
+    }
+
+    /// The grasps to go to, if it is any of these.
+    pub fn grasps(&self) -> Option<&GraspSet> {
+        match &self.goal {
+            Goal::Grasps(grasps) => Some(grasps),
+            Goal::Configurations(_) => None,
+        }
+    }
+
+    /// The criterion that decides.
+    pub fn criterion(&self) -> Criterion {
+        match self.validity {
+            Validity::Exact(_) => Criterion::Exact,
+            Validity::Paper { .. } => Criterion::Paper,
+        }
+    }
+
+    /// Robot and world, under `exact`.
+    pub fn cell(&self) -> Option<&Arc<Cell>> {
+        match &self.validity {
+            Validity::Exact(cell) => Some(cell),
+            Validity::Paper { .. } => None,
+        }
+    }
+
+    /// Under `paper`: the gripper has arrived where `d = ½·mm + ½·deg` is below this; 0 for a search that never arrives.
+    pub fn goal_threshold(&self) -> Option<f64> {
+        match self.validity {
+            Validity::Exact(_) => None,
+            Validity::Paper { threshold, .. } => Some(threshold),
+        }
+    }
+
+    /// Whether the start is free.
+    pub fn start_is_free(&self) -> bool {
+        match &self.validity {
+            Validity::Exact(cell) => cell.is_free(&self.start, &mut cell.scratch()),
+            Validity::Paper { check, .. } => check.is_free(&self.start, &mut check.scratch()),
+        }
+    }
+
+    /// The same problem with another goal.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a goal configuration that does not fit the robot.
+    pub fn with_goal(&self, goal: Goal) -> Result<Self, PlanError> {
+        Self { goal, grasp_measure: None, ..self.clone() }.checked()
+    }
+
+    /// The same problem, under `paper` with another threshold.
+    #[must_use]
+    pub fn with_goal_threshold(mut self, value: f64) -> Self {
+        if let Validity::Paper { threshold, .. } = &mut self.validity {
+            *threshold = value;
+        }
+        self
+    }
+
+    /// The same problem with all pairs of links checked but those that are exempt by declaration.
+    #[must_use]
+    pub fn checking_all_pairs(mut self) -> Self {
+        if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
+            self.validity = Validity::Exact(Arc::new(cell.with_all_pairs()));
+            self.renew_grasp_measure();
+        }
+        self
+    }
+
+    fn new_grasp_measure(&self, friction: f64) -> Result<GraspMeasure, PlanError> {
+        GraspMeasure::new(self.cell().map(Arc::as_ref), self.target, friction)
+    }
+
+    /// The hand that closes is checked as the robot is.
+    fn renew_grasp_measure(&mut self) {
+        if let Some(measure) = &self.grasp_measure
+            && let Ok(renewed) = self.new_grasp_measure(measure.friction())
+        {
+            self.grasp_measure = Some(Arc::new(renewed));
+        }
+    }
+
+    /// What touches and is not checked, under `exact`.
+    pub fn not_checked(&self) -> Vec<NotChecked> {
+        self.cell().map_or_else(Vec::new, |cell| NotChecked::of(cell))
+    }
+
+    /// Robot and world for `asker`, a planner which proves what it does.
+    ///
+    /// # Errors
+    /// [`PlanError::Goal`] under `paper`.
+    pub fn exact_cell(&self, asker: &'static str) -> Result<&Arc<Cell>, PlanError> {
+        self.cell().ok_or(PlanError::Goal { planner: asker, needs: "the exact criterion" })
+    }
+
+    /// The goal of a problem that has any, for a planner that makes no grasps of its own.
+    ///
+    /// # Errors
+    /// [`PlanError::NoGraspSet`], [`PlanError::NoGoal`].
+    pub fn some_goal(&self) -> Result<&Goal, PlanError> {
+        if self.grasp_measure.is_some() {
+            return Err(PlanError::NoGraspSet);
+        }
+        let is_empty = match &self.goal {
+            Goal::Grasps(grasps) => grasps.is_empty(),
+            Goal::Configurations(goals) => goals.is_empty(),
+        };
+        if is_empty { Err(PlanError::NoGoal) } else { Ok(&self.goal) }
+    }
+
+    /// What grasps are measured by, for `planner`, which makes some of its own.
+    pub(crate) fn own_grasp_measure(&self, planner: &'static str) -> Result<&GraspMeasure, PlanError> {
+        self.exact_cell(planner)?;
+        self.grasp_measure().ok_or(PlanError::GraspSet { planner })
+    }
+
+    /// The same problem with these pairs of links checked too (under `exact`).
+    pub(crate) fn checking_pairs(&mut self, pairs: &[(usize, usize)]) {
+        if let Validity::Exact(cell) = &mut self.validity {
+            *cell = Arc::new(cell.with_pairs(pairs));
+            self.renew_grasp_measure();
+        }
+    }
+
+    pub(crate) fn validity(&self) -> &Validity {
+        &self.validity
+    }
+
+    /// Whether a gripper this far from a grasp has arrived.
+    pub(crate) fn is_arrival(&self, difference: &PoseDifference) -> bool {
+        match self.validity {
+            Validity::Exact(_) => difference.is_exact(),
+            Validity::Paper { threshold, .. } => difference.paper_metric() < threshold,
+        }
+    }
+
+    /// The configurations to go to; none where the goal is grasps.
+    pub fn goal_configurations(&self) -> &[Vec<f64>] {
+        match &self.goal {
+            Goal::Grasps(_) => &[],
+            Goal::Configurations(goals) => goals,
+        }
+    }
+
+    fn checked(self) -> Result<Self, PlanError> {
+        let goals = self.goal_configurations();
+        for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
+            self.check_configuration(what, q)?;
+        }
+        Ok(self)
+    }
+
+    pub(crate) fn check_configuration(&self, what: &'static str, q: &[f64]) -> Result<(), PlanError> {
+        if q.len() != self.robot.dof() {
+            return Err(PlanError::JointCount { what, expected: self.robot.dof(), actual: q.len() });
+        }
+        match q.iter().position(|x| !x.is_finite()) {
+            Some(joint) => Err(PlanError::NotFinite { what, joint: self.robot.joint_names()[joint].clone() }),
+            None => Ok(()),
+        }
+    }
+}

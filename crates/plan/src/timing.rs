@@ -1,0 +1,11 @@
+//! When to be where on a path: limits, laws of time, trajectories.
+
+pub(crate) mod corner_blend;
+pub(crate) mod jerk_limited;
+pub(crate) mod motion_limits;
+pub(crate) mod path_curve;
+pub(crate) mod time_law;
+pub(crate) mod time_optimal;
+#[cfg(test)]
+mod time_optimal_tests;
+pub(crate) mod trajectory;

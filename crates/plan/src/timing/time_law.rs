@@ -1,0 +1,87 @@
+use std::ops::Range;
+
+use crate::timing::path_curve::PathCurve;
+
+/// How a path is run through: `s(t)`, phase by phase a polynomial of third degree.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TimeLaw {
+    pub phases: Vec<Phase>,
+    pub duration_s: f64,
+}
+
+/// A stretch of time with constant jerk.
+#[derive(Clone, Debug)]
+pub(crate) struct Phase {
+    /// The pieces of the curve that it runs through.
+    pub pieces: Range<usize>,
+    pub begin_s: f64,
+    pub duration_s: f64,
+    /// At the beginning.
+    pub state: PathState,
+    /// `d³s/dt³`.
+    pub jerk: f64,
+}
+
+/// Where on a path, and how fast: `s` (from the last stop), `ds/dt`, `d²s/dt²`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct PathState {
+    pub s: f64,
+    pub speed: f64,
+    pub acceleration: f64,
+}
+
+impl PathState {
+    /// The state after `t` seconds of constant `jerk`.
+    pub fn after(&self, t: f64, jerk: f64) -> Self {
+        Self {
+            s: self.s + t * (self.speed + t * (0.5 * self.acceleration + t * jerk / 6.0)),
+            speed: self.speed + t * (self.acceleration + 0.5 * t * jerk),
+            acceleration: self.acceleration + t * jerk,
+        }
+    }
+}
+
+impl TimeLaw {
+    /// Adds a phase after the others; one of no duration is left out.
+    pub fn push(&mut self, pieces: Range<usize>, duration_s: f64, state: PathState, jerk: f64) {
+        if duration_s > 0.0 {
+            self.phases.push(Phase { pieces, begin_s: self.duration_s, duration_s, state, jerk });
+            self.duration_s += duration_s;
+        }
+    }
+
+    /// The piece and the state at time `t`, kept within the pieces of the phase; `None` outside
+    /// [0, duration).
+    pub fn at(&self, t: f64, curve: &PathCurve) -> Option<(usize, PathState)> {
+        if !(0.0..self.duration_s).contains(&t) {
+            return None;
+        }
+        let phase = &self.phases[self.phases.partition_point(|phase| phase.begin_s <= t).saturating_sub(1)];
+        let mut state = phase.state.after((t - phase.begin_s).min(phase.duration_s), phase.jerk);
+        let pieces = &curve.pieces[phase.pieces.clone()];
+        let piece = pieces.partition_point(|piece| piece.end_s() <= state.s).min(pieces.len() - 1);
+        state.s = state.s.clamp(pieces[0].begin, pieces[pieces.len() - 1].end_s());
+        state.speed = state.speed.max(0.0);
+        Some((phase.pieces.start + piece, state))
+    }
+
+    /// When `s` on piece `piece` is reached.
+    pub fn time_of(&self, piece: usize, s: f64) -> f64 {
+        // The last phase that begins there or before.
+        let is_before = |phase: &Phase| {
+            phase.pieces.end <= piece || (phase.pieces.contains(&piece) && phase.state.s <= s)
+        };
+        let Some(phase) = self.phases[..self.phases.partition_point(is_before)].last() else { return 0.0 };
+        let (mut low, mut high) = (0.0, phase.duration_s);
+        if phase.state.s >= s {
+            return phase.begin_s;
+        }
+        // Halved until neighbouring numbers are left.
+        const HALVINGS: u32 = 60;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if phase.state.after(middle, phase.jerk).s < s { low = middle } else { high = middle }
+        }
+        phase.begin_s + high
+    }
+}

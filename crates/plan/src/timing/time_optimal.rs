@@ -1,0 +1,218 @@
+use crate::timing::motion_limits::MotionLimits;
+use crate::timing::path_curve::{PathCurve, Piece};
+use crate::timing::time_law::{PathState, TimeLaw};
+
+/// The fastest way along `curve` under the limits of velocity and acceleration, at rest at every stop
+/// (TOPP-RA: Pham & Pham 2018, §IV).
+///
+/// With `x = ṡ²` and `u = s̈` the acceleration of joint j is `q_j'(s)·u + q_j''(s)·x`, and over a stage of
+/// length Δ with constant u, `x` grows by `2Δu`.
+///
+/// 1. The path is cut into stages: a line is one, a parabola many.
+/// 2. Backward, the controllable sets: from which `x` can the end of a stage be reached within its own set?
+///    Since every limit is symmetric, rest is always among them, so a set is [0, `greatest`].
+/// 3. Forward, greedily the greatest `x` that stays controllable.
+///
+/// On a line the limits of u are constant, so one stage holds the whole optimum: accelerate, cruise,
+/// decelerate. On a parabola `q'` is linear and `q''` constant, hence the acceleration of a joint is linear
+/// in s along a stage, and limits kept at both of its ends are kept between them: no limit is exceeded
+/// anywhere, not only on the grid. The limit of velocity is taken at the faster end of a stage.
+pub(crate) fn time_optimal(curve: &PathCurve, limits: &MotionLimits) -> TimeLaw {
+    on_grid(curve, limits, STAGES_PER_PARABOLA)
+}
+
+pub(crate) fn on_grid(curve: &PathCurve, limits: &MotionLimits, stages_per_parabola: u32) -> TimeLaw {
+    // 1.
+    let stages: Vec<Stage> = curve
+        .pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(index, piece)| Stage::of_piece(index, piece, limits, stages_per_parabola))
+        .collect();
+    let mut cap = vec![f64::INFINITY; stages.len() + 1];
+    for (index, stage) in stages.iter().enumerate() {
+        cap[index] = cap[index].min(stage.cap);
+        cap[index + 1] = cap[index + 1].min(stage.cap);
+        if stage.after_stop {
+            cap[index] = 0.0;
+        }
+    }
+    cap[stages.len()] = 0.0;
+    // 2.
+    let mut greatest = cap;
+    for (index, stage) in stages.iter().enumerate().rev() {
+        greatest[index] = stage.greatest_begin(greatest[index], greatest[index + 1]);
+    }
+    // 3.
+    let mut law = TimeLaw::default();
+    let mut x = 0.0;
+    for (stage, reachable) in stages.iter().zip(&greatest[1..]) {
+        x = stage.run(x, *reachable, &mut law);
+    }
+    law
+}
+
+/// Stages of a parabola. What this takes longer than a grid without limit is below a hundredth, where corners
+/// are cut as far as can be, and falls with the number of stages.
+const STAGES_PER_PARABOLA: u32 = 256;
+
+/// A slope below this part of its change over a stage is none: near such a turning point of a joint the
+/// bounds of u that its row gives are differences of large numbers. What is ignored is a hundredth of what
+/// limits keep in reserve.
+const NO_SLOPE: f64 = 1e-7;
+
+/// A stretch of the path with its limits.
+struct Stage {
+    piece: usize,
+    after_stop: bool,
+    begin: f64,
+    length: f64,
+    /// The greatest `x` that the limits of velocity allow on it.
+    cap: f64,
+    rows: Rows,
+}
+
+enum Rows {
+    /// On a line: `|u| ≤ acceleration`.
+    Line { acceleration: f64 },
+    /// On a parabola, at both ends of the stage.
+    Parabola(Vec<Row>),
+}
+
+/// `|bend·x + slope·u| ≤ limit`, with `slope` ≥ 0.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    bend: f64,
+    slope: f64,
+    limit: f64,
+}
+
+/// A bound of u that is linear in x: its value at the x in question, and its slope.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    value: f64,
+    slope: f64,
+}
+
+impl Stage {
+    fn of_piece(index: usize, piece: &Piece, limits: &MotionLimits, stages: u32) -> Vec<Self> {
+        let joints = 0..limits.velocity.len();
+        let least = |limits: &[f64]| {
+            joints.clone().map(|j| limits[j] / piece.slope[j].abs()).fold(f64::INFINITY, f64::min)
+        };
+        if piece.curvature.is_none() {
+            return vec![Self {
+                piece: index,
+                after_stop: piece.after_stop,
+                begin: piece.begin,
+                length: piece.length,
+                cap: least(&limits.velocity).powi(2),
+                rows: Rows::Line { acceleration: least(&limits.acceleration) },
+            }];
+        }
+        let step = piece.length / f64::from(stages);
+        let stage = |k: u32| {
+            let begin = piece.begin + f64::from(k) * step;
+            let mut cap = f64::INFINITY;
+            let mut rows = Vec::with_capacity(2 * joints.len());
+            for j in joints.clone() {
+                let (at_begin, bend) = piece.derivatives(j, begin);
+                let (at_end, _) = piece.derivatives(j, begin + step);
+                cap = cap.min((limits.velocity[j] / at_begin.abs().max(at_end.abs())).powi(2));
+                // At the end `x` has grown by 2·step·u.
+                for slope in [at_begin, at_end + 2.0 * step * bend] {
+                    let is_flat = slope.abs() <= NO_SLOPE * step * bend.abs();
+                    let bend = if slope < 0.0 { -bend } else { bend };
+                    let slope = if is_flat { 0.0 } else { slope.abs() };
+                    rows.push(Row { bend, slope, limit: limits.acceleration[j] });
+                }
+            }
+            let after_stop = piece.after_stop && k == 0;
+            Self { piece: index, after_stop, begin, length: step, cap, rows: Rows::Parabola(rows) }
+        };
+        (0..stages).map(stage).collect()
+    }
+
+    /// The greatest `x` up to `cap` at the beginning from which some admissible u leads to at most `end`.
+    fn greatest_begin(&self, cap: f64, end: f64) -> f64 {
+        let rows = match &self.rows {
+            Rows::Line { acceleration } => return cap.min(end + 2.0 * acceleration * self.length),
+            Rows::Parabola(rows) => rows,
+        };
+        let flat = rows.iter().filter(|row| row.slope <= 0.0 && row.bend != 0.0);
+        let mut x = flat.map(|row| row.limit / row.bend.abs()).fold(cap, f64::min);
+        // The gap between the bounds of u is concave in x and not negative at 0: Newton from above ends at
+        // its root after at most one step for each row.
+        for _ in 0..2 * rows.len() + 2 {
+            let (lower, upper) = self.bounds(rows, x, end);
+            let gap = upper.value - lower.value;
+            let slope = upper.slope - lower.slope;
+            if gap >= 0.0 || slope >= 0.0 {
+                break;
+            }
+            x = (x - gap / slope).max(0.0);
+        }
+        x
+    }
+
+    /// The bounds of u at `x`, with `x + 2Δu` in [0, `end`].
+    fn bounds(&self, rows: &[Row], x: f64, end: f64) -> (Bound, Bound) {
+        let slope = -0.5 / self.length;
+        let mut lower = Bound { value: slope * x, slope };
+        let mut upper = Bound { value: (end - x) * -slope, slope };
+        for row in rows.iter().filter(|row| row.slope > 0.0) {
+            let slope = -row.bend / row.slope;
+            let (middle, half) = (slope * x, row.limit / row.slope);
+            if middle - half > lower.value {
+                lower = Bound { value: middle - half, slope };
+            }
+            if middle + half < upper.value {
+                upper = Bound { value: middle + half, slope };
+            }
+        }
+        (lower, upper)
+    }
+
+    /// Runs the stage from `x` to the greatest value up to `end` and returns that.
+    fn run(&self, x: f64, end: f64, law: &mut TimeLaw) -> f64 {
+        match &self.rows {
+            Rows::Line { acceleration } => self.run_line(x, end, *acceleration, law),
+            Rows::Parabola(rows) => {
+                let (_, upper) = self.bounds(rows, x, end);
+                let reached = (x + 2.0 * self.length * upper.value).clamp(0.0, end);
+                self.push(law, 0.0, self.length, (x, reached));
+                reached
+            }
+        }
+    }
+
+    fn run_line(&self, x: f64, end: f64, acceleration: f64, law: &mut TimeLaw) -> f64 {
+        let reached = end.min(x + 2.0 * acceleration * self.length);
+        let least = 0.5 * (reached - x) / acceleration;
+        // Where acceleration and deceleration meet, unless the limit of velocity comes first.
+        let peak = 0.5 * (x + reached) + acceleration * self.length;
+        let (peak, rise, fall) = if peak > self.cap {
+            (self.cap, 0.5 * (self.cap - x) / acceleration, 0.5 * (self.cap - reached) / acceleration)
+        } else {
+            (peak, 0.5 * (self.length + least), 0.5 * (self.length - least))
+        };
+        let (rise, fall) = (rise.clamp(0.0, self.length), fall.clamp(0.0, self.length));
+        self.push(law, 0.0, rise, (x, peak));
+        self.push(law, rise, self.length - rise - fall, (peak, peak));
+        self.push(law, self.length - fall, fall, (peak, reached));
+        reached
+    }
+
+    /// A phase from `offset` on over `length`, with `x` at its ends.
+    fn push(&self, law: &mut TimeLaw, offset: f64, length: f64, (from, to): (f64, f64)) {
+        /// Shorter stretches of the path, in seconds at full speed, are rounding.
+        const SHORTEST: f64 = 1e-18;
+        if length > SHORTEST {
+            let speed = from.max(0.0).sqrt();
+            let duration_s = 2.0 * length / (speed + to.max(0.0).sqrt());
+            let acceleration = 0.5 * (to - from) / length;
+            let state = PathState { s: self.begin + offset, speed, acceleration };
+            law.push(self.piece..self.piece + 1, duration_s, state, 0.0);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+use copp::diag::PathError;
+use copp::path::{Path, PathEvaluator2nd};
+use copp::solver::topp2_ra::{ReachSet2OptionsBuilder, Topp2ProblemBuilder, s_to_t_topp2, topp2_ra};
+use cranny_robot::{JointLimits, JointUnit};
+use cranny_spatial::Stream;
+use proptest::prelude::*;
+
+use crate::timing::motion_limits::{MotionLimits, TimingMethod};
+use crate::timing::path_curve::PathCurve;
+use crate::timing::time_optimal::{on_grid, time_optimal};
+use crate::timing::trajectory::{Trajectory, TrajectorySample};
+
+const JOINTS: usize = 5;
+
+fn limits() -> Vec<JointLimits> {
+    let joint = |(velocity, acceleration)| JointLimits {
+        lower: -3.0,
+        upper: 3.0,
+        velocity,
+        acceleration: Some(acceleration),
+        jerk: None,
+        unit: JointUnit::Radian,
+    };
+    [(1.0, 1.0), (1.0, 2.0), (2.2, 15.0), (2.2, 7.5), (2.6, 20.0)].map(joint).into()
+}
+
+fn motion_limits() -> MotionLimits {
+    let names: Vec<String> = (0..JOINTS).map(|j| format!("joint{j}")).collect();
+    MotionLimits::new(&names, &limits(), TimingMethod::TimeOptimal).expect("limits")
+}
+
+fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
+    let mut stream = Stream::new(seed, 0);
+    (0..count).map(|_| (0..JOINTS).map(|_| stream.uniform_between(-3.0, 3.0)).collect()).collect()
+}
+
+/// The first joint that exceeds a limit along a blended path sampled at 1 kHz, and when (s).
+fn exceeded(seed: u64, count: usize, blend: f64) -> Option<(usize, f64)> {
+    let path = polyline(seed, count);
+    let blends = vec![blend; count];
+    let trajectory = Trajectory::with_blends(&path, &motion_limits(), &blends).expect("a trajectory");
+    let samples: Vec<_> = trajectory.samples(1000.0).expect("samples").collect();
+    for (joint, limits) in limits().iter().enumerate() {
+        let acceleration = limits.acceleration.expect("known");
+        let stated = |s: &&TrajectorySample| {
+            s.velocity[joint].abs() > limits.velocity || s.acceleration[joint].abs() > acceleration
+        };
+        // The last interval is shorter.
+        let differences = |three: &&[TrajectorySample]| {
+            let [a, b, c] = [0, 1, 2].map(|k| three[k].position[joint]);
+            let of_velocity = (three[2].velocity[joint] - three[0].velocity[joint]) * 500.0;
+            ((b - a) * 1000.0).abs() > limits.velocity
+                || (((c - b) - (b - a)) * 1e6).abs() > acceleration
+                || of_velocity.abs() > acceleration
+        };
+        let found = samples.iter().find(stated).map(|sample| sample.time_s);
+        let even = &samples[..samples.len() - 1];
+        if let Some(time_s) = found.or_else(|| even.windows(3).find(differences).map(|t| t[1].time_s)) {
+            return Some((joint, time_s));
+        }
+    }
+    None
+}
+
+/// How much of the limits of acceleration is used at most, at the ends of the stages: between them it is
+/// less.
+fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
+    let mut most = 0.0_f64;
+    for phase in on_grid(curve, limits, stages).phases {
+        let piece = &curve.pieces[phase.pieces.start];
+        for state in [phase.state, phase.state.after(phase.duration_s, phase.jerk)] {
+            for (joint, limit) in limits.acceleration.iter().enumerate() {
+                let (slope, bend) = piece.derivatives(joint, state.s);
+                let acceleration = slope * state.acceleration + bend * state.speed * state.speed;
+                most = most.max(acceleration.abs() / limit);
+            }
+        }
+    }
+    most
+}
+
+/// In the middle of this corner a joint turns back, on the very edge of a stage but for rounding: its row
+/// there has a slope of 1e-17, and gave bounds of u that were noise.
+#[test]
+fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
+    let (limits, blends) = (motion_limits(), vec![10.0_f64.powf(-0.38683405671710996); 4]);
+    let curve = PathCurve::along(&polyline(15229711017748495913, 4), &limits.velocity, &blends);
+    for stages in [2, 16, 32, 64, 100, 128, 256, 1024] {
+        let most = greatest_use(&curve, &limits, stages);
+        assert!(most < 1.0 + 1e-6, "{stages} stages: {most}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..Default::default() })]
+
+    /// As in `every_limit_holds_at_1_khz`, for curves.
+    #[test]
+    fn every_limit_holds_on_blended_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5) {
+        let exceeded = exceeded(seed, count, 10.0_f64.powf(size));
+        prop_assert!(exceeded.is_none(), "{exceeded:?}");
+    }
+
+    /// Bigger blends are not promised to be faster, but each blend is faster than the stop it replaces.
+    #[test]
+    fn a_blend_is_faster_than_a_stop(seed in any::<u64>(), count in 3usize..8) {
+        let path = polyline(seed, count);
+        let limits = motion_limits();
+        let stopping = Trajectory::along(&path, &limits).expect("a trajectory").duration_s();
+        for r in [1e-6, 1e-3, 0.05] {
+            let blended = Trajectory::with_blends(&path, &limits, &vec![r; count]).expect("a trajectory");
+            prop_assert!(blended.duration_s() < stopping);
+        }
+    }
+
+    #[test]
+    fn a_finer_grid_hardly_shortens_the_time(seed in any::<u64>(), count in 3usize..8, size in -3.0..0.5) {
+        let (path, limits) = (polyline(seed, count), motion_limits());
+        let curve = PathCurve::along(&path, &limits.velocity, &vec![10.0_f64.powf(size); count]);
+        let taken = time_optimal(&curve, &limits).duration_s;
+        let fine = on_grid(&curve, &limits, 2048).duration_s;
+        prop_assert!(fine <= taken * (1.0 + 1e-5) && taken <= fine * 1.01, "{taken} against {fine}");
+    }
+
+    /// The stages of a parabola against the closed form of a line.
+    #[test]
+    fn a_line_taken_as_a_parabola_takes_as_long(seed in any::<u64>()) {
+        let limits = motion_limits();
+        let mut curve = PathCurve::along(&polyline(seed, 2), &limits.velocity, &[]);
+        let exact = time_optimal(&curve, &limits).duration_s;
+        curve.pieces[0].curvature = Some(vec![0.0; JOINTS]);
+        let staged = on_grid(&curve, &limits, 1000).duration_s;
+        prop_assert!(staged >= exact * (1.0 - 1e-9) && staged <= exact * 1.0001, "{staged} against {exact}");
+    }
+}
+
+/// The curve in one parameter, for the other implementation.
+struct Evaluator(PathCurve);
+
+impl PathEvaluator2nd for Evaluator {
+    fn dim(&self) -> usize {
+        JOINTS
+    }
+
+    fn evaluate_up_to_2nd(
+        &self,
+        s: &[f64],
+        q: &mut [f64],
+        dq: &mut [f64],
+        ddq: &mut [f64],
+    ) -> Result<(), PathError> {
+        let pieces = &self.0.pieces;
+        for (column, s) in s.iter().enumerate() {
+            let piece = pieces.partition_point(|piece| piece.end_s() <= *s).min(pieces.len() - 1);
+            let position = pieces[piece].position(*s);
+            for (joint, value) in position.iter().enumerate() {
+                let at = column * JOINTS + joint;
+                q[at] = *value;
+                (dq[at], ddq[at]) = pieces[piece].derivatives(joint, *s);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The time that `copp`, another TOPP-RA, takes on an even grid.
+fn other_duration_s(curve: PathCurve, limits: &MotionLimits, stations: usize) -> f64 {
+    let end = curve.pieces.last().expect("a path").end_s();
+    let s: Vec<f64> = (0..stations).map(|k| end * k as f64 / (stations - 1) as f64).collect();
+    let path = Path::from_evaluator_2nd(Evaluator(curve), 0.0, end).expect("a path");
+    let negative = |values: &[f64]| -> Vec<f64> { values.iter().map(|x| -x).collect() };
+    let (velocity, acceleration) = (&limits.velocity[..], &limits.acceleration[..]);
+    let (least_velocity, least_acceleration) = (negative(velocity), negative(acceleration));
+    let mut robot = copp::robot::Robot::with_capacity(JOINTS, stations);
+    robot
+        .with_s(s.as_slice())
+        .expect("stations")
+        .with_q_from_path_2nd(&path, 0, stations)
+        .expect("the path")
+        .with_axial_velocity((velocity, stations), (&least_velocity[..], stations), 0)
+        .expect("velocities")
+        .with_axial_acceleration((acceleration, stations), (&least_acceleration[..], stations), 0)
+        .expect("accelerations");
+    let problem = Topp2ProblemBuilder::new(&robot, (0, stations - 1), (0.0, 0.0)).build().expect("a problem");
+    let options = ReachSet2OptionsBuilder::new().build().expect("options");
+    let profile = topp2_ra(&problem, &options).expect("a solution");
+    s_to_t_topp2(&s, &profile, 0.0).expect("times").0
+}
+
+#[test]
+fn blended_paths_take_as_long_as_another_implementation_says() {
+    const STATIONS: usize = 20_001;
+    let limits = motion_limits();
+    for (seed, size) in (0..12).zip([0.05, 0.3, 10.0].into_iter().cycle()) {
+        let path = polyline(seed, 5);
+        let blends = vec![size; 5];
+        let curve = PathCurve::along(&path, &limits.velocity, &blends);
+        let ours = on_grid(&curve, &limits, 1024).duration_s;
+        let other = other_duration_s(curve, &limits, STATIONS);
+        assert!((ours / other - 1.0).abs() < 2e-3, "seed {seed}: {ours} s, copp {other} s");
+    }
+}
