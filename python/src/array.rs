@@ -211,8 +211,11 @@ pub fn triangles(mesh: &Bound<'_, PyAny>) -> PyResult<TriangleSoup> {
                     "mesh.faces: {corner} is no vertex, of which there are {count}"
                 )));
             }
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            // A whole number in the range of the vertices, of which there are fewer than 2³².
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a whole number in the range of the vertices, of which there are fewer than 2³²"
+            )]
             {
                 *index = corner as u32;
             }

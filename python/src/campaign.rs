@@ -46,7 +46,7 @@ where
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
     memory_limit_mb, workers, judge_both, measure_clearance, carry, grasps, margin_m, grasp_margin_m, sandbox, again, shard, command,
     heard=None))]
-#[allow(clippy::too_many_arguments)] // What a campaign is.
+#[allow(clippy::too_many_arguments, reason = "what a campaign is")]
 pub fn run_campaign(
     py: Python<'_>,
     scenarios: Vec<String>,

@@ -38,7 +38,7 @@ const MOST_APPROACHES: usize = 360;
     text_signature = "(mesh, gripper=None, *, count=200, candidates=None, friction=0.24, approaches=12, \
         approach_m=0.05, bare=False, seed=0)"
 )]
-#[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+#[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
 pub fn sample_grasps(
     mesh: &Bound<'_, PyAny>,
     gripper: Option<PathBuf>,

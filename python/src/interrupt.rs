@@ -25,8 +25,10 @@ impl Interrupt {
     pub fn asks(&mut self) -> bool {
         if self.raised.is_none() && self.looked.elapsed() >= LOOK_EVERY {
             self.looked = Instant::now();
-            #[allow(clippy::redundant_closure_for_method_calls)]
-            // The method is not general enough in its lifetime.
+            #[allow(
+                clippy::redundant_closure_for_method_calls,
+                reason = "the method is not general enough in its lifetime"
+            )]
             let looked = Python::attach(|py| py.check_signals());
             self.raised = looked.err();
         }

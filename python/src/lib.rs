@@ -8,10 +8,14 @@
 //! Arrays are read where they lie: one that another thread writes to during a call gives answers about neither
 //! its old nor its new values. A search looks for Ctrl-C between its iterations, a batch between blocks of rows.
 
-// Doc comments of what is exported are help texts of Python, which show marks as they are.
-#![allow(clippy::doc_markdown)]
-// What Python hands over is a value, whatever becomes of it.
-#![allow(clippy::needless_pass_by_value)]
+#![allow(
+    clippy::doc_markdown,
+    reason = "doc comments of what is exported are help texts of Python, which show marks as they are"
+)]
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "what Python hands over is a value, whatever becomes of it"
+)]
 
 mod array;
 mod body;
@@ -83,6 +87,6 @@ mod _cranny {
 
     /// The version.
     #[pymodule_export]
-    #[allow(non_upper_case_globals)] // Python's name for it.
+    #[allow(non_upper_case_globals, reason = "python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 }

@@ -70,7 +70,11 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
     carry=None, clear_m=0.05))]
-#[allow(clippy::too_many_arguments, clippy::fn_params_excessive_bools)] // The keywords of the Python function.
+#[allow(
+    clippy::too_many_arguments,
+    clippy::fn_params_excessive_bools,
+    reason = "the keywords of the Python function"
+)]
 pub fn plan(
     scenario: &Bound<'_, PyAny>,
     planner: Option<&str>,

@@ -66,7 +66,7 @@ impl PyRobot {
     #[staticmethod]
     #[pyo3(signature = (path, *, srdf=None, tip=None, joints=None, group=None, fixed=None, packages=None, meshes="hull",
         unchecked_pairs=None))]
-    #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+    #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
     fn from_urdf(
         py: Python<'_>,
         path: PathBuf,
@@ -279,7 +279,7 @@ impl PyRobot {
         signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)),
         text_signature = "($self, pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=1)"
     )]
-    #[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+    #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
     fn ik<'py>(
         &self,
         pose: &Bound<'py, PyAny>,

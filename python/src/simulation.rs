@@ -36,7 +36,7 @@ const MOST_TRIALS: usize = 10_000;
     signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
         closing_force_n=None, trials=0, seed=0)
 )]
-#[allow(clippy::too_many_arguments)] // The keywords of the Python function.
+#[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
 pub fn simulate_grasps<'py>(
     scenario: &Bound<'py, PyScenario>,
     grasps: Option<&Bound<'py, PyGrasps>>,

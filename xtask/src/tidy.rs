@@ -9,6 +9,7 @@ mod file_opening;
 mod floors;
 mod foreign_data;
 mod machine_paths;
+mod module_circles;
 mod module_names;
 mod test_files;
 mod unsafe_code;
@@ -61,6 +62,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     [
         floors::check(members),
         crate_table::check(members, files),
+        module_circles::check(files),
         module_names::check(files),
         file_length::check(files),
         file_opening::check(files),

@@ -171,8 +171,11 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
         Err(reason) if is_solved => return Err(format!("the program left no .try file: {reason}")),
         _ => Vec::new(),
     };
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    // Counts, written as numbers of any kind.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "counts, written as numbers of any kind"
+    )]
     let count = |number: Option<f64>| number.map_or(0, |number| (number.max(0.0) as u64).min(MOST_COUNT));
     let statistics = Statistics {
         iterations: count(summary.iters),

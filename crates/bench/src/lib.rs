@@ -31,11 +31,14 @@ mod scenario_choice;
 mod shard;
 mod simulated_grasp;
 mod standing;
+mod stored_trial;
+mod tally;
 mod trial;
 mod trial_run;
 mod worker;
 mod worker_message;
 mod worker_process;
+mod worker_program;
 
 pub use campaign::{
     Campaign, CampaignPlanner, Exception, MOST_MEMORY_MB, MOST_TIME_LIMIT_S, MOST_TRIALS, Schedule,
@@ -51,13 +54,15 @@ pub use planner_call::PlannerCall;
 pub use process_group::close_to_others;
 pub use question::Question;
 pub use replay::{Replay, replay, source_of};
-pub use results::{Merged, Results, Run, ScenarioSource, StoredTrial};
+pub use results::{Merged, Results, Run, ScenarioSource};
 pub use run_information::RunInformation;
 pub use sandbox::Sandbox;
 pub use scenario_choice::{ChosenScenario, choose_scenarios};
 pub use shard::{MOST_SHARDS, Shard};
 pub use simulated_grasp::SimulatedGrasp;
-pub use standing::{Standing, StandingFile, Tally};
+pub use standing::{Standing, StandingFile};
+pub use stored_trial::StoredTrial;
+pub use tally::Tally;
 pub use trial::{Trial, TrialOutcome, TrialRecord};
 pub use worker::serve;
-pub use worker_process::WorkerProgram;
+pub use worker_program::WorkerProgram;

@@ -164,8 +164,7 @@ impl PlannerCall {
     }
 }
 
-// As serde wants it.
-#[allow(clippy::trivially_copy_pass_by_ref)]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde wants it")]
 fn is_geometric(score: &ScoreKind) -> bool {
     *score == ScoreKind::Geometric
 }

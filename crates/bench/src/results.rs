@@ -3,10 +3,10 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OptionalExtension as _, params};
-
 use tempfile::TempDir;
 
 use crate::results_row::{self, Present};
+use crate::stored_trial::StoredTrial;
 use crate::{BenchError, RunInformation, Tally, TrialRecord, results_file};
 
 /// The results of campaigns: one `SQLite` file, one row a trial.
@@ -34,17 +34,6 @@ pub struct Run {
     pub began: String,
     /// When it ended; `None` where it was killed.
     pub ended: Option<String>,
-}
-
-/// A trial as the results keep it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StoredTrial {
-    /// Its number in these results, from 1: what `cranny bench replay` is given.
-    pub id: u64,
-    /// The [`Run`] that it was part of, by number.
-    pub run: u64,
-    /// The trial and how it went.
-    pub record: TrialRecord,
 }
 
 /// Where a scenario was found: what its id and hash alone do not tell.

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use crate::tally::Tally;
 use crate::{BenchError, CampaignObserver, Results, TrialRecord};
 
 /// How far a campaign, or a part of it, is: what it writes beside its results while it runs, so that nobody has to open
@@ -24,15 +25,6 @@ pub struct Standing {
     pub written_s: u64,
     /// The machine.
     pub machine: String,
-}
-
-/// Trials of one planner.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Tally {
-    /// How many ended.
-    pub ended: usize,
-    /// How many of them were solved.
-    pub solved: usize,
 }
 
 impl Standing {
@@ -64,14 +56,6 @@ impl Standing {
     pub fn left_s(&self) -> Option<f64> {
         let left = self.trials?.saturating_sub(self.tally().ended);
         (self.run > 0).then(|| self.elapsed_s / self.run as f64 * left as f64)
-    }
-}
-
-impl Tally {
-    /// Both together.
-    #[must_use]
-    pub fn plus(self, other: Self) -> Self {
-        Self { ended: self.ended + other.ended, solved: self.solved + other.solved }
     }
 }
 

@@ -1,5 +1,4 @@
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -13,16 +12,8 @@ use crate::foreign_process::LOOK_EVERY;
 use crate::process_group::{self, Family};
 use crate::sandbox::Walls;
 use crate::worker_message::{Message, Request};
+use crate::worker_program::WorkerProgram;
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
-
-/// The program that serves trials: `cranny bench worker`, or whatever else calls [`serve`](crate::serve).
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WorkerProgram {
-    /// The program.
-    pub program: PathBuf,
-    /// Its arguments.
-    pub arguments: Vec<String>,
-}
 
 /// A process that serves trials one after the other, and may end at any of them.
 pub struct WorkerProcess {

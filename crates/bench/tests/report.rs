@@ -1,8 +1,7 @@
 //! Reports: what a summary says of trials whose figures can be worked out by hand, and that tables and plots say
 //! the same.
 
-// Figures that are copied must be the same to the last bit.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
 use cranny_bench::report::{Measure, Overall, Place, SuccessCurve, Summary, plots};
 use cranny_bench::{BenchError, Run, StoredTrial, TrialOutcome};

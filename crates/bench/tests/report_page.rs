@@ -1,7 +1,6 @@
 //! The page of a report: it says what the summary says, needs nothing from elsewhere, and folds what is long.
 
-// Figures that are copied must be the same to the last bit.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
 use cranny_bench::report::{Enclosure, Png};
 use serde_json::Value;

@@ -1,7 +1,6 @@
 //! The statistics against published examples, against other programs, and against their laws.
 
-// Figures that are copied or counted must be the same to the last bit.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, reason = "figures that are copied or counted must be the same to the last bit")]
 
 use cranny_bench::statistics::{
     Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, performance_profiles, two_sided_p, wilson,
@@ -319,7 +318,7 @@ proptest! {
 
     #[test]
     fn a_wilson_interval_contains_the_rate_and_mirrors(trials in 1_usize..500, share in 0.0..=1.0_f64) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count that is not negative and small")]
         let successes = (share * trials as f64).round() as usize;
         let (interval, rate) = (wilson(successes, trials).unwrap(), successes as f64 / trials as f64);
         prop_assert!(0.0 <= interval.low && interval.low <= rate && rate <= interval.high && interval.high <= 1.0);

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::ArgPredicate;
-use clap::{Args, Parser, ValueEnum};
+use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{CostKind, Criterion, MAX_SAMPLE_RATE_HZ};

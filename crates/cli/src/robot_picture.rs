@@ -68,8 +68,8 @@ fn hand(scene: &Scene, scenario: &Scenario) -> Result<Picture, Failure> {
     let near = |point: &Point| (point.coords - tip.translation.vector).norm() < 0.25;
     points.retain(near);
     let across = tip.rotation * cranny_spatial::Vector::x();
-    let turn_deg = across.y.atan2(across.x).to_degrees();
-    let rise_deg = across.z.clamp(-1.0, 1.0).asin().to_degrees().clamp(-60.0, 60.0);
+    let turn_deg = libm::atan2(across.y, across.x).to_degrees();
+    let rise_deg = libm::asin(across.z.clamp(-1.0, 1.0)).to_degrees().clamp(-60.0, 60.0);
     let camera = cranny_view::Camera::framing((turn_deg + 15.0, rise_deg + 12.0), &points, 1.0);
     let settings = PictureSettings { camera: Some(camera), ..settings() };
     let hand = scene.clone().with_links(robot.hand_links());

@@ -52,8 +52,7 @@ fn damage() -> impl Strategy<Value = Damage> {
 
 impl Damage {
     fn applied_to(&self, bytes: &mut Vec<u8>) {
-        // Files are short.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "files are short")]
         let place = |share: f64| ((share * bytes.len() as f64) as usize).min(bytes.len());
         match *self {
             Self::CutAt(at) => bytes.truncate(place(at)),
@@ -130,7 +129,11 @@ fn files_grown_by_what_is_in_them_are_read_or_refused_in_a_moment() {
         for (name, bytes) in cases(reader) {
             // Three stretches of the file, the first byte of each at a line where there are lines.
             for (share, length) in [(0.2, 40), (0.5, 7), (0.8, 200)] {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a count that is not negative and small"
+                )]
                 let place = (share * bytes.len() as f64) as usize;
                 let begin = bytes[..place].iter().rposition(|byte| *byte == b'\n').map_or(place, |at| at + 1);
                 let stretch = &bytes[begin..(begin + length).min(bytes.len())];

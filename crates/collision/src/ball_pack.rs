@@ -2,11 +2,12 @@ use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use crate::lane_body::LaneBall;
-use crate::lane_part::{LaneSolid, shorter};
-use crate::single_lane::SingleFrame;
+use crate::lane_ball::LaneBall;
+use crate::lane_solid::LaneSolid;
+use crate::lane_vector::shorter;
+use crate::single_frame::SingleFrame;
 
-/// Balls of a link side by side: where one configuration is looked at by itself, its balls are the lanes.
+/// Balls of a link side by side: where one configuration is checked by itself, its balls are the lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct BallPack {
     center: [LaneArray; 3],

@@ -3,6 +3,7 @@ use cranny_spatial::{LANES, simd_level};
 use fearless_simd::Level;
 
 use crate::cell::{Cell, Scratch};
+use crate::lane_bits::{first_lanes, lanes_of};
 use crate::lanes::Interest;
 
 impl Cell {
@@ -64,7 +65,7 @@ impl Cell {
     /// How many configurations in a row are free, counted up to the first that is not: those at the given
     /// places on the straight way from `a` (at 0) to `b` (at 1), at most [`LANES`]. Joint limits do not enter.
     ///
-    /// This is what growing along an edge asks: all looks on the way at the price of few (Thomason, Kingston
+    /// This is what growing along an edge asks: all checks along the edge at the price of few (Thomason, Kingston
     /// & Kavraki 2024).
     ///
     /// # Panics
@@ -94,7 +95,7 @@ impl Cell {
     ) -> u32 {
         let Scratch { lanes, frames, q, .. } = scratch;
         lanes.travel.clear();
-        let contact = self.lanes.look(level, lanes, asked, interest);
+        let contact = self.lanes.check(level, lanes, asked, interest);
         let mut free = asked & !contact;
         let doubtful = lanes.doubts.iter().fold(0, |all, (_, lanes)| all | lanes);
         for lane in lanes_of(doubtful & free) {
@@ -111,20 +112,4 @@ impl Cell {
         }
         free
     }
-}
-
-/// The bits of the first so many lanes.
-pub(crate) fn first_lanes(count: usize) -> u32 {
-    (1 << count) - 1
-}
-
-/// The lanes whose bits are set, in order.
-pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (bits != 0).then(|| {
-            let lane = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            lane
-        })
-    })
 }

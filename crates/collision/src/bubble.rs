@@ -6,7 +6,7 @@ use crate::lane_scratch::as_index;
 use crate::pairs::{Other, Pair};
 
 /// A free configuration with how far everything is apart there, beyond what is demanded: from it alone follows how far the
-/// straight motions that begin there are free, in any number of directions, without another look at a shape.
+/// straight motions that begin there are free, in any number of directions, without another check of a shape.
 ///
 /// Sources: bubbles of free configurations (Quinlan 1994); that they are asked along rays, whose ends make a bur: Lačević,
 /// Osmanković & Ademović 2016, "Burs of free C-space" (ICRA, §III). Differs in that each link, and each pair of links, has
@@ -28,10 +28,10 @@ const MEASURED_UP_TO_M: f64 = 0.5;
 /// Looks along one ray.
 const MOST_LOOKS: usize = 12;
 
-/// A look that finds less than this share of the whole way to be free is the last.
+/// A check that finds less than this share of the whole way to be free is the last.
 const LEAST_GAIN: f64 = 0.01;
 
-/// The first look asks about this share of the way, and each further one about so many times what the one before had found
+/// The first check asks about this share of the way, and each further one about so many times what the one before had found
 /// to be free: bounds are the sharper the shorter the way.
 const FIRST_TRY: f64 = 0.1;
 const NEXT_TRY: f64 = 2.0;

@@ -6,15 +6,15 @@ use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::cell_parts::{CellParts, Surroundings};
 use crate::contact::{Collider, Contact};
-use crate::holding::HeldBody;
+use crate::held_body::HeldBody;
 use crate::lane_scratch::{LaneScratch, as_index};
 use crate::lanes::Lanes;
 use crate::link_body::{LinkBody, group_reaches, group_separation};
-use crate::motion::WorkList;
 use crate::pairs::{Held, Other, Pair, Pairs, PartPairs};
 use crate::robot_body::RobotBody;
 use crate::travel::Travel;
 use crate::unchecked::Unchecked;
+use crate::work_list::WorkList;
 use crate::world::{Part, World};
 use crate::{CollisionError, Margins};
 
@@ -164,7 +164,7 @@ impl Cell {
         self.pairs.of_links().0.iter().filter_map(links).collect()
     }
 
-    /// Room to compute in.
+    /// Scratch, to be used again.
     pub fn scratch(&self) -> Scratch {
         let hold = self.held.as_ref().map(|held| &held.hold);
         let mut frames = self.robot.frames();
@@ -407,5 +407,12 @@ impl Cell {
         };
         let part = part.map(|part| (part.world_from_solid, &part.solid));
         link.into_iter().flatten().chain(part)
+    }
+}
+
+impl Contact {
+    /// What the two things are called in the cell that they touch in.
+    pub fn names(&self, cell: &Cell) -> [String; 2] {
+        [self.first, self.second].map(|collider| cell.name(collider).to_owned())
     }
 }

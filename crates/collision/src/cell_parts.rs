@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use cranny_robot::Robot;
 
-use crate::holding::HeldBody;
+use crate::held_body::HeldBody;
 use crate::lane_part::LanePart;
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;

@@ -1,7 +1,5 @@
 use cranny_spatial::Point;
 
-use crate::Cell;
-
 /// One of the two things that touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Collider {
@@ -26,11 +24,4 @@ pub struct Contact {
     pub depth_m: f64,
     /// A point in the overlap, in the planning frame; `None` where they only come too close.
     pub point: Option<Point>,
-}
-
-impl Contact {
-    /// What the two things are called in the cell that they touch in.
-    pub fn names(&self, cell: &Cell) -> [String; 2] {
-        [self.first, self.second].map(|collider| cell.name(collider).to_owned())
-    }
 }

@@ -3,21 +3,13 @@ use std::sync::Arc;
 use cranny_robot::{FARTHEST_HELD_M, Hold};
 
 use crate::CollisionError;
+use crate::held_body::HeldBody;
+
 #[cfg(doc)]
 use crate::Resting;
 use crate::cell::{Cell, Scratch};
 use crate::cell_parts::CellParts;
 use crate::link_body::{LinkBody, group_separation};
-
-/// A body of the world in the hand.
-#[derive(Clone, Debug)]
-pub(crate) struct HeldBody {
-    /// Its index in the world.
-    pub body: usize,
-    /// Parts of the world that it is not checked against.
-    pub spared: Arc<[usize]>,
-    pub hold: Hold,
-}
 
 impl Cell {
     /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,

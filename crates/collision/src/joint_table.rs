@@ -6,7 +6,7 @@ use cranny_spatial::{ROUNDING_M, Vector};
 
 use crate::link_body::LinkBody;
 use crate::pairs::{Other, Pair};
-use crate::single_lane::Verdict;
+use crate::single_frame::Verdict;
 use crate::travel::Travel;
 
 /// Pairs of links whose pose against each other depends on the same one or two joints: links on either side
@@ -140,8 +140,10 @@ impl JointTable {
         let farthest = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
         let pieces = farthest.ceil().clamp(1.0, (2 * SIDE) as f64);
         let cell_at = |piece: f64| {
-            // At most `SIDE` within the limits; beyond them it is cut off.
-            #[allow(clippy::cast_possible_truncation)]
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "at most `SIDE` within the limits; beyond them it is cut off"
+            )]
             [0, 1].map(|axis| (from[axis] + (to[axis] - from[axis]) * piece / pieces).floor() as i32)
         };
         let (mut done, mut begin) = (0.0, cell_at(0.0));
@@ -160,8 +162,10 @@ impl JointTable {
         u8::try_from((1 << self.pairs.len()) - 1).unwrap_or(!CONTACT)
     }
 
-    // Lanes are `f32` by design; the overhang of the cells covers it.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the overhang of the cells covers it"
+    )]
     fn empty(robot: &Robot, joints: [usize; 2], pair: u32) -> Self {
         let limits = joints.map(|joint| robot.limits()[joint]);
         Self {

@@ -3,8 +3,9 @@ use cranny_shape::{Ball, BallTree, CoarseHull, Outline, Solid, inner_balls};
 use cranny_spatial::Pose;
 
 use crate::ball_pack::BallPack;
+use crate::lane_ball::LaneBall;
 use crate::lane_hull::LaneHull;
-use crate::lane_part::{RELATIVE_ROUNDING, lanes};
+use crate::lane_vector::{RELATIVE_ROUNDING, lanes};
 use crate::link_body::LinkBody;
 
 /// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
@@ -44,12 +45,6 @@ pub(crate) struct LaneNode {
     pub ball: LaneBall,
     /// Indices of the two halves; both 0 for a leaf.
     pub children: [u32; 2],
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LaneBall {
-    pub center: [f32; 3],
-    pub radius: f32,
 }
 
 impl LaneBody {
@@ -131,12 +126,4 @@ fn inner_of(body: &LinkBody, place: impl Fn(&Pose) -> Pose) -> Vec<LaneBall> {
         inner_balls(solid, per_solid).into_iter().map(placed)
     };
     body.shapes.iter().flat_map(of_shape).collect()
-}
-
-impl LaneBall {
-    // Lanes are `f32` by design; the slack of the body covers it.
-    #[allow(clippy::cast_possible_truncation)]
-    fn new(ball: &Ball) -> Self {
-        Self { center: lanes(&ball.center.coords), radius: ball.radius_m as f32 }
-    }
 }

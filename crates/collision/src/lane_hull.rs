@@ -3,8 +3,10 @@ use cranny_spatial::{LANES, LaneArray, Pose};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use crate::lane_part::{LaneSolid, bits, dot, lanes, minus, narrow};
-use crate::single_lane::{Bars, SingleFrame, Verdict};
+use crate::lane_bits::bits;
+use crate::lane_solid::LaneSolid;
+use crate::lane_vector::{dot, lanes, minus, narrow};
+use crate::single_frame::{Bars, SingleFrame, Verdict};
 
 /// The coarse hull of a convex solid, whose corners are compared in lanes, in the frame of a link or the
 /// planning frame.

@@ -3,10 +3,10 @@ use cranny_spatial::LaneVector;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use crate::lane_part::shorter;
 use crate::lane_scratch::{Descent, LaneScratch};
+use crate::lane_vector::shorter;
 use crate::lanes::{FEW_LANES, Lanes};
-use crate::single_lane::{Bars, SingleFrame, Verdict};
+use crate::single_frame::{Bars, SingleFrame, Verdict};
 
 impl Lanes {
     /// The lanes in which the boxes around a pair of links are not certainly far enough apart.
@@ -19,9 +19,9 @@ impl Lanes {
     }
 
     /// Looks at a pair of links that is in no table, in lanes in which the boxes around them are near each
-    /// other (see [`Self::look`]).
+    /// other (see [`Self::check`]).
     ///
-    /// 1. Few lanes are looked at one by one.
+    /// 1. Few lanes are checked one by one.
     /// 2. Their trees of balls against each other, the larger ball halved, until two leaves leave the pair in
     ///    doubt.
     /// 3. What is left one by one.
@@ -84,7 +84,7 @@ impl Lanes {
         );
     }
 
-    /// The lanes of `lanes` in which a pair of links is in doubt, each looked at by itself; where they are in
+    /// The lanes of `lanes` in which a pair of links is in doubt, each checked by itself; where they are in
     /// contact is taken out of `open`.
     #[inline(never)]
     pub fn links_one_by_one<S: Simd>(

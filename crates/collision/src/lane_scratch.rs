@@ -1,15 +1,14 @@
 use cranny_robot::{LaneFrame, LanePlace, LaneTwist};
 use cranny_spatial::{LANES, LaneArray, LaneVector};
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::Simd;
 
-use crate::lane_part::bits;
+use crate::lane_vector::BoxLanes;
 
-/// How far things may be from the configurations that are looked at: all 0 for these alone, more for all
+/// How far things may be from the configurations that are checked: all 0 for these alone, more for all
 /// that a motion passes between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneTravel {
-    /// Per link body, against the world, in metres; of a motion, written by the look itself.
+    /// Per link body, against the world, in metres; of a motion, written by the check itself.
     pub bodies: Vec<LaneArray>,
     /// The straight motion that all lanes lie on.
     pub motion: LaneMotion,
@@ -57,9 +56,9 @@ pub(crate) struct LaneScratch {
     pub near: Vec<Near>,
     /// Pairs in doubt, and in which lanes, as bits.
     pub doubts: Vec<(u32, u32)>,
-    /// Pairs that are asked about, in order, and in which lanes: for [`Lanes::look_again`].
+    /// Pairs that are asked about, in order, and in which lanes: for [`Lanes::check_again`].
     ///
-    /// [`Lanes::look_again`]: crate::lanes::Lanes::look_again
+    /// [`Lanes::check_again`]: crate::lanes::Lanes::check_again
     pub wanted: Vec<(u32, u32)>,
 }
 
@@ -116,8 +115,10 @@ impl LaneScratch {
     }
 
     /// Takes over the configuration of a lane.
-    // Lanes are `f32` by design; the slack of every comparison covers it.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the slack of every comparison covers it"
+    )]
     pub fn set_lane(&mut self, lane: usize, q: &[f64]) {
         for (lanes, value) in self.q.iter_mut().zip(q) {
             lanes[lane] = *value as f32;
@@ -126,8 +127,10 @@ impl LaneScratch {
 
     /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), the first at the first of
     /// `places`. Lanes beyond these are at `a`.
-    // Lanes are `f32` by design; the slack of every comparison covers it.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the slack of every comparison covers it"
+    )]
     pub fn set_lanes_along(&mut self, a: &[f64], b: &[f64], places: impl Iterator<Item = f64>) {
         let mut all = [0.0; LANES];
         all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
@@ -169,23 +172,6 @@ impl LaneBox {
     pub fn load<S: Simd>(&self, simd: S) -> BoxLanes<S> {
         let half_extents = LaneVector::load(simd, &self.half_extents);
         BoxLanes { middle: LaneVector::load(simd, &self.middle), half_extents }
-    }
-}
-
-/// The same to compute with.
-#[derive(Clone, Copy)]
-pub(crate) struct BoxLanes<S: Simd> {
-    pub middle: LaneVector<S>,
-    pub half_extents: LaneVector<S>,
-}
-
-impl<S: Simd> BoxLanes<S> {
-    /// Bits of the lanes in which two boxes are not certainly `reach` (m) or farther apart along an axis.
-    #[inline(always)]
-    pub fn within_reach(self, other: Self, reach: f32x16<S>) -> u32 {
-        let offset = self.middle.minus(other.middle).abs();
-        let gap = offset.minus(self.half_extents).minus(other.half_extents);
-        bits(!gap.x.max(gap.y).max(gap.z).simd_ge(reach))
     }
 }
 

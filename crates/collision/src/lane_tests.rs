@@ -10,7 +10,7 @@ use cranny_test_robots::ball;
 use fearless_simd::Level;
 use proptest::prelude::*;
 
-use crate::batch::{first_lanes, lanes_of};
+use crate::lane_bits::{first_lanes, lanes_of};
 use crate::lanes::Interest;
 use crate::{Body, Cell, Margins, World};
 
@@ -136,7 +136,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
     }
 }
 
-/// What is in doubt, and the lanes that are in contact, as a first look at a batch has them, and a second one at
+/// What is in doubt, and the lanes that are in contact, as a first check of a batch has them, and a second one at
 /// nothing but what the first left in doubt.
 fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
     let mut lanes = cell.scratch().lanes;
@@ -144,18 +144,18 @@ fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [
     lanes.travel.bodies.fill([travel_m; LANES]);
     lanes.travel.link_pairs.fill(travel_m);
     let asked = first_lanes(rows.len());
-    let mut look = |again: bool| {
+    let mut check = |again: bool| {
         let contact = if again {
-            cell.lanes.look_again(Level::new(), &mut lanes, asked, interest)
+            cell.lanes.check_again(Level::new(), &mut lanes, asked, interest)
         } else {
-            cell.lanes.look(Level::new(), &mut lanes, asked, interest)
+            cell.lanes.check(Level::new(), &mut lanes, asked, interest)
         };
         if !again {
             lanes.wanted.clone_from(&lanes.doubts);
         }
         (lanes.doubts.clone(), contact)
     };
-    [look(false), look(true)]
+    [check(false), check(true)]
 }
 
 #[test]

@@ -4,18 +4,19 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 use crate::lane_body::{LaneBody, LaneNode};
-use crate::lane_scratch::{BoxLanes, Descent, LaneScratch, Near};
+use crate::lane_scratch::{Descent, LaneScratch, Near};
+use crate::lane_vector::BoxLanes;
 use crate::lanes::{FEW_LANES, LanePair, Lanes};
-use crate::single_lane::{Bars, SingleFrame, Verdict};
+use crate::single_frame::{Bars, SingleFrame, Verdict};
 
 /// How many inner balls of a link are tried before anything else: deep contact shows at once.
 const LARGE_INNER: usize = 8;
 
 impl Lanes {
-    /// Step 2 of [`Self::look`] for one link; with `wanted`, against these pairs alone, each in these lanes. A
+    /// Step 2 of [`Self::check`] for one link; with `wanted`, against these pairs alone, each in these lanes. A
     /// function of its own for each instruction set: all in one would take minutes to compile.
     ///
-    /// 1. The box and the ball around the link against every part; few lanes that are near are looked at one by
+    /// 1. The box and the ball around the link against every part; few lanes that are near are checked one by
     ///    one.
     /// 2. Its largest inner balls: deep contact shows at once.
     /// 3. Down its tree of outer balls, whose root is the ball around it.
@@ -210,10 +211,9 @@ impl Lanes {
         self.arounds[index as usize].within_reach(travel.token(), link, reach)
     }
 
-    /// The lanes of `lanes` in which a link and a part are in doubt, each looked at by itself; where they are
+    /// The lanes of `lanes` in which a link and a part are in doubt, each checked by itself; where they are
     /// in contact is taken out of `open`.
-    // One step of the function above, with what it has at hand.
-    #[allow(clippy::too_many_arguments)]
+    #[allow(clippy::too_many_arguments, reason = "one step of the function above, with what it has at hand")]
     #[inline(always)]
     fn part_one_by_one<S: Simd>(
         &self,

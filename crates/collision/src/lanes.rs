@@ -5,12 +5,13 @@ use cranny_spatial::LANES;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 
-use crate::batch::lanes_of;
 use crate::joint_table::{self, JointTable};
+use crate::lane_bits::lanes_of;
 use crate::lane_body::LaneBody;
-use crate::lane_part::{LaneAround, LanePart, RELATIVE_ROUNDING};
+use crate::lane_part::{LaneAround, LanePart};
 use crate::lane_scratch::{LaneMotion, LanePace, LaneScratch, as_index};
 use crate::lane_tree::LaneBranch;
+use crate::lane_vector::RELATIVE_ROUNDING;
 use crate::pairs::{Other, Pair, Pairs};
 use crate::part_tree::PartTree;
 use crate::robot_body::RobotBody;
@@ -47,7 +48,7 @@ pub(crate) struct Lanes {
     link_slots: Vec<usize>,
 }
 
-/// Up to so many lanes are looked at one by one: a step of all lanes takes as long as a few of one lane.
+/// Up to so many lanes are checked one by one: a step of all lanes takes as long as a few of one lane.
 pub(crate) const FEW_LANES: u32 = 4;
 
 /// Two things that are checked against each other.
@@ -75,15 +76,15 @@ pub(crate) enum Interest {
     AllOrNothing,
 }
 
-/// A look as far as it has come.
-struct Look {
+/// A check as far as it has come.
+struct LaneCheck {
     asked: u32,
     interest: Interest,
     /// The lanes that are not certainly in contact, and of interest.
     open: u32,
 }
 
-impl Look {
+impl LaneCheck {
     fn is_open(&self) -> bool {
         self.open != 0
     }
@@ -217,54 +218,54 @@ impl Lanes {
     /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
     /// certainly in contact; with [`Interest::UpToContact`] also those behind the first of them. What is in
     /// doubt in the others is in `scratch.doubts` then, and a lane that is in neither is certainly free, unless
-    /// contact ended the look. "Free" and "in doubt" hold for everything that is no farther away than
+    /// contact ended the check. "Free" and "in doubt" hold for everything that is no farther away than
     /// `scratch.travel` says.
     ///
     /// 1. Pairs of links that are in a table are looked up.
     /// 2. Every link against the world: box and ball around it against every part. What is near in few lanes is
-    ///    looked at one by one; else inner balls against the parts that are near, and down its tree of balls
+    ///    checked one by one; else inner balls against the parts that are near, and down its tree of balls
     ///    against those that are still near, until a leaf leaves the pair in doubt; what is left one by one.
     /// 3. The other pairs of links in the same way, and those that their table leaves in doubt one by one.
-    pub fn look(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
-        dispatch!(level, simd => self.look_with(simd, scratch, asked, interest))
+    pub fn check(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+        dispatch!(level, simd => self.check_with(simd, scratch, asked, interest))
     }
 
-    /// [`Self::look`] at nothing but the pairs of `scratch.wanted`, each in the lanes that it is wanted in.
-    pub fn look_again(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+    /// [`Self::check`] at nothing but the pairs of `scratch.wanted`, each in the lanes that it is wanted in.
+    pub fn check_again(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         scratch.wanted.sort_unstable();
         dispatch!(level, simd => self.look_again_with(simd, scratch, asked, interest))
     }
 
     #[inline(always)]
-    fn look_with<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+    fn check_with<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         scratch.doubts.clear();
-        let mut look = Look { asked, interest, open: asked };
+        let mut check = LaneCheck { asked, interest, open: asked };
         for table in &self.tables {
-            if look.is_open() {
-                look_up(simd, table, scratch, u32::MAX, &mut look.open);
-                look.narrow();
+            if check.is_open() {
+                look_up(simd, table, scratch, u32::MAX, &mut check.open);
+                check.narrow();
             }
         }
         let tabled = scratch.doubts.len();
         let mut frames = std::mem::take(&mut scratch.frames);
-        if look.is_open() {
+        if check.is_open() {
             self.place(simd, &mut frames, scratch);
         }
         for body in (0..self.bodies.len()).rev() {
-            if look.is_open() {
-                self.body_against_world(simd, body, None, &frames, scratch, &mut look.open);
-                look.narrow();
+            if check.is_open() {
+                self.body_against_world(simd, body, None, &frames, scratch, &mut check.open);
+                check.narrow();
             }
         }
         for index in 0..self.first_tabled {
-            if look.is_open() {
-                self.links(simd, index, u32::MAX, &frames, scratch, &mut look.open);
-                look.narrow();
+            if check.is_open() {
+                self.links(simd, index, u32::MAX, &frames, scratch, &mut check.open);
+                check.narrow();
             }
         }
-        self.settle_tabled(simd, tabled, &frames, scratch, &mut look);
+        self.settle_tabled(simd, tabled, &frames, scratch, &mut check);
         scratch.frames = frames;
-        look.contact()
+        check.contact()
     }
 
     #[inline(always)]
@@ -276,7 +277,7 @@ impl Lanes {
         interest: Interest,
     ) -> u32 {
         scratch.doubts.clear();
-        let mut look = Look { asked, interest, open: asked };
+        let mut check = LaneCheck { asked, interest, open: asked };
         let mut frames = std::mem::take(&mut scratch.frames);
         let wanted = std::mem::take(&mut scratch.wanted);
         let place = |pair: u32| wanted.partition_point(|(known, _)| *known < pair);
@@ -286,35 +287,35 @@ impl Lanes {
         };
         for table in &self.tables {
             let lanes = table.asked_pairs().fold(0, |all, (_, pair)| all | lanes_of_pair(pair));
-            if lanes != 0 && look.is_open() {
-                look_up(simd, table, scratch, lanes, &mut look.open);
-                look.narrow();
+            if lanes != 0 && check.is_open() {
+                look_up(simd, table, scratch, lanes, &mut check.open);
+                check.narrow();
             }
         }
         scratch.doubts.iter_mut().for_each(|(pair, lanes)| *lanes &= lanes_of_pair(*pair));
         let tabled = scratch.doubts.len();
-        if look.is_open() {
+        if check.is_open() {
             self.place(simd, &mut frames, scratch);
         }
         for body in (0..self.bodies.len()).rev() {
             let Some(LanePair { pair, .. }) = self.part_pairs[body].first() else { continue };
             let wanted = &wanted[place(*pair)..place(pair + as_index(self.parts.len()))];
-            if !wanted.is_empty() && look.is_open() {
-                self.body_against_world(simd, body, Some(wanted), &frames, scratch, &mut look.open);
-                look.narrow();
+            if !wanted.is_empty() && check.is_open() {
+                self.body_against_world(simd, body, Some(wanted), &frames, scratch, &mut check.open);
+                check.narrow();
             }
         }
         let first_link_pair = self.first_link_pair();
         for (pair, lanes) in &wanted[place(first_link_pair)..] {
             let index = self.link_slots[(pair - first_link_pair) as usize];
-            if index < self.first_tabled && look.is_open() {
-                self.links(simd, index, *lanes, &frames, scratch, &mut look.open);
-                look.narrow();
+            if index < self.first_tabled && check.is_open() {
+                self.links(simd, index, *lanes, &frames, scratch, &mut check.open);
+                check.narrow();
             }
         }
-        self.settle_tabled(simd, tabled, &frames, scratch, &mut look);
+        self.settle_tabled(simd, tabled, &frames, scratch, &mut check);
         (scratch.frames, scratch.wanted) = (frames, wanted);
-        look.contact()
+        check.contact()
     }
 
     /// Where every link is in every lane, and the boxes around them.
@@ -354,7 +355,7 @@ impl Lanes {
         f32x16::from_slice(simd, travels)
     }
 
-    /// Step 3 of [`Self::look`] for one pair, in the lanes that it is asked about in.
+    /// Step 3 of [`Self::check`] for one pair, in the lanes that it is asked about in.
     #[inline(always)]
     fn links<S: Simd>(
         &self,
@@ -379,15 +380,15 @@ impl Lanes {
         tabled: usize,
         frames: &[LaneFrame],
         scratch: &mut LaneScratch,
-        look: &mut Look,
+        check: &mut LaneCheck,
     ) {
         for doubt in 0..tabled {
             let (pair, lanes) = scratch.doubts[doubt];
             let index = self.link_slots[(pair - self.first_link_pair()) as usize];
-            let lanes = lanes & look.open;
+            let lanes = lanes & check.open;
             scratch.doubts[doubt].1 =
-                self.links_one_by_one(simd, index, lanes, frames, scratch, &mut look.open);
-            look.narrow();
+                self.links_one_by_one(simd, index, lanes, frames, scratch, &mut check.open);
+            check.narrow();
         }
     }
 
@@ -399,8 +400,7 @@ impl Lanes {
 
 impl LanePair {
     /// An infinite slack leaves every configuration in doubt.
-    // Lanes are `f32` by design; the slack covers it.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(clippy::cast_possible_truncation, reason = "lanes are `f32` by design; the slack covers it")]
     fn new(pair: usize, other: usize, required_m: f64, slack_m: f64) -> Self {
         let slack_m = slack_m + RELATIVE_ROUNDING * required_m;
         Self {

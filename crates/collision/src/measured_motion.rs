@@ -83,7 +83,7 @@ impl Cell {
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
-            self.look_at(a, b, middle, half_width, scratch, 1.0);
+            self.check_at(a, b, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {
                 let pair = &self.pairs.get(index);

@@ -2,13 +2,14 @@ use cranny_robot::between;
 use cranny_spatial::{LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
-use crate::batch::{first_lanes, lanes_of};
 use crate::cell::{Cell, Scratch};
 use crate::contact::Contact;
+use crate::lane_bits::{first_lanes, lanes_of};
 use crate::lane_scratch::{LaneMotion, LanePace};
 use crate::lanes::Interest;
 use crate::pairs::{Other, Pair};
 use crate::travel::Pace;
+use crate::work_list::{Interval, WorkList};
 
 /// What is known about a straight motion from one configuration to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +72,7 @@ const RESOLUTION_M: f64 = 1e-6;
 const FINEST_IN_LANES_M: f64 = 3e-5;
 
 /// Nothing moves farther than this from the middle of one of the intervals that a proof begins with, in metres:
-/// half the thickness of an arm. Of longer ones most would be in doubt, of shorter ones more than needed looked at.
+/// half the thickness of an arm. Of longer ones most would be in doubt, of shorter ones more than needed checked.
 const FIRST_TRAVEL_M: f64 = 0.04;
 
 /// A proof begins with so many passes at most.
@@ -87,39 +88,6 @@ struct Failure {
     is_contact: bool,
 }
 
-/// A piece of the motion that is not certified yet, and the pairs in doubt there.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Interval {
-    middle: f64,
-    half_width: f64,
-    /// Where in the list of pairs its own begin and end.
-    pairs: (usize, usize),
-}
-
-/// Intervals that are still to be certified.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct WorkList {
-    intervals: Vec<Interval>,
-    pairs: Vec<u32>,
-}
-
-impl WorkList {
-    fn clear(&mut self) {
-        self.intervals.clear();
-        self.pairs.clear();
-    }
-
-    /// Both halves of the interval, for the pairs from `begin` on.
-    fn push_halves(&mut self, interval: &Interval, begin: usize) {
-        if begin < self.pairs.len() {
-            let (half_width, pairs) = (interval.half_width * 0.5, (begin, self.pairs.len()));
-            for middle in [interval.middle - half_width, interval.middle + half_width] {
-                self.intervals.push(Interval { middle, half_width, pairs });
-            }
-        }
-    }
-}
-
 impl Cell {
     /// Proves the straight motion from `a` to `b` (m, rad; one value per joint), or says what prevents it.
     ///
@@ -129,7 +97,7 @@ impl Cell {
     ///    lanes, many intervals at once, down to where the lanes cannot tell; what is left then, one
     ///    by one with the exact distance.
     /// 3. A pair that is closer than demanded at a middle ends the search.
-    /// 4. The pairs left over are looked at again in both halves, until nothing is left over.
+    /// 4. The pairs left over are checked again in both halves, until nothing is left over.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -160,12 +128,12 @@ impl Cell {
     pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut failure = self.first_failure(a, b, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {
-            self.look_at(a, b, at, 0.0, scratch, demand.factor);
+            self.check_at(a, b, at, 0.0, scratch, demand.factor);
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
                 // The lanes are certain of contact only where the exact check is; were it not so, it would have
-                // to look at everything itself.
+                // to check everything itself.
                 scratch.work.clear();
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
@@ -203,7 +171,7 @@ impl Cell {
         demand: Demand,
     ) -> Option<f64> {
         // How far everything can move along the whole edge bounds how far it can move in each part of it.
-        self.look_at(a, b, 0.5, 0.5, scratch, demand.factor);
+        self.check_at(a, b, 0.5, 0.5, scratch, demand.factor);
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut rest = std::mem::take(&mut scratch.rest);
@@ -212,7 +180,7 @@ impl Cell {
         let mut half_width = 0.5 / first_intervals as f64;
         // At first nothing is certified: these intervals have all pairs, and list none.
         let mut is_first = true;
-        // Each pass looks along the whole edge: contact shows the sooner.
+        // Each pass checks along the whole edge: contact shows the sooner.
         let passes = first_intervals / LANES;
         let along = (0..passes).flat_map(|pass| (0..LANES).map(move |lane| lane * passes + pass));
         work.intervals.extend(along.map(|index| Interval {
@@ -233,9 +201,9 @@ impl Cell {
                 }
                 let (asked, interest) = (first_lanes(intervals.len()), Interest::AllOrNothing);
                 let contact = if is_first {
-                    self.lanes.look(level, &mut scratch.lanes, asked, interest)
+                    self.lanes.check(level, &mut scratch.lanes, asked, interest)
                 } else {
-                    self.lanes.look_again(level, &mut scratch.lanes, asked, interest)
+                    self.lanes.check_again(level, &mut scratch.lanes, asked, interest)
                 };
                 if contact != 0 {
                     contact_at = lanes_of(contact).next().map(|lane| intervals[lane].middle);
@@ -277,9 +245,12 @@ impl Cell {
         contact_at
     }
 
-    /// How many intervals a proof begins with: as many as whole passes look at.
-    // At most `MOST_FIRST_PASSES` passes.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    /// How many intervals a proof begins with: as many as whole passes check.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most `MOST_FIRST_PASSES` passes"
+    )]
     fn first_intervals(&self, scratch: &Scratch) -> usize {
         // As many as make `Pace::travel_m` as much, by the velocity half way.
         let intervals = |Pace { now, acceleration, .. }: Pace| {
@@ -292,8 +263,10 @@ impl Cell {
 
     /// Tells the lanes how far everything can move within an interval that has this share of the edge whose
     /// travel `scratch` holds; what must be kept beyond what is demanded is as if it moved so much farther.
-    // Lanes are `f32` by design; what is rounded away is added.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; what is rounded away is added"
+    )]
     pub(crate) fn set_travel(&self, a: &[f64], b: &[f64], share: f64, demand: Demand, scratch: &mut Scratch) {
         /// The velocity of a point is off by less than this share of what its joints could add up to: a hundred times
         /// what `f32` rounds.
@@ -374,7 +347,7 @@ impl Cell {
     }
 
     /// Frames at `middle`, and how far everything can move within `half_width` of it.
-    pub(crate) fn look_at(
+    pub(crate) fn check_at(
         &self,
         a: &[f64],
         b: &[f64],

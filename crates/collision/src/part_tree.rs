@@ -26,7 +26,7 @@ pub(crate) struct PartNode {
     pub next: usize,
 }
 
-/// So many parts are looked at one by one: the released scenarios have 6 to 12, and a tree of them would be
+/// So many parts are checked one by one: the released scenarios have 6 to 12, and a tree of them would be
 /// slower.
 const FEW: usize = 16;
 

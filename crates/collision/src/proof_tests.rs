@@ -9,12 +9,11 @@ use cranny_spatial::{LANES, Pose, Stream, Vector};
 use fearless_simd::Level;
 use proptest::prelude::*;
 
-use crate::Measuring;
-use crate::batch::first_lanes;
+use crate::lane_bits::first_lanes;
 use crate::lanes::Interest;
 use crate::motion::Demand;
 use crate::travel::Travel;
-use crate::{Body, Cell, Margins, Motion, World};
+use crate::{Body, Cell, Margins, Measuring, Motion, World};
 
 /// A slide that carries an arm of two thin links and a small ball at its end.
 const ARM: &str = r#"<robot name="arm">
@@ -163,19 +162,19 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
         .any(|body| most_moved_m(&cell, body, [&a, &b], 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
-/// The same for every one of the intervals that the lanes look at at once.
+/// The same for every one of the intervals that the lanes check at once.
 fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
-    // The floor is what the lanes look at.
+    // The floor is what the lanes check.
     let cell = cell(&robot, vec![Body::floor(-9.0)], 0.0);
     let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
     let middles = (0..LANES).map(|lane| (lane as f64 + 0.5) / LANES as f64);
     let mut scratch = cell.scratch();
     scratch.slope = a.iter().zip(&b).map(|(a, b)| b - a).collect();
-    cell.look_at(&a, &b, 0.5, 0.5, &mut scratch, factor);
+    cell.check_at(&a, &b, 0.5, 0.5, &mut scratch, factor);
     cell.set_travel(&a, &b, 2.0 * half_width, Demand { factor, ..Demand::default() }, &mut scratch);
     scratch.lanes.set_lanes_along(&a, &b, middles.clone());
-    cell.lanes.look(Level::new(), &mut scratch.lanes, first_lanes(LANES), Interest::Each);
+    cell.lanes.check(Level::new(), &mut scratch.lanes, first_lanes(LANES), Interest::Each);
     (0..cell.bodies.len()).any(|body| {
         let travels_m = &scratch.lanes.travel.bodies[body];
         middles.clone().zip(travels_m).any(|(middle, travel_m)| {

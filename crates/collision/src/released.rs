@@ -88,7 +88,7 @@ impl ReleasedCheck {
         &self.robot
     }
 
-    /// Room to compute in.
+    /// Scratch, to be used again.
     pub fn scratch(&self) -> ReleasedScratch {
         ReleasedScratch { frames: self.robot.frames() }
     }

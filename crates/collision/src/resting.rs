@@ -131,7 +131,7 @@ impl Cell {
         }
         let mut open = vec![(0.5, 0.5)];
         while let Some((middle, half_width)) = open.pop() {
-            self.look_at(a, b, middle, half_width, scratch, 1.0);
+            self.check_at(a, b, middle, half_width, scratch, 1.0);
             let travel_m = scratch.travel.of(held);
             let world_from_held = self.world_from_held(scratch);
             for contact in &resting.contacts {

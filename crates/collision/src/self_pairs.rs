@@ -73,7 +73,7 @@ fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usi
 /// How many random configurations must all show contact. One free one is enough to keep a pair.
 const SAMPLES: usize = 500;
 
-/// The depth of how many of them is looked at.
+/// The depth of how many of them is checked.
 const DEPTH_SAMPLES: usize = 20;
 
 /// Per pair the least depth that was seen, in metres; `None` if the pair is free somewhere.

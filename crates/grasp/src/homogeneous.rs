@@ -58,7 +58,7 @@ mod tests {
             let rows = rows_of_pose(&pose);
             let exact = PoseDifference::between(&pose, &pose_of_rows(&rows).unwrap());
             assert!(exact.translation_m == 0.0 && exact.rotation_rad < 1e-14, "{exact:?}");
-            #[allow(clippy::cast_possible_truncation)]
+            #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
             let rounded = rows.map(|x| f64::from(x as f32));
             let read = pose_of_rows(&rounded).unwrap();
             assert!((read.rotation.norm() - 1.0).abs() < 1e-15);

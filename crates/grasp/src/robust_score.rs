@@ -25,8 +25,11 @@ impl RobustScore {
             return None;
         }
         let held = (score * trials).round();
-        // Both are whole, not negative and at most `MOST_TRIALS`.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "both are whole, not negative and at most `MOST_TRIALS`"
+        )]
         let found = Self { trials: trials as usize, held: held as usize };
         ((found.score() - score).abs() <= TWO_DECIMALS).then_some(found)
     }

@@ -119,8 +119,10 @@ fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     // The chord of `threshold` degrees is shorter than the arc.
     let cell_size = threshold.to_radians().max(LEAST_CELL);
-    // Components of a unit vector over a cell's size are small.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "components of a unit vector over a cell's size are small"
+    )]
     let cell_of = |grasp: &Grasp| {
         let approach = grasp.world_from_gripper.rotation * Vector::z();
         [approach.x, approach.y, approach.z].map(|x| (x / cell_size).floor() as i64)

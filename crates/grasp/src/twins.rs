@@ -19,8 +19,10 @@ const SAME_RAD: f64 = 0.1 * cranny_spatial::EXACT_ROTATION_RAD;
 impl TwinFilter {
     pub fn is_new(&mut self, grasp: &Grasp) -> bool {
         let origin = grasp.world_from_gripper.translation.vector;
-        // Objects are within a few metres, so a cell number stays far below the limits of i64.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "objects are within a few metres, so a cell number stays far below the limits of i64"
+        )]
         let [x, y, z] = [origin.x, origin.y, origin.z].map(|x| (x / SAME_M).floor() as i64);
         let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
         let is_known = around.filter_map(|[i, j, k]| self.cells.get(&[x + i, y + j, z + k])).flatten().any(

@@ -1,7 +1,6 @@
 //! What a robot may rely on when it runs a trajectory: limits, rest at both ends, the proven edges.
 
-// The ends of a trajectory are exact.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, reason = "the ends of a trajectory are exact")]
 
 use std::path::Path;
 

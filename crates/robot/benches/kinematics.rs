@@ -35,8 +35,7 @@ fn forward(criterion: &mut Criterion) {
         });
     });
 
-    // Lanes are `f32` by design.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(clippy::cast_possible_truncation, reason = "lanes are `f32` by design")]
     let rows: Vec<LaneArray> = (0..robot.dof())
         .map(|joint| std::array::from_fn(|lane| configurations[lane][joint] as f32))
         .collect();

@@ -1,7 +1,6 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use cranny_file::Readable;
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
@@ -10,12 +9,14 @@ use crate::full_turn::full_turns;
 use crate::hand::hand_links;
 use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
-use crate::kinematics::{LinkFrames, Motion, Step, Value};
-use crate::limits::{RateLimits, parse_rate_limits};
+use crate::joint_step::{Motion, Step, Value};
+use crate::kinematics::LinkFrames;
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
-use crate::robot_files::{DESCRIPTION, LIMITS};
+use crate::rate_limits::{RateLimits, parse_rate_limits};
+use crate::robot_description::{DESCRIPTION, LIMITS};
+use crate::text_source::{parsed, read};
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
+use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
     GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
     Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
@@ -149,23 +150,6 @@ impl UrdfFile {
         options.description = options.description.or_else(|| beside(path.with_file_name(DESCRIPTION)));
         Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
     }
-}
-
-fn read(kind: Readable, path: &Path) -> Result<String, RobotError> {
-    kind.text(path).map_err(|reason| RobotError::Unreadable { path: path.to_owned(), reason })
-}
-
-/// What `parse` makes of the text of a file and its name.
-pub(crate) fn parsed<T>(
-    source: Option<&TextSource>,
-    parse: impl Fn(&str, &str) -> Result<T, RobotError>,
-) -> Result<Option<T>, RobotError> {
-    source
-        .map(|source| match source {
-            TextSource::Path(path) => parse(&read(cranny_file::TEXT, path)?, &path.display().to_string()),
-            TextSource::Text { name, text } => parse(text, name),
-        })
-        .transpose()
 }
 
 fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {

@@ -2,11 +2,9 @@ use std::any::Any;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use crate::Robot;
-
 /// What a room above has worked out of a robot. A clone begins without it: it may become another robot.
 #[derive(Default)]
-pub(crate) struct Derived(OnceLock<Arc<dyn Any + Send + Sync>>);
+pub(crate) struct Derived(pub OnceLock<Arc<dyn Any + Send + Sync>>);
 
 impl Clone for Derived {
     fn clone(&self) -> Self {
@@ -20,29 +18,11 @@ impl fmt::Debug for Derived {
     }
 }
 
-impl Robot {
-    /// What `work_out` makes of this robot, worked out once as long as the robot lives. There is room for one such
-    /// thing, of the type that is asked for first; others are worked out every time.
-    pub fn derived<T: Any + Send + Sync>(&self, work_out: impl FnOnce(&Self) -> T) -> Arc<T> {
-        let mut work_out = Some(work_out);
-        let known = self.derived.0.get_or_init(|| match work_out.take() {
-            Some(work_out) => Arc::new(work_out(self)),
-            None => Arc::new(()),
-        });
-        match (known.clone().downcast::<T>(), work_out) {
-            (Ok(known), _) => known,
-            (Err(_), Some(work_out)) => Arc::new(work_out(self)),
-            (Err(_), None) => unreachable!("what was worked out is of the type that was asked for"),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
 
-    use super::*;
-    use crate::RobotOptions;
+    use crate::{Robot, RobotOptions};
 
     #[test]
     fn one_thing_is_worked_out_once_a_robot() {

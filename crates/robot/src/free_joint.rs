@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use cranny_spatial::{Pose, Rotation, Vector};
 
-use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMotion, parse_limits};
+use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMotion, parse_limits};
 use crate::xml::Element;
 use crate::{FREE_JOINT_LIMIT_M, RobotError};
 

@@ -1,93 +1,11 @@
 use std::collections::BTreeMap;
 
 use cranny_spatial::{Pose, Vector};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::assembly::parsed;
-use crate::joint_group::{named_group, range, unknown_joint, unknown_link};
+use crate::hand_description::{FingerRange, HandDescription};
 use crate::tree::Tree;
-use crate::urdf::Urdf;
-use crate::{JointKind, Link, Location, Mover, RobotDescription, RobotError, RobotOptions, Srdf};
-
-/// What a URDF does not say of a hand with parallel pads: `hand` in the `robot.yaml` of a robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HandDescription {
-    /// What it is called.
-    pub name: String,
-    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default as of
-    /// [`RobotOptions::tip`].
-    #[serde(default)]
-    pub tip: Option<String>,
-    /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.
-    #[serde(default)]
-    pub fingers: BTreeMap<String, FingerRange>,
-    /// Between the pads when the fingers stand open, in metres.
-    pub opening_m: f64,
-    /// How far behind the origin of the gripper frame the palm begins, in metres.
-    pub finger_depth_m: f64,
-    /// With what the pads press on what they hold, in newtons.
-    pub closing_force_n: f64,
-}
-
-impl HandDescription {
-    /// Whether its figures can be; `text` is that of `file`, in which it stands.
-    pub(crate) fn check(&self, text: &str, file: &str) -> Result<(), RobotError> {
-        let of_hand = || format!("hand `{}`", self.name);
-        for (attribute, value) in [
-            ("opening_m", self.opening_m),
-            ("finger_depth_m", self.finger_depth_m),
-            ("closing_force_n", self.closing_force_n),
-        ] {
-            if !(value.is_finite() && value > 0.0) {
-                let (at, range) = (line_of(text, file, attribute), "a number greater than 0".to_owned());
-                return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
-            }
-        }
-        self.check_fingers(text, file, |_| (f64::MIN, f64::MAX))
-    }
-
-    /// Whether the joint of each finger can stand where it is to stand, open and closed; `limits` by its name.
-    fn check_fingers(
-        &self,
-        text: &str,
-        file: &str,
-        limits: impl Fn(&str) -> (f64, f64),
-    ) -> Result<(), RobotError> {
-        for (finger, places) in &self.fingers {
-            for (attribute, value) in [("open", places.open), ("closed", places.closed)] {
-                let (lower, upper) = limits(finger);
-                if !(lower..=upper).contains(&value) {
-                    let (at, element) = (line_of(text, file, finger), format!("finger `{finger}`"));
-                    let range = match lower {
-                        f64::MIN => "a number".to_owned(),
-                        _ => format!("between {lower} and {upper}, the limits of the joint"),
-                    };
-                    return Err(RobotError::HandFigure { at, element, attribute, value, range });
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The line of a text that begins with a key.
-pub(crate) fn line_of(text: &str, file: &str, key: &str) -> Location {
-    let line = text.lines().position(|line| line.trim_start().starts_with(key));
-    let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
-    Location { file: file.to_owned(), line }
-}
-
-/// Where the joint of a finger stands (m, rad).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FingerRange {
-    /// With the hand open.
-    pub open: f64,
-    /// With the hand closed on nothing.
-    pub closed: f64,
-}
+use crate::urdf_model::Urdf;
+use crate::{JointKind, Link, Mover, RobotOptions};
 
 /// The hand of a robot, as it is described.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,52 +115,6 @@ fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) ->
         joints[joint].finger = usize::from(is_opposite);
     }
     joints.iter().map(|joint| joint.finger + 1).max().unwrap_or(0)
-}
-
-impl RobotOptions {
-    /// The same with the robot's own hand as the first of those that are known, fingers open, and the gripper frame as
-    /// the tip, as far as the robot has such joints and links and the options do not say otherwise.
-    pub(crate) fn with_open_hands(
-        &self,
-        urdf: &Urdf,
-        tree: &Tree,
-        srdf: Option<&Srdf>,
-    ) -> Result<(Self, Option<RobotDescription>), RobotError> {
-        let mut options = self.clone();
-        let motion = |finger: &str| urdf.joints[tree.joint(finger)?].motion.as_ref();
-        let limits = |finger: &str| motion(finger).map_or((f64::MIN, f64::MAX), range);
-        let own = parsed(self.description.as_ref(), |text, file| {
-            let own = RobotDescription::parse(text, file)?;
-            own.hand.iter().try_for_each(|hand| hand.check_fingers(text, file, limits))?;
-            Ok(own)
-        })?;
-        if let Some(own) = &own {
-            own.complete(&mut options);
-        }
-        if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
-            let place = || format!("{}: hand `{}`", urdf.file, own.name);
-            if let Some(finger) = own.fingers.keys().find(|finger| tree.joint(finger).is_none()) {
-                return Err(unknown_joint(urdf, place(), finger));
-            }
-            if let Some(tip) = own.tip.as_ref().filter(|tip| tree.node(tip).is_none()) {
-                return Err(unknown_link(urdf, place(), tip));
-            }
-            options.known_hands.insert(0, own);
-        }
-        // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
-        let group = named_group(urdf, tree, srdf, &options)?;
-        let is_held = |finger: &String| {
-            let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());
-            tree.joint(finger).is_some_and(|joint| !group.contains(&joint)) && !mimics
-        };
-        for HandDescription { tip, fingers, .. } in &options.known_hands {
-            options.tip = options.tip.or_else(|| tip.clone().filter(|tip| tree.node(tip).is_some()));
-            for (finger, range) in fingers.iter().filter(|(finger, _)| is_held(finger)) {
-                options.fixed.entry(finger.clone()).or_insert(range.open);
-            }
-        }
-        Ok((options, own))
-    }
 }
 
 /// The links of hand and fingers, by index: those with collision geometry that move as one with the tip,

@@ -107,7 +107,11 @@ impl IkLanes {
     }
 
     /// Steps that attempt `lane` of the last run took, if it reached its target.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count that is not negative and small"
+    )]
     pub fn iterations(&self, lane: usize) -> usize {
         self.iterations[lane] as usize
     }

@@ -37,7 +37,7 @@ mod tests {
     use cranny_spatial::Vector;
 
     use super::*;
-    use crate::urdf::Urdf;
+    use crate::urdf_model::Urdf;
 
     fn inertial(text: &str) -> Option<Inertial> {
         let text = format!("<robot name=\"r\"><link name=\"l\">{text}</link></robot>");

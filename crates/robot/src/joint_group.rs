@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfJoint, UrdfMotion};
+use crate::urdf_model::{Urdf, UrdfJoint, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.

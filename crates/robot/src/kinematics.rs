@@ -1,6 +1,6 @@
-use cranny_spatial::nalgebra::Quaternion;
-use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+use cranny_spatial::Pose;
 
+use crate::joint_step::Step;
 use crate::{Hold, Robot};
 
 /// Where every link of a robot is: what [`Robot::forward_kinematics`] writes.
@@ -85,102 +85,5 @@ impl Robot {
         for step in steps {
             root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
         }
-    }
-}
-
-/// How to get the pose of one link from that of its parent.
-#[derive(Clone, Debug)]
-pub(crate) struct Step {
-    pub(crate) link: usize,
-    pub(crate) parent: usize,
-    pub(crate) motion: Motion,
-}
-
-/// The motion of a joint, with all constants multiplied out beforehand.
-#[derive(Clone, Debug)]
-pub(crate) enum Motion {
-    Rigid {
-        parent_from_link: Pose,
-    },
-    Slide {
-        value: Value,
-        rotation: Rotation,
-        translation: Vector,
-        axis_in_parent: Vector,
-    },
-    Turn {
-        value: Value,
-        translation: Vector,
-        /// The rotation at value 0, and the same times a half turn: `cos(v/2) · at_zero + sin(v/2) ·
-        /// at_half_turn` is the rotation at value v.
-        at_zero: Quaternion<f64>,
-        at_half_turn: Quaternion<f64>,
-    },
-    /// On the tip, where a hold puts it.
-    Loose {
-        slot: usize,
-    },
-}
-
-/// `multiplier · q[joint] + offset`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Value {
-    pub(crate) joint: usize,
-    pub(crate) multiplier: f64,
-    pub(crate) offset: f64,
-}
-
-impl Value {
-    fn at(&self, q: &[f64]) -> f64 {
-        self.multiplier * q[self.joint] + self.offset
-    }
-}
-
-impl Motion {
-    /// A joint that slides along `axis` (in its own frame).
-    pub(crate) fn slide(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
-        Self::Slide {
-            value,
-            rotation: parent_from_joint.rotation,
-            translation: parent_from_joint.translation.vector,
-            axis_in_parent: parent_from_joint.rotation * axis,
-        }
-    }
-
-    /// A joint that turns about `axis` (in its own frame).
-    pub(crate) fn turn(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
-        let at_zero = parent_from_joint.rotation.into_inner();
-        Self::Turn {
-            value,
-            translation: parent_from_joint.translation.vector,
-            at_zero,
-            at_half_turn: at_zero * Quaternion::from_imag(*axis),
-        }
-    }
-}
-
-impl Step {
-    #[inline]
-    pub(crate) fn root_from_link(&self, root_from_parent: &Pose, loose: &[Pose], q: &[f64]) -> Pose {
-        let within = |translation: Vector| {
-            root_from_parent.translation.vector + root_from_parent.rotation * translation
-        };
-        let (translation, rotation) = match &self.motion {
-            Motion::Rigid { parent_from_link } => (
-                within(parent_from_link.translation.vector),
-                root_from_parent.rotation * parent_from_link.rotation,
-            ),
-            Motion::Loose { slot } => return root_from_parent * loose[*slot],
-            Motion::Slide { value, rotation, translation, axis_in_parent } => {
-                (within(translation + axis_in_parent * value.at(q)), root_from_parent.rotation * rotation)
-            }
-            Motion::Turn { value, translation, at_zero, at_half_turn } => {
-                let (sine, cosine) = sin_cos(0.5 * value.at(q));
-                // A sum of two perpendicular unit quaternions, weighted by cosine and sine, has unit length.
-                let turned = Rotation::new_unchecked(at_zero * cosine + at_half_turn * sine);
-                (within(*translation), root_from_parent.rotation * turned)
-            }
-        };
-        Pose::from_parts(translation.into(), rotation)
     }
 }

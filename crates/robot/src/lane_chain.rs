@@ -159,7 +159,7 @@ pub(crate) fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>
 }
 
 /// A number as lanes hold it.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 pub(crate) fn narrow(x: f64) -> f32 {
     x as f32
 }

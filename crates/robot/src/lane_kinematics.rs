@@ -311,8 +311,10 @@ impl LaneFrame {
 }
 
 impl LaneStep {
-    // Lanes are `f32` by design; their error is bounded by `position_error_m`.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; their error is bounded by `position_error_m`"
+    )]
     fn new(parent: usize, joint: usize, multiplier: f64, kind: JointKind, parent_from_frame: &Pose) -> Self {
         Self { parent, joint, multiplier: multiplier as f32, kind, place: LanePlace::of(parent_from_frame) }
     }
@@ -335,8 +337,10 @@ impl LaneStep {
 }
 
 impl LanePlace {
-    // Lanes are `f32` by design; their error is bounded by `position_error_m`.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; their error is bounded by `position_error_m`"
+    )]
     fn of(parent_from_frame: &Pose) -> Self {
         let rotation: Matrix3<f64> = parent_from_frame.rotation.to_rotation_matrix().into_inner();
         /// A sine of a right angle is this far from 0 at most.

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use crate::joint_group::unknown_link;
 use crate::tree::Tree;
-use crate::urdf::Urdf;
+use crate::urdf_model::Urdf;
 use crate::{Link, RobotError, Srdf};
 
 /// Two links with geometry are adjacent if the way between them through the tree meets no third one.

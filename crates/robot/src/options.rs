@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crate::HandDescription;
+use crate::text_source::TextSource;
 
 /// What a URDF leaves open when a robot is built from it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,20 +37,6 @@ pub struct RobotOptions {
     pub solid_meshes: Vec<String>,
     /// Pairs of links, by name, that may touch: exempt as those are that the SRDF disables.
     pub unchecked_pairs: Vec<[String; 2]>,
-}
-
-/// A text that comes along with a URDF.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TextSource {
-    /// A file.
-    Path(PathBuf),
-    /// The text itself.
-    Text {
-        /// What errors call it.
-        name: String,
-        /// Its content.
-        text: String,
-    },
 }
 
 /// The joints that `q` stands for, in order.

@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::hand::line_of;
+use crate::hand_description::line_of;
 use crate::joint_group::unknown_joint;
-use crate::limits::parse_yaml;
-use crate::robot_files::DESCRIPTION;
+use crate::rate_limits::parse_yaml;
 use crate::tree::Tree;
-use crate::urdf::Urdf;
+use crate::urdf_model::Urdf;
 use crate::{HandDescription, JointGroup, RobotError, RobotOptions};
+
+/// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
+pub(crate) const LIMITS: &str = "limits.yaml";
+pub(crate) const DESCRIPTION: &str = "robot.yaml";
 
 /// What a URDF does not say of a robot: `robot.yaml` beside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::robot_description::{DESCRIPTION, LIMITS};
 use crate::xml::{XmlText, known_prefixes};
 use crate::{RobotDescription, RobotError, mesh_path};
 
@@ -19,10 +20,6 @@ pub struct RobotFiles {
 
 /// The folder of the meshes.
 const MESHES: &str = "meshes";
-
-/// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
-pub(crate) const LIMITS: &str = "limits.yaml";
-pub(crate) const DESCRIPTION: &str = "robot.yaml";
 
 impl RobotFiles {
     /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside it, `limits.yaml` and `robot.yaml`

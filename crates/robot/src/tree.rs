@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use crate::urdf::Urdf;
+use crate::urdf_model::Urdf;
 use crate::{Location, RobotError, spelling};
 
 /// The links of a URDF as a tree, parents before children, each link's children in the order of the file.

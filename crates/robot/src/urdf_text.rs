@@ -1,7 +1,7 @@
 use cranny_spatial::Pose;
 
 use crate::tree::Tree;
-use crate::urdf::{Urdf, UrdfJoint, UrdfJointKind};
+use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind};
 use crate::xml::{XmlText, known_prefixes};
 use crate::{JointKind, RobotError};
 

@@ -52,7 +52,7 @@ fn lanes_are_no_farther_off_than_their_bound_says() {
         let mut lane_frames = vec![LaneFrame::IDENTITY; kinematics.frame_count()];
         let mut frames = robot.frames();
         let rows: Vec<Vec<f64>> = (0..LANES).map(|_| robot.random_configuration(&mut random)).collect();
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let q: Vec<LaneArray> =
             (0..robot.dof()).map(|joint| std::array::from_fn(|lane| rows[lane][joint] as f32)).collect();
         dispatch!(simd_level(), simd => kinematics.forward(simd, &q, &[], &mut lane_frames));

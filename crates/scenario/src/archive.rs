@@ -13,6 +13,7 @@ use sha2::{Digest as _, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
+use crate::archive_contents::fault;
 use crate::robot_in_folder::{RobotInFolder, is_named_by_place};
 use crate::scenario_file::{AboutEntry, ScenarioFile};
 use crate::{
@@ -167,10 +168,6 @@ fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
         .argument()
         .bytes(archive)
         .map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
-}
-
-pub(crate) fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
-    ScenarioError::Content { path: archive.to_owned(), problem: problem.into() }
 }
 
 fn checksum(bytes: &[u8]) -> String {

@@ -8,7 +8,6 @@ use cranny_file::{LIFTED_BY, are_limits_lifted, excerpt};
 use zip::ZipArchive;
 
 use crate::ScenarioError;
-use crate::archive::fault;
 
 /// An archive that unpacks to more is refused: the largest scenario known to us has 20 MiB, most of it meshes.
 const MOST_BYTES: u64 = 256 << 20;
@@ -147,4 +146,8 @@ fn names_listed(mut directory: &[u8]) -> Vec<String> {
         directory = directory.get(HEADER + name + rest..).unwrap_or_default();
     }
     names
+}
+
+pub(crate) fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {
+    ScenarioError::Content { path: archive.to_owned(), problem: problem.into() }
 }

@@ -2,10 +2,8 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-use crate::scene_scale::{resized, scaled};
-use crate::{
-    ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, SceneScale, TargetPhysics, builtin_object,
-};
+use crate::resized::{resized, scaled};
+use crate::{ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics, builtin_object};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
@@ -34,7 +32,7 @@ pub struct Placement {
 
 /// A region of the floor, or of what an object lies on, in metres of the scene.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::struct_field_names)] // Units, as everywhere.
+#[allow(clippy::struct_field_names, reason = "units, as everywhere")]
 pub(crate) struct Region {
     /// From, to.
     pub across_m: [f64; 2],
@@ -112,18 +110,6 @@ impl Family {
             Self::Gap => [0.30, 0.64],
             Self::Gate => [0.54, 0.86],
         }
-    }
-
-    /// The value, if the dial goes so far in a scene of that scale.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Parameter`].
-    pub fn checked(self, value: f64, scale: &SceneScale) -> Result<f64, ScenarioError> {
-        let [low, high] = self.range_m().map(|end| end * scale.of_dial(self));
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        Err(ScenarioError::Parameter { family: self.name(), parameter: self.parameter(), low, high, value })
     }
 
     /// Where the paper has the object, at that value of the dial: centres of bounds in the released scenes.

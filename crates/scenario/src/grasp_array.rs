@@ -10,7 +10,7 @@ use cranny_spatial::{Pose, Rotation, Vector};
 use npyz::{NpyFile, WriterBuilder as _};
 
 use crate::ScenarioError;
-use crate::released::planning_from_scene;
+use crate::released_frame::planning_from_scene;
 
 pub(crate) const FILE: &str = "grasps.npy";
 
@@ -66,8 +66,7 @@ pub(crate) fn write(path: &Path, grasps: &GraspSet) -> Result<(), ScenarioError>
         let file = BufWriter::new(File::create(path)?);
         let shape = [grasps.len() as u64, 4, 4];
         let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
-        // Metres and cosines fit.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "metres and cosines fit")]
         array.extend(numbers.map(|x| x as f32))?;
         array.finish()
     };

@@ -1,3 +1,5 @@
+use std::path::Path;
+
 use cranny_shape::{
     ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, TriangleSoup,
     VolumeMoments, distinct_poses, stable_poses,
@@ -155,5 +157,19 @@ fn check_size(soup: &TriangleSoup) -> Result<(), ScenarioError> {
         Err(ScenarioError::ObjectSize { file: String::new(), size_m, unit: "kilometres", scale: 1000.0 })
     } else {
         Ok(())
+    }
+}
+
+impl ScenarioError {
+    /// The same fault, said of the mesh file that it was found in.
+    #[must_use]
+    pub fn in_mesh(self, path: &Path) -> Self {
+        match self {
+            Self::ShapeFile(fault) => Self::ShapeFile(fault.in_file(path)),
+            Self::ObjectSize { size_m, unit, scale, .. } => {
+                Self::ObjectSize { file: format!("{}: ", path.display()), size_m, unit, scale }
+            }
+            fault => fault,
+        }
     }
 }

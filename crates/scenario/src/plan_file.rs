@@ -11,9 +11,8 @@ use cranny_solve::{Answer, Carry, Request};
 use serde::{Deserialize, Serialize};
 
 use crate::plan_betterment::{PlanOptimisation, PlanShortening};
-use crate::plan_segment::{check_format, check_segments};
-use crate::plan_trajectory::PlanTiming;
-use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, waypoints, write_whole_file};
+use crate::plan_timing::PlanTiming;
+use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -99,13 +98,6 @@ pub struct PlanFile {
     /// The object was to be carried anywhere it is so far from all bodies but floors, in metres; `None` where it was not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_clear_m: Option<f64>,
-}
-
-/// What is read of a plan before the rest.
-#[derive(Deserialize)]
-struct Head {
-    #[serde(default)]
-    format: Option<String>,
 }
 
 /// What a plan is of: what an [`Answer`] does not know.
@@ -241,82 +233,6 @@ impl PlanFile {
             .map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason: reason.into() })?;
         text.push('\n');
         write_whole_file(path, text.as_bytes())
-    }
-
-    /// Reads a plan.
-    ///
-    /// # Errors
-    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, has a way point without one value per
-    /// joint, or segments that this version does not know.
-    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let text = cranny_file::TABLE
-            .argument()
-            .bytes(path)
-            .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-        if text.trim_ascii().is_empty() {
-            return Err(ScenarioError::Empty { path: path.to_owned() });
-        }
-        let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
-        // What another format holds is not known.
-        let Head { format } = cranny_file::json(&text).map_err(malformed)?;
-        check_format(path, format.as_deref())?;
-        let mut plan: Self = cranny_file::json(&text).map_err(malformed)?;
-        plan.check_waypoints(path, plan.joint_names.len())?;
-        check_segments(path, &mut plan)?;
-        Ok(plan)
-    }
-
-    /// The way points of the plan, which was read from `path`.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Waypoint`] unless each has `joints` values, [`ScenarioError::Empty`] if there is none.
-    pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
-        self.check_waypoints(path, joints)?;
-        waypoints::some(path, self.waypoints)
-    }
-
-    fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
-        match self.waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
-            None => Ok(()),
-            Some((waypoint, q)) => {
-                Err(ScenarioError::Waypoint { path: path.to_owned(), waypoint, expected, actual: q.len() })
-            }
-        }
-    }
-
-    fn field_not_finite(&self) -> Option<&'static str> {
-        let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
-            self.statistics;
-        let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
-        let timing = self.timing.iter().flat_map(|t| {
-            t.waypoint_times_s.iter().chain([&t.duration_s]).chain(t.closing_s.iter().flatten())
-        });
-        let optimisation = self.optimisation.iter().flat_map(|o| {
-            let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
-            improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
-        });
-        let own_grasp = self.own_grasp.iter().flat_map(|grasp| {
-            let pose = grasp.world_from_gripper.iter().flatten().copied();
-            pose.chain([grasp.opening_m, grasp.score])
-        });
-        let fields: [(&'static str, Vec<f64>); 15] = [
-            ("own_grasp", own_grasp.collect()),
-            ("waypoints", self.waypoints.concat()),
-            ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
-            ("carry_clear_m", self.carry_clear_m.into_iter().collect()),
-            ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
-            ("goal_threshold", self.goal_threshold.into_iter().collect()),
-            ("clearance_m", self.clearance_m.into_iter().collect()),
-            ("translation_error_m", self.translation_error_m.into_iter().collect()),
-            ("rotation_error_rad", self.rotation_error_rad.into_iter().collect()),
-            ("path_length", vec![self.path_length]),
-            ("margins", vec![self.margins.margin_m, self.margins.grasp_margin_m]),
-            ("budget", self.budget.time_limit_s.into_iter().collect()),
-            ("statistics", times.to_vec()),
-            ("timing", timing.copied().collect()),
-            ("optimisation", optimisation.collect()),
-        ];
-        fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
     }
 }
 

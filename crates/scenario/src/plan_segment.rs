@@ -1,10 +1,7 @@
-use std::path::Path;
 use std::str::FromStr as _;
 
 use cranny_solve::{Mode, Segment};
 use serde::{Deserialize, Serialize};
-
-use crate::{PlanFile, ScenarioError};
 
 /// A piece of a plan's path. What a version does not know is refused by name: nobody runs half a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,40 +84,6 @@ impl PlanSegment {
         }
         Ok(joined)
     }
-}
-
-/// Whether a file is of a format that this version knows: its own, or none, as before there was any.
-///
-/// # Errors
-/// [`ScenarioError::Content`] for another.
-pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
-    let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
-    Err(fault(path, format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT)))
-}
-
-/// Checks the segments of a plan that was read, or makes that of one written before there were any.
-///
-/// # Errors
-/// [`ScenarioError::Content`] for a segment that this version does not know, or segments that say something else than
-/// the plan's own way points.
-pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
-    let of_waypoints = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
-    if plan.format.is_none() {
-        plan.segments = of_waypoints;
-        plan.format = Some(PlanFile::FORMAT.to_owned());
-        return Ok(());
-    }
-    let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
-    let clearances_m: Vec<Option<f64>> =
-        plan.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
-    if joined != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
-        return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
-    }
-    Ok(())
-}
-
-fn fault(path: &Path, problem: String) -> ScenarioError {
-    ScenarioError::Content { path: path.to_owned(), problem }
 }
 
 /// The segments of a path to a grasp: one, or none where there is no path.

@@ -1,44 +1,11 @@
 use std::path::Path;
 
 use cranny_collision::Cell;
-use cranny_plan::{
-    Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, TimingMethod, audit_with,
-};
+use cranny_plan::{Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, audit_with};
 use cranny_robot::Robot;
 use cranny_solve::{Mode, Segment, TaskTrajectory, Timing, audit_segments};
-use serde::{Deserialize, Serialize};
 
 use crate::{PlanFile, PlanSegment, ScenarioError};
-
-/// When a path is run through. With the limits of the robot it determines the trajectory:
-/// [`Trajectory::along`](cranny_plan::Trajectory::along) the way points by the same method, or [`Trajectory::blended`](cranny_plan::Trajectory::blended).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PlanTiming {
-    /// How the path was given its time.
-    pub method: TimingMethod,
-    /// Whether corners are cut where that is proven, instead of a stop at each.
-    pub blended: bool,
-    /// From the first way point to the last, in seconds.
-    pub duration_s: f64,
-    /// When each way point is passed, or its cut corner half passed, in seconds.
-    pub waypoint_times_s: Vec<f64>,
-    /// From when to when the hand closes at the grasp, in seconds, where the target is carried on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub closing_s: Option<[f64; 2]>,
-}
-
-impl PlanTiming {
-    /// What a plan says of its trajectory.
-    pub(crate) fn of(trajectory: &TaskTrajectory) -> Self {
-        Self {
-            method: trajectory.method(),
-            blended: trajectory.is_blended(),
-            duration_s: trajectory.duration_s(),
-            waypoint_times_s: trajectory.waypoint_times_s(),
-            closing_s: trajectory.closing_s(),
-        }
-    }
-}
 
 impl PlanFile {
     /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it

@@ -4,13 +4,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
-use cranny_robot::RobotFiles;
 use cranny_spatial::{Pose, Rotation};
 
 use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
-use crate::released_export::file_name;
-use crate::robot_in_folder::ROBOT;
+use crate::robot_in_folder::{ROBOT, write_robot};
 use crate::{ScenarioError, own_layout};
 
 /// The folder of a scenario's meshes.
@@ -84,14 +82,6 @@ impl Recipe {
         }
         text
     }
-}
-
-/// Writes the files of a robot into its folder.
-pub(crate) fn write_robot(folder: &Path, files: &RobotFiles) -> Result<(), ScenarioError> {
-    for (name, content) in &files.contents {
-        write_into(folder, name, content)?;
-    }
-    Ok(())
 }
 
 /// Configurations, one a line.
@@ -170,3 +160,9 @@ fn plain(number: f64) -> f64 {
 
 /// Less than this is rounding.
 const LEAST_TURN_RAD: f64 = 1e-12;
+
+/// The name without what a file's name should not hold.
+pub(crate) fn file_name(name: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
+}

@@ -5,9 +5,8 @@ use cranny_robot::{Robot, RobotFiles, RobotOptions};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::builtin_robot::{BUILTIN_ROBOTS, BuiltinRobot};
-use crate::recipe_file::write_robot;
-use crate::released::FLOOR_M;
-use crate::robot_in_folder::{ROBOT, quoted};
+use crate::released_frame::FLOOR_M;
+use crate::robot_in_folder::{ROBOT, quoted, write_robot};
 use crate::{ScenarioError, robot_file};
 
 /// Where a scenario's robot comes from.

@@ -7,11 +7,12 @@ use cranny_grasp::{GraspSet, parse_csv, pose_of_rows};
 use cranny_plan::Criterion;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::{Solid, Surface, TriangleSoup};
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::{Pose, Vector};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
 use crate::object_library::{ObjectEntry, ObjectLibrary};
+use crate::released_frame::{FLOOR_M, planning_from_scene};
 use crate::{
     BUILTIN_ROBOTS, BuiltinRobot, Geometry, OpenOptions, Recipe, RobotSource, Scenario, ScenarioError,
     TargetPhysics, grasp_array, number_table, panda_mobile, robot_file, scenario, yaml,
@@ -19,16 +20,6 @@ use crate::{
 
 /// The file that makes a folder a scenario of the paper's release.
 pub(crate) const FILE: &str = "scene.yaml";
-
-/// Height of the floor in the planning frame of the released scenarios, in metres.
-pub(crate) const FLOOR_M: f64 = -0.05;
-
-/// Where the scene stands in the planning frame: the robot's root is at (1, 0, 0.05) m in the scene, turned
-/// by +90° about z.
-pub(crate) fn planning_from_scene() -> Pose {
-    let quarter_turn = Rotation::from_axis_angle(&Vector::z_axis(), std::f64::consts::FRAC_PI_2);
-    Pose::from_parts(Vector::new(1.0, 0.0, -FLOOR_M).into(), quarter_turn).inverse()
-}
 
 /// Opens a folder of the paper's released layout.
 ///

@@ -9,7 +9,8 @@ use cranny_spatial::Vector;
 
 use crate::atomic_file::write_into;
 use crate::recipe::{Recipe, RecipeBody, RecipeShape};
-use crate::recipe_file::configurations_text;
+use crate::recipe_file::{configurations_text, file_name};
+use crate::released_frame::planning_from_scene;
 use crate::{DEFAULT_FRICTION, ScenarioError, grasp_array, released};
 
 /// The object library of the folder, relative to it.
@@ -33,7 +34,7 @@ impl Recipe {
         };
         let write = |name: &str, text: &str| write_into(folder, name, text);
         // The layout knows but one robot, and has everything in its frame.
-        let paper_from_scene = released::planning_from_scene();
+        let paper_from_scene = planning_from_scene();
         let is_elsewhere = self.robot.scene_from_root != paper_from_scene.inverse();
         let paper_from_planning = paper_from_scene * self.robot.scene_from_root;
         let grasps = if is_elsewhere { self.grasps.moved(&paper_from_planning) } else { self.grasps.clone() };
@@ -113,12 +114,6 @@ fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64, friction: f64) -> Result<
          izz=\"{}\"/>\n    </inertial>\n  </link>\n</robot>\n",
         c.x, c.y, c.z, i.m11, i.m12, i.m13, i.m22, i.m23, i.m33
     ))
-}
-
-/// The name without what a file's name should not hold.
-pub(crate) fn file_name(name: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
 }
 
 impl RecipeBody {

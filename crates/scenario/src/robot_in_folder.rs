@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use cranny_robot::RobotFiles;
 
 use crate::ScenarioError;
+use crate::atomic_file::write_into;
 use crate::scenario_file::ScenarioFile;
 
 /// The folder of the robot's files in that of the scenario.
@@ -75,4 +76,12 @@ pub(crate) fn is_named_by_place(file: &ScenarioFile, folder: &Path) -> bool {
     let text = cranny_file::TEXT.text(&folder.join(&file.robot.value)).unwrap_or_default();
     named.any(Path::is_absolute)
         || ["file://", "filename=\"/", "filename='/"].iter().any(|place| text.contains(place))
+}
+
+/// Writes the files of a robot into its folder.
+pub(crate) fn write_robot(folder: &Path, files: &RobotFiles) -> Result<(), ScenarioError> {
+    for (name, content) in &files.contents {
+        write_into(folder, name, content)?;
+    }
+    Ok(())
 }

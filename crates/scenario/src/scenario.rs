@@ -2,18 +2,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, ReleasedCheck, World};
-use cranny_grasp::{GraspSet, read_csv};
+use cranny_grasp::GraspSet;
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_robot::Robot;
-use cranny_shape::{Surface, TriangleSoup};
+use cranny_shape::Surface;
 use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
-use crate::archive::Unpacked;
-use crate::{
-    DEFAULT_FRICTION, GivenGrasps, ObjectSource, RecipeBody, RobotSource, ScenarioError, TargetPhysics,
-    catalogue, hand, own_layout, released,
-};
+use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, TargetPhysics, hand};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -82,63 +78,7 @@ impl Geometry {
     }
 }
 
-/// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
-/// file of a scenario. Nothing is read.
-pub fn is_scenario(what: &str) -> bool {
-    let folder = Path::new(what);
-    catalogue().iter().any(|entry| entry.id == what)
-        || folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
-        || [own_layout::FILE, released::FILE].iter().any(|file| folder.join(file).is_file())
-}
-
 impl Scenario {
-    /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
-    /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
-    /// of the same name; `./021` is the folder.
-    ///
-    /// # Errors
-    /// [`ScenarioError`], with file and line where there is one.
-    pub fn open(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
-        let scenario = Self::open_own(what, options)?;
-        match &options.grasps {
-            GivenGrasps::Own => Ok(scenario),
-            GivenGrasps::File(file) => Ok(scenario.with_grasps(read_csv(file)?)),
-            GivenGrasps::None => Ok(scenario.without_grasps()),
-        }
-    }
-
-    /// The scenario with the grasps that it comes with.
-    fn open_own(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
-        let folder = Path::new(what);
-        if let Some(scenario) = catalogue::open(what, options) {
-            scenario
-        } else if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
-            let unpacked = Unpacked::open(folder)?;
-            own_layout::open(&unpacked.folder(), options)
-        } else if is_there(&folder.join(own_layout::FILE))? {
-            own_layout::open(folder, options)
-        } else if is_there(&folder.join(released::FILE))? {
-            released::open(folder, options)
-        } else if folder.is_dir() {
-            Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() })
-        } else if is_there(folder)? {
-            Err(ScenarioError::FileForFolder { path: folder.to_owned() })
-        } else {
-            let near = catalogue::near_ids(what);
-            Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids(), near })
-        }
-    }
-
-    /// The triangles of the target, in the planning frame, normals outwards; None where there is no target. Of
-    /// several shapes each has all its own, also where it lies within another.
-    ///
-    /// # Errors
-    /// [`ScenarioError::ShapeFile`] for a shape without triangles.
-    pub fn target_mesh(&self) -> Result<Option<TriangleSoup>, ScenarioError> {
-        let body = self.target.map(|target| &self.world.bodies()[target]);
-        body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
-    }
-
     /// The problem to plan for.
     ///
     /// Under `exact`, the world decides, with the demanded margins. Under `paper`, the released check does:
@@ -209,11 +149,6 @@ impl Scenario {
             joints: self.robot.joint_names().join(", "),
         })
     }
-}
-
-/// Whether something is there; "no permission" is no "no".
-fn is_there(path: &Path) -> Result<bool, ScenarioError> {
-    cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
 }
 
 /// The height that the released check keeps link frames above, in metres in the planning frame.

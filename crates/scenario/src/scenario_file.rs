@@ -102,7 +102,7 @@ pub(crate) struct BodyEntry {
 /// What is to be grasped.
 #[derive(JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[allow(dead_code)] // Nobody makes one: it is read as the entry of an obstacle is, which has no mass.
+#[allow(dead_code, reason = "nobody makes one: it is read as the entry of an obstacle is, which has no mass")]
 pub(crate) struct TargetEntry {
     pub name: String,
     pub pose: Option<PoseEntry>,
@@ -172,7 +172,7 @@ pub(crate) struct MeshEntry {
 /// How files spell a criterion.
 #[derive(JsonSchema)]
 #[schemars(rename = "Criterion", rename_all = "kebab-case")]
-#[allow(dead_code)] // Nobody makes one: its names are read as those of the other.
+#[allow(dead_code, reason = "nobody makes one: its names are read as those of the other")]
 pub(crate) enum CriterionName {
     Exact,
     Paper,

@@ -16,8 +16,7 @@ use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
 use serde::Serialize;
 
 use crate::family::Region;
-use crate::recipe_file::write_robot;
-use crate::robot_in_folder::ROBOT;
+use crate::robot_in_folder::{ROBOT, write_robot};
 use crate::{
     BUILTIN_ROBOTS, Family, FamilyMaker, GraspChoice, OpenOptions, Placement, Recipe, RecipeBody,
     RecipeRobot, RecipeShape, ScenarioError, SceneScale,

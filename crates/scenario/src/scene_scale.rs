@@ -1,8 +1,8 @@
 use cranny_robot::{JointKind, Mover, Robot};
-use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
-use crate::{Family, Placement, RecipeBody, RecipeShape, TargetPhysics};
+use crate::error::ScenarioError;
+use crate::{Family, Placement, RecipeBody, RecipeShape};
 
 /// How much smaller than the paper's a scene is, so that a robot of another reach can do something in it: shrunk about
 /// the place where the robot stands. The object stays as large as it is while the hand can hold it and there is room.
@@ -294,26 +294,16 @@ fn start_ahead_m(robot: &Robot) -> f64 {
     ahead_m.fold(0.0, f64::max)
 }
 
-/// A shape in another size, and what it then weighs.
-pub(crate) fn resized(
-    shape: &RecipeShape,
-    physics: &TargetPhysics,
-    mesh: &TriangleSoup,
-    scale: f64,
-) -> (RecipeShape, TargetPhysics) {
-    let shape = match shape {
-        RecipeShape::Cuboid(size) => RecipeShape::Cuboid(size * scale),
-        RecipeShape::Sphere(radius_m) => RecipeShape::Sphere(radius_m * scale),
-        _ => RecipeShape::Mesh(scaled(mesh, scale)),
-    };
-    let mass_kg = physics.mass_kg.map(|mass_kg| mass_kg * scale.powi(3));
-    (shape, TargetPhysics { mass_kg, ..*physics })
-}
-
-pub(crate) fn scaled(mesh: &TriangleSoup, scale: f64) -> TriangleSoup {
-    let mut mesh = mesh.clone();
-    for vertex in &mut mesh.vertices {
-        *vertex *= scale;
+impl Family {
+    /// The value, if the dial goes so far in a scene of that scale.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Parameter`].
+    pub fn checked(self, value: f64, scale: &SceneScale) -> Result<f64, ScenarioError> {
+        let [low, high] = self.range_m().map(|end| end * scale.of_dial(self));
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        Err(ScenarioError::Parameter { family: self.name(), parameter: self.parameter(), low, high, value })
     }
-    mesh
 }

@@ -4,18 +4,10 @@ use cranny_collision::{Body, Part};
 use cranny_shape::{ConvexParts, DecompositionSettings, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
+use crate::target_physics::TargetPhysics;
 use crate::{
     DEFAULT_FRICTION, ObjectSettings, ObjectSource, ObjectType, RecipeBody, Scenario, ScenarioError,
 };
-
-/// How a target weighs and slides, as far as it is said.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TargetPhysics {
-    /// Its mass, in kilograms; positive.
-    pub mass_kg: Option<f64>,
-    /// The coefficient of friction between it and the pads of a gripper; positive.
-    pub friction: Option<f64>,
-}
 
 /// The target of a scenario, and where it stands.
 #[derive(Clone, Debug)]
@@ -26,15 +18,17 @@ pub struct TargetObject {
     pub world_from_object: Pose,
 }
 
-impl TargetPhysics {
-    /// What this says; where it says nothing, what `other` does.
-    #[must_use]
-    pub fn or(self, other: Self) -> Self {
-        Self { mass_kg: self.mass_kg.or(other.mass_kg), friction: self.friction.or(other.friction) }
-    }
-}
-
 impl Scenario {
+    /// The triangles of the target, in the planning frame, normals outwards; None where there is no target. Of
+    /// several shapes each has all its own, also where it lies within another.
+    ///
+    /// # Errors
+    /// [`ScenarioError::ShapeFile`] for a shape without triangles.
+    pub fn target_mesh(&self) -> Result<Option<TriangleSoup>, ScenarioError> {
+        let body = self.target.map(|target| &self.world.bodies()[target]);
+        body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
+    }
+
     /// How the target weighs and slides: as the scenario says, else as its object does.
     pub fn target_physics(&self) -> TargetPhysics {
         let of_object = self.placed_object().map(|(source, _)| source.physics());

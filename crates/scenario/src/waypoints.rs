@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use crate::plan_reading::some;
 use crate::recipe_file::configurations_text;
 use crate::{PlanFile, ScenarioError, number_table, write_whole_file};
 
@@ -16,11 +17,6 @@ pub fn read_waypoints(path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, Scena
         _ => return Err(ScenarioError::WaypointFormat { path: path.to_owned() }),
     };
     some(path, waypoints)
-}
-
-/// The way points, if there are any.
-pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, ScenarioError> {
-    if waypoints.is_empty() { Err(ScenarioError::Empty { path: path.to_owned() }) } else { Ok(waypoints) }
 }
 
 /// Writes way points as the released `.csv` and `.try` files hold them: one configuration a line. Numbers

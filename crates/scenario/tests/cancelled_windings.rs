@@ -52,8 +52,7 @@ fn two_sided_triangles() -> Vec<[[f64; 3]; 3]> {
     let numbers = |line: &str| -> Vec<f64> { line.split(' ').skip(1).map(|w| w.parse().unwrap()).collect() };
     let vertices: Vec<Vec<f64>> = text.lines().filter(|l| l.starts_with("v ")).map(numbers).collect();
     let faces = text.lines().filter(|l| l.starts_with("f ")).map(numbers);
-    // Small whole numbers.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
     let vertex = |index: f64| [0, 1, 2].map(|axis| vertices[index as usize - 1][axis]);
     faces.map(|face| [vertex(face[0]), vertex(face[1]), vertex(face[2])]).collect()
 }

@@ -1,5 +1,7 @@
 //! All tests of this crate from outside: one program, which is linked once.
 
+#![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
+
 #[path = "../examples/released_object/mod.rs"]
 mod released_object;
 

@@ -11,13 +11,12 @@ use cranny_spatial::Pose;
 use crate::anatomy::Anatomy;
 use crate::choice::Choice;
 use crate::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
+use crate::marks::marks;
 use crate::palm::jaw_links;
-use crate::posture::marks;
 use crate::robot_folder::Written;
+use crate::setup_options::BASE_JOINT;
 use crate::{Base, SetupError, SetupOptions, xacro};
 
-/// What a base is called that is put under a robot.
-pub(crate) const BASE_JOINT: &str = "base";
 const BASE_LINK: &str = "ground";
 
 /// A robot that is being found out about: its text as it will be written, and what was chosen so far.

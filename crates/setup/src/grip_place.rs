@@ -24,7 +24,7 @@ pub(crate) fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Opt
 /// The axis of the frame that is within that angle of a direction, if one is; else the direction.
 fn snapped(direction: &Vector, within_rad: f64) -> Vector {
     let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
-    let near = |axis: &Vector| axis.dot(direction) > within_rad.cos();
+    let near = |axis: &Vector| axis.dot(direction) > cranny_spatial::sin_cos(within_rad).1;
     axes.into_iter().find(near).unwrap_or(*direction)
 }
 

@@ -1,5 +1,5 @@
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotFiles, Srdf};
@@ -7,40 +7,12 @@ use cranny_scenario::write_whole_folder;
 
 use crate::anatomy::{by_name, extent_m};
 use crate::choice::Choice;
-use crate::draft::{BASE_JOINT, Draft, read_text};
-use crate::limits::Ranges;
+use crate::draft::{Draft, read_text};
 use crate::robot_folder::{self, Written};
 use crate::self_contacts::SelfContact;
+use crate::setup_options::{Base, SetupOptions};
 use crate::start_choice::StartChoice;
 use crate::{SetupError, limits, near_srdf};
-
-/// What whoever adds a robot says of it; what is left open is chosen.
-#[derive(Clone, Debug, Default)]
-pub struct SetupOptions {
-    /// Its SRDF. Default: the one beside the URDF; else what fits of one in `../srdf`, if there is one.
-    pub srdf: Option<PathBuf>,
-    /// Folders in which `package://` names are looked for.
-    pub packages: Vec<PathBuf>,
-    /// The gripper frame, a link. Default: found with the hand.
-    pub tip: Option<String>,
-    /// The link that carries the fingers. Default: found.
-    pub palm: Option<String>,
-    /// How its root moves. Default: as the URDF has it; a hand without an arm flies.
-    pub base: Option<Base>,
-    /// Whether an arm without a hand gets the built-in gripper. Default: it does.
-    pub is_bare: bool,
-}
-
-/// How the root of a robot moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Base {
-    /// As the URDF has it.
-    Own,
-    /// Drives on the floor, with a heading.
-    Planar,
-    /// Flies.
-    Floating,
-}
 
 /// A robot that was found out about, with the files that say so.
 #[derive(Clone, Debug)]
@@ -57,24 +29,8 @@ pub struct RobotSetup {
     pub contacts: Vec<SelfContact>,
 }
 
-/// A joint's range, in metres: as far as today's scenes ask, and no lower than the floor.
-const DRIVE_M: [f64; 2] = [-1.0, 1.0];
-const FLY_M: [f64; 2] = [0.0, 1.5];
-
 /// Below a body that moves over it, the floor is laid so much lower than its lowest point, in metres.
 const FLOOR_GAP_M: f64 = 1e-3;
-
-impl Base {
-    /// How its joints are narrowed.
-    fn ranges(self) -> Ranges {
-        let range = |part: &str, range| (format!("{BASE_JOINT}/{part}"), range);
-        match self {
-            Self::Own => Vec::new(),
-            Self::Planar => vec![range("x", DRIVE_M), range("y", DRIVE_M)],
-            Self::Floating => vec![range("x", DRIVE_M), range("y", DRIVE_M), range("z", FLY_M)],
-        }
-    }
-}
 
 impl RobotSetup {
     /// Finds out about the robot of a URDF, or a xacro file if Python's `xacro` is installed.

@@ -137,8 +137,11 @@ impl BallTree {
     /// A capsule: balls along its axis that overlap so far that their seams lie on it, and one at each end.
     fn along_segment(half_length: f64, radius_m: f64, bulge_m: f64) -> Self {
         let spacing = 2.0 * (2.0 * radius_m * bulge_m + bulge_m * bulge_m).sqrt();
-        // A capsule has far fewer pieces than a count can hold.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "A capsule has far fewer pieces than a count can hold"
+        )]
         let count = (2.0 * half_length / spacing).ceil().clamp(1.0, 4096.0) as usize;
         let half = half_length / count as f64;
         let ball = |z: f64, radius_m: f64| Self {

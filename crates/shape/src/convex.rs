@@ -157,7 +157,10 @@ fn farthest_corner<S: Simd>(simd: S, chunks: &[[[f64; LANES]; 3]], direction: Pa
             lane = other;
         }
     }
-    // Chunk numbers are small whole numbers.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "chunk numbers are small whole numbers"
+    )]
     (numbers[lane] as usize, lane)
 }

@@ -1,9 +1,9 @@
-use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
-
-use crate::mesh::{check_closed, check_indices};
-use crate::{ShapeError, Surface, TriangleSoup, parry};
 use cranny_spatial::{Point, Vector};
+use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 use serde::{Deserialize, Serialize};
+
+use crate::closed_mesh::{check_closed, check_indices};
+use crate::{ShapeError, Surface, TriangleSoup, parry};
 
 /// How a mesh is cut into convex parts.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use std::collections::HashSet;
 use cranny_spatial::Point;
 
 use crate::backwards::wound_backwards;
-use crate::mesh::TriangleTree;
-use crate::repair::merged;
+use crate::same_place::merged;
 use crate::shell::{DEGENERATE, Facet, Shell, shells};
+use crate::triangle_tree::TriangleTree;
 use crate::walls::Walls;
 use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
 
@@ -40,7 +40,7 @@ impl Enclosure {
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
     /// [`ShapeError::WoundBackwards`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
-        crate::mesh::check_indices(soup)?;
+        crate::closed_mesh::check_indices(soup)?;
         // 1.
         let (found, first, merged_vertices) = joined_shells(soup)?;
         let mut is_turned = vec![false; soup.triangles.len()];

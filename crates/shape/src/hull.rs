@@ -5,9 +5,10 @@ use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
 use parry3d_f64::transformation::try_convex_hull;
 
+use crate::closed_mesh::check_closed;
 use crate::convex::{Convex, Core, HullPoints};
 use crate::error::usable;
-use crate::mesh::check_closed;
+use crate::solid::Kind;
 use crate::{ShapeError, Solid, TriangleSoup, parry, separation};
 
 impl Solid {
@@ -53,6 +54,33 @@ impl Solid {
         let is_outside = |p: ParryVector| planes.iter().any(|(a, normal)| normal.dot(p - *a) > 1e-12);
         kept.extend(outer.iter().filter(|&&p| !is_closed || is_outside(p)));
         Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
+    }
+
+    /// What the solid sweeps over while it moves straight along `shift` (m), in its frame before the motion, as convex
+    /// solids; nothing for a half-space. Exact for cuboids, spheres and capsules, and for hulls of up to 150 corners;
+    /// else never too small: a cylinder counts as the prism of eight sides around it, a hull of more corners as one of
+    /// fewer, rounded (by 1 mm for a sphere of 0.1 m), the surface of a mesh as the hulls of its pieces. What stays inside
+    /// a mesh all the way is not swept over.
+    #[must_use]
+    pub fn swept(&self, shift: &Vector) -> Vec<Self> {
+        /// Every question to a hull asks all its corners.
+        const MOST_CORNERS: u32 = 300;
+        let over = |corners: &[Point], radius_m: f64| {
+            let both_ends: Vec<_> =
+                corners.iter().flat_map(|p| [parry::point(p), parry::point(&(p + shift))]).collect();
+            if both_ends.len() > MOST_CORNERS as usize
+                && let Some(Kind::Convex(hull)) =
+                    rounded_hull(&both_ends, MOST_CORNERS).map(|hull| hull.kind().clone())
+            {
+                return Self::convex(Convex { core: hull.core.clone(), radius_m: hull.radius_m + radius_m });
+            }
+            Self::convex(Convex { core: Core::Hull(Arc::new(HullPoints::new(&both_ends))), radius_m })
+        };
+        match self.kind() {
+            Kind::HalfSpace => Vec::new(),
+            Kind::Convex(convex) => vec![over(&convex.bounding_points(), convex.radius_m)],
+            Kind::Mesh(mesh) => mesh.pieces().iter().map(|piece| over(piece, 0.0)).collect(),
+        }
     }
 }
 
@@ -118,7 +146,7 @@ pub(crate) fn rounded_hull(points: &[ParryVector], corners: u32) -> Option<Solid
         separation(&speck, &there, &inner, &Pose::identity(), f64::MAX).upper_m
     };
     let radius_m = points.iter().map(stands_out_m).fold(0.0, f64::max);
-    let crate::solid::Kind::Convex(convex) = inner.kind() else { return None };
+    let Kind::Convex(convex) = inner.kind() else { return None };
     radius_m
         .is_finite()
         .then(|| Solid::convex(Convex { core: convex.core.clone(), radius_m: radius_m + ROUNDING_M }))

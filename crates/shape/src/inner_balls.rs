@@ -1,7 +1,7 @@
 use cranny_spatial::Point;
 
+use crate::closed_mesh::check_closed;
 use crate::convex::Core;
-use crate::mesh::check_closed;
 use crate::solid::Kind;
 use crate::{Ball, Solid, TriangleSoup};
 

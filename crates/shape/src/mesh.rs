@@ -1,13 +1,9 @@
-use std::collections::HashMap;
-
-use cranny_spatial::{Point, Vector};
-use parry3d_f64::bounding_volume::{Aabb as ParryAabb, BoundingVolume};
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
-use parry3d_f64::query::{Ray, RayCast};
+use cranny_spatial::Point;
 
 use crate::convex::{Convex, Core};
 use crate::disjoint_sets::DisjointSets;
 use crate::enclosure::{Enclosure, Inside};
+use crate::triangle_tree::TriangleTree;
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.
@@ -118,20 +114,6 @@ fn corners(triangle: &Convex) -> [Point; 3] {
     }
 }
 
-pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
-    if soup.triangles.is_empty() {
-        return Err(ShapeError::Empty);
-    }
-    for (triangle, corners) in soup.triangles.iter().enumerate() {
-        for &vertex in corners {
-            if vertex as usize >= soup.vertices.len() {
-                return Err(ShapeError::VertexIndex { triangle, vertex, vertices: soup.vertices.len() });
-            }
-        }
-    }
-    Ok(())
-}
-
 /// The first vertex of every set of triangles that hang together by vertices.
 fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
     let mut bodies = DisjointSets::new(soup.vertices.len());
@@ -143,65 +125,4 @@ fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
     roots.sort_unstable();
     roots.dedup();
     roots.into_iter().map(|vertex| soup.vertices[vertex as usize]).collect()
-}
-
-/// Every edge is run through as often in one direction as in the other.
-pub(crate) fn check_closed(soup: &TriangleSoup) -> Result<(), ShapeError> {
-    let mut balance: HashMap<(u32, u32), i64> = HashMap::new();
-    for &[a, b, c] in &soup.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let (key, sign) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
-            *balance.entry(key).or_default() += sign;
-        }
-    }
-    let edges = balance.values().filter(|&&sum| sum != 0).count();
-    if edges == 0 { Ok(()) } else { Err(ShapeError::Open { edges }) }
-}
-
-/// A bounding volume hierarchy over triangles.
-#[derive(Clone, Debug)]
-pub(crate) struct TriangleTree {
-    tree: Bvh,
-}
-
-impl TriangleTree {
-    pub fn new(corners: &[[Point; 3]]) -> Self {
-        let leaves: Vec<ParryAabb> = corners.iter().map(|t| parry_box(&Aabb::around(t, 0.0))).collect();
-        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves) }
-    }
-
-    /// Indices of the triangles whose boxes meet `region`, in a fixed order.
-    pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
-        let region = BvhNode::leaf(parry_box(region), 0);
-        self.tree.leaves(move |node| node.intersects(&region))
-    }
-
-    /// The triangles whose boxes a segment meets, and perhaps some by whose boxes it passes within rounding.
-    pub fn along_segment(&self, from: &Point, to: &Point) -> impl Iterator<Item = u32> {
-        let ray = Ray::new(parry::point(from), parry::vector(&(to - from)));
-        let rounding_m = 1e-12 * from.coords.amax().max(to.coords.amax());
-        let grown = move |node: &BvhNode| node.aabb().loosened(rounding_m);
-        self.tree.leaves(move |node| grown(node).cast_local_ray(&ray, 1.0, true).is_some())
-    }
-
-    /// A distance from the point beyond which there is no triangle, in metres; `None` if none is as near as the box
-    /// around all.
-    pub fn reach_from(&self, point: &Point) -> Option<f64> {
-        let around = self.tree.root_aabb();
-        let size_m = (around.maxs - around.mins).length();
-        around.contains_local_point(parry::point(point)).then_some(2.0 * size_m)
-    }
-
-    /// Calls `visit` with each triangle whose box a ray meets within `reach_m`, in a fixed order.
-    pub fn along_ray(&self, origin: &Point, direction: &Vector, reach_m: f64, mut visit: impl FnMut(u32)) {
-        let ray = Ray::new(parry::point(origin), parry::vector(direction));
-        for triangle in self.tree.leaves(|node| node.cast_ray(&ray, reach_m) <= reach_m) {
-            visit(triangle);
-        }
-    }
-}
-
-fn parry_box(aabb: &Aabb) -> ParryAabb {
-    let vector = |v: Vector| parry::vector(&v);
-    ParryAabb { mins: vector(aabb.low().coords), maxs: vector(aabb.high().coords) }
 }

@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Vector};
 
-use crate::mesh::{check_closed, check_indices};
+use crate::closed_mesh::{check_closed, check_indices};
 use crate::{ShapeError, TriangleSoup};
 
 /// How the volume that a closed mesh encloses is spread.

@@ -87,8 +87,7 @@ impl PaintedMesh {
 impl PaintedPiece {
     /// Triangles without colours or normals.
     pub fn of_soup(soup: &TriangleSoup) -> Self {
-        // The precision of graphics.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
         let vertices = soup.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
         Self { vertices, triangles: soup.triangles.clone(), ..Self::default() }
     }
@@ -99,7 +98,7 @@ fn piece(
     material: Option<&mesh_loader::Material>,
     scale: &Vector,
 ) -> Result<PaintedPiece, ShapeError> {
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
     let factors = [scale.x as f32, scale.y as f32, scale.z as f32];
     let scaled = |v: &[f32; 3]| [v[0] * factors[0], v[1] * factors[1], v[2] * factors[2]];
     let count = mesh.vertices.len();

@@ -3,10 +3,10 @@ use std::collections::BTreeMap;
 use cranny_spatial::{Point, Vector};
 
 use crate::disjoint_sets::DisjointSets;
-use crate::mesh::TriangleTree;
+use crate::edge_use::{EdgeUse, join_around};
 use crate::ray::triangle_normal;
-use crate::shell::{EdgeUse, join_around};
 use crate::surface::triangles_meet;
+use crate::triangle_tree::TriangleTree;
 use crate::{Aabb, TriangleSoup};
 
 /// Faces that hang together by edges of two faces. A patch is known by the lesser of its two sides.

@@ -246,8 +246,11 @@ impl Body<'_> {
 
 fn as_index(number: f64) -> Result<u32, String> {
     if number >= 0.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0 {
-        // In the range of the type, as was just seen.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "in the range of the type, as was just seen"
+        )]
         Ok(number as u32)
     } else {
         Err(format!("{number} is no index"))

@@ -1,10 +1,8 @@
-use std::collections::HashMap;
-
-use cranny_spatial::Point;
 use serde::Serialize;
 
+use crate::closed_mesh::check_indices;
 use crate::enclosure::Nest;
-use crate::mesh::check_indices;
+use crate::same_place::merged;
 use crate::self_crossing::shallow_crossings;
 use crate::shell::shells;
 use crate::{ShapeError, TriangleSoup};
@@ -59,71 +57,6 @@ impl RepairedMesh {
         let soup = repaired;
         Ok(Self { soup, merged_vertices, dropped_triangles, flipped_triangles, shallow_crossings })
     }
-}
-
-/// What was done to the triangles of a mesh so that its inside is well defined.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct MeshRepairs {
-    /// How many triangles there were.
-    pub triangles: usize,
-    /// Vertices that were taken for one with another at the same place.
-    pub merged_vertices: usize,
-    /// Triangles that were turned to face outwards.
-    pub flipped_triangles: usize,
-    /// Triangles that were left out because they stood there twice.
-    pub doubled_triangles: usize,
-}
-
-impl MeshRepairs {
-    /// Whether anything had to be done.
-    pub fn is_any(&self) -> bool {
-        self.merged_vertices + self.flipped_triangles + self.doubled_triangles > 0
-    }
-}
-
-impl std::fmt::Display for MeshRepairs {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let triangles = self.triangles;
-        let done = [
-            (self.flipped_triangles, format!("of {triangles} triangles turned to face outwards")),
-            (self.doubled_triangles, format!("of {triangles} triangles left out that stand there twice")),
-            (self.merged_vertices, "vertices joined with others less than 1 µm away".to_owned()),
-        ];
-        let said: Vec<String> = done
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect();
-        write!(f, "its mesh was repaired: {}", said.join(", "))
-    }
-}
-
-/// Vertices closer than this are one, in metres: well below the noise of any export, above the rounding of
-/// single precision at a metre.
-pub const SAME_PLACE_M: f64 = 1e-6;
-
-/// The vertices without those that have one before them at the same place, and the new index of each.
-pub(crate) fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
-    let mut kept: Vec<Point> = Vec::new();
-    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    // Coordinates are at most 1000 m, so a cell number stays far below the limits of i64.
-    #[allow(clippy::cast_possible_truncation)]
-    let cell = |p: &Point| [p.x, p.y, p.z].map(|x| (x / SAME_PLACE_M).floor() as i64);
-    let mut place = Vec::with_capacity(vertices.len());
-    for vertex in vertices {
-        let [x, y, z] = cell(vertex);
-        let around =
-            (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
-        let near = around.filter_map(|key| cells.get(&key)).flatten();
-        let same = near.copied().filter(|i| (kept[*i as usize] - vertex).norm() <= SAME_PLACE_M).min();
-        place.push(same.unwrap_or_else(|| {
-            kept.push(*vertex);
-            let index = u32::try_from(kept.len() - 1).unwrap_or(u32::MAX);
-            cells.entry([x, y, z]).or_default().push(index);
-            index
-        }));
-    }
-    (kept, place)
 }
 
 /// Turns the triangles outwards; returns how many were turned.

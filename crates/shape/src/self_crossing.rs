@@ -1,6 +1,6 @@
 use cranny_spatial::Point;
 
-use crate::mesh::TriangleTree;
+use crate::triangle_tree::TriangleTree;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
 /// How many pairs of triangles pass through each other by no more than the noise of a scan. Triangles that

@@ -1,6 +1,7 @@
 //! The closed surfaces that a mesh is made of, however its faces are turned, doubled or glued together.
 
 use crate::disjoint_sets::DisjointSets;
+use crate::edge_use::{EdgeUse, join_around};
 use crate::patch::Patches;
 use crate::{ShapeError, TriangleSoup};
 
@@ -155,23 +156,6 @@ impl Shell {
     }
 }
 
-/// A face at one of its edges.
-#[derive(Clone, Copy)]
-pub(crate) struct EdgeUse {
-    /// The edge's two vertices, the lower one in the high bits.
-    pub edge: u64,
-    /// The side of the face that one meets last when one turns about the edge, from its lower vertex to its
-    /// higher one by the right hand. Sides are numbered: twice the triangle for its front, one more for its
-    /// back.
-    pub ahead: u32,
-}
-
-impl EdgeUse {
-    pub fn behind(self) -> u32 {
-        self.ahead ^ 1
-    }
-}
-
 fn edge_uses(soup: &TriangleSoup, first_copies: &[u32]) -> Vec<EdgeUse> {
     let mut uses = Vec::with_capacity(3 * soup.triangles.len());
     for (index, (&[a, b, c], &first)) in (0..).zip(soup.triangles.iter().zip(first_copies)) {
@@ -185,12 +169,4 @@ fn edge_uses(soup: &TriangleSoup, first_copies: &[u32]) -> Vec<EdgeUse> {
     }
     uses.sort_unstable_by_key(|at| (at.edge, at.ahead));
     uses
-}
-
-/// Joins the sides that look at each other, of faces in their order around an edge.
-pub(crate) fn join_around(sides: &mut DisjointSets, ordered: &[EdgeUse]) {
-    for (index, at) in ordered.iter().enumerate() {
-        let next = ordered[(index + 1) % ordered.len()];
-        sides.join(at.ahead, next.behind());
-    }
 }

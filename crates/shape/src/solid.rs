@@ -3,9 +3,8 @@ use std::sync::Arc;
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::shape::SupportMap;
 
-use crate::convex::{Convex, Core, HullPoints};
+use crate::convex::{Convex, Core};
 use crate::error::positive;
-use crate::hull::rounded_hull;
 use crate::mesh::Mesh;
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
@@ -179,32 +178,6 @@ impl Solid {
             Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
             Kind::Mesh(mesh) => Some((mesh.vertices().collect(), 0.0)),
             Kind::HalfSpace => None,
-        }
-    }
-
-    /// What the solid sweeps over while it moves straight along `shift` (m), in its frame before the motion, as convex
-    /// solids; nothing for a half-space. Exact for cuboids, spheres and capsules, and for hulls of up to 150 corners;
-    /// else never too small: a cylinder counts as the prism of eight sides around it, a hull of more corners as one of
-    /// fewer, rounded (by 1 mm for a sphere of 0.1 m), the surface of a mesh as the hulls of its pieces. What stays inside
-    /// a mesh all the way is not swept over.
-    #[must_use]
-    pub fn swept(&self, shift: &Vector) -> Vec<Self> {
-        /// Every question to a hull asks all its corners.
-        const MOST_CORNERS: u32 = 300;
-        let over = |corners: &[Point], radius_m: f64| {
-            let both_ends: Vec<_> =
-                corners.iter().flat_map(|p| [parry::point(p), parry::point(&(p + shift))]).collect();
-            if both_ends.len() > MOST_CORNERS as usize
-                && let Some(Kind::Convex(hull)) = rounded_hull(&both_ends, MOST_CORNERS).map(|hull| hull.kind)
-            {
-                return Self::convex(Convex { core: hull.core.clone(), radius_m: hull.radius_m + radius_m });
-            }
-            Self::convex(Convex { core: Core::Hull(Arc::new(HullPoints::new(&both_ends))), radius_m })
-        };
-        match &self.kind {
-            Kind::HalfSpace => Vec::new(),
-            Kind::Convex(convex) => vec![over(&convex.bounding_points(), convex.radius_m)],
-            Kind::Mesh(mesh) => mesh.pieces().iter().map(|piece| over(piece, 0.0)).collect(),
         }
     }
 

@@ -1,8 +1,8 @@
 use cranny_spatial::{Point, Vector};
 use robust::{Coord3D, orient3d};
 
-use crate::mesh::TriangleTree;
 use crate::shell::Facet;
+use crate::triangle_tree::TriangleTree;
 
 /// Which closed surfaces each triangle of a mesh is a wall of.
 #[derive(Clone, Debug)]

@@ -36,8 +36,7 @@ fn awkward_corners(random: &mut Stream) -> Vec<Point> {
         })
         .collect();
     if random.index(2) == 0 {
-        // Rounded as a file rounds.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "rounded as a file rounds")]
         for corner in &mut corners {
             *corner = corner.map(|x| f64::from(x as f32));
         }

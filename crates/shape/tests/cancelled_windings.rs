@@ -233,8 +233,7 @@ fn point(random: &mut Stream, reach_m: f64) -> Point {
 }
 
 fn below(random: &mut Stream, count: usize) -> usize {
-    // Small counts.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let drawn = (random.uniform() * count as f64) as usize;
     drawn.min(count - 1)
 }

@@ -153,8 +153,7 @@ fn binary_stl(soup: &TriangleSoup, count: u32) -> Vec<u8> {
     for triangle in 0..soup.triangles.len() {
         bytes.extend([0; 12]);
         for corner in soup.corners(triangle) {
-            // Small whole numbers.
-            #[allow(clippy::cast_possible_truncation)]
+            #[allow(clippy::cast_possible_truncation, reason = "small whole numbers")]
             bytes.extend(corner.iter().flat_map(|x| (*x as f32).to_le_bytes()));
         }
         bytes.extend([0; 2]);

@@ -3,12 +3,10 @@ use cranny_grasp::Hand;
 use cranny_scenario::ObjectType;
 use cranny_spatial::Pose;
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
-use rayon::prelude::*;
 
-use crate::grasp_trial::GraspTrial;
 use crate::gripper::HandModel;
 use crate::object_model::{ObjectModel, come_to_rest};
-use crate::{Course, Disturbance, GraspRun, Physics, Piece, SimError, engine};
+use crate::{Course, Disturbance, Physics, Piece, SimError, engine};
 
 /// A hand, an object and what stands around it: everything that the tests of its grasps have in common.
 ///
@@ -78,31 +76,6 @@ impl GraspTest {
         &self.world_from_object
     }
 
-    /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
-    /// the planning frame. `on_done` hears of each; once `stop` says so, no more are begun, and those are `None`.
-    pub fn run_all(
-        &self,
-        trials: &[(Pose, Disturbance)],
-        on_done: &(dyn Fn() + Sync),
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Vec<Option<GraspRun>> {
-        let run = |(grasp, disturbance): &(Pose, Disturbance)| {
-            if stop() {
-                return None;
-            }
-            let run = self.run(grasp, disturbance, false);
-            on_done();
-            Some(run)
-        };
-        trials.par_iter().map(run).collect()
-    }
-
-    /// One grasp; the pose of the gripper in the planning frame.
-    pub fn run(&self, world_from_grasp: &Pose, disturbance: &Disturbance, is_recorded: bool) -> GraspRun {
-        let world_from_hand = world_from_grasp * disturbance.grasp_from_hand;
-        GraspTrial::new(self, &world_from_hand, disturbance, is_recorded).run(&world_from_hand)
-    }
-
     /// What stands around, in the planning frame.
     pub fn surroundings(&self) -> &[Body] {
         &self.bodies
@@ -148,8 +121,7 @@ pub(crate) const STILL_S: f64 = 0.04;
 
 /// Steps of a time, rounded.
 pub(crate) fn whole_steps(time_s: f64, step_s: f64) -> u32 {
-    // At most 60 s of 1 µs.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 60 s of 1 µs")]
     let steps = (time_s / step_s).round() as u32;
     steps
 }

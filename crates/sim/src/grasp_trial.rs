@@ -1,5 +1,6 @@
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
+use rayon::prelude::*;
 
 use crate::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
@@ -282,5 +283,32 @@ impl<'a> GraspTrial<'a> {
             simulated_s: self.time_s(),
             recording: self.recording,
         }
+    }
+}
+
+impl GraspTest {
+    /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
+    /// the planning frame. `on_done` hears of each; once `stop` says so, no more are begun, and those are `None`.
+    pub fn run_all(
+        &self,
+        trials: &[(Pose, Disturbance)],
+        on_done: &(dyn Fn() + Sync),
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<Option<GraspRun>> {
+        let run = |(grasp, disturbance): &(Pose, Disturbance)| {
+            if stop() {
+                return None;
+            }
+            let run = self.run(grasp, disturbance, false);
+            on_done();
+            Some(run)
+        };
+        trials.par_iter().map(run).collect()
+    }
+
+    /// One grasp; the pose of the gripper in the planning frame.
+    pub fn run(&self, world_from_grasp: &Pose, disturbance: &Disturbance, is_recorded: bool) -> GraspRun {
+        let world_from_hand = world_from_grasp * disturbance.grasp_from_hand;
+        GraspTrial::new(self, &world_from_hand, disturbance, is_recorded).run(&world_from_hand)
     }
 }

@@ -8,6 +8,7 @@ mod engine;
 mod error;
 mod experiment;
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 mod friction_tests;
 mod grasp_rows;
 mod grasp_run;

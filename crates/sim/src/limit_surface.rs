@@ -42,6 +42,7 @@ pub(crate) fn load_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f
 const STEPS: usize = 8;
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 mod tests {
     use super::*;
 

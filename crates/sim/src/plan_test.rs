@@ -240,8 +240,11 @@ impl Lift {
     fn at(&self, time_s: f64, lift_s: f64) -> (Vec<f64>, Vec<f64>) {
         let place = |time_s: f64| {
             let along = smooth_share(time_s / lift_s) * (self.rungs.len() - 1) as f64;
-            // Not negative, and at most as many as there are.
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "not negative, and at most as many as there are"
+            )]
             let rung = (along as usize).min(self.rungs.len().saturating_sub(2));
             let next = &self.rungs[(rung + 1).min(self.rungs.len() - 1)];
             let share = along - rung as f64;

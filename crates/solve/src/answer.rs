@@ -3,9 +3,9 @@ use cranny_plan::{
     Audit, Budget, CarryEnd, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome,
     Statistics,
 };
-use strum::{EnumString, IntoStaticStr};
 
 use crate::TaskTrajectory;
+use crate::segment::{Mode, Segment, joined};
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -49,36 +49,6 @@ pub struct Answer {
     pub failures: Vec<GraspFailure>,
     /// What touches and was not compared: all that is said holds but for these.
     pub not_checked: Vec<NotChecked>,
-}
-
-/// A piece of a path during which the hand holds what it holds: straight lines between way points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Segment {
-    /// What the robot does meanwhile.
-    pub mode: Mode,
-    /// The object that the hand carries, if it carries one.
-    pub attached: Option<String>,
-    /// How far apart the fingers are, in metres; `None`: as far as they go.
-    pub opening_m: Option<f64>,
-    /// How much farther the finger that meets the object last would have to go than the first, in metres: so far the
-    /// object is pushed, or the hand; `None` while nothing is held.
-    pub uneven_m: Option<f64>,
-    /// One value per joint each (m, rad).
-    pub waypoints: Vec<Vec<f64>>,
-    /// The least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
-    pub clearances_m: Vec<Option<f64>>,
-}
-
-/// What a robot does along a [`Segment`] (a mode: Hauser & Latombe 2010).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr)]
-#[strum(serialize_all = "kebab-case")]
-pub enum Mode {
-    /// Goes to the grasp, the hand open and empty.
-    Reach,
-    /// Takes the object, in the closed hand, off what it rests on.
-    LiftOff,
-    /// Carries it on.
-    Carry,
 }
 
 impl Mode {
@@ -144,14 +114,4 @@ impl Answer {
     pub fn waypoints(&self) -> Vec<Vec<f64>> {
         joined(&self.segments)
     }
-}
-
-/// The way points of segments that follow each other: where two meet, one.
-pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
-    let mut joined: Vec<Vec<f64>> = Vec::new();
-    for segment in segments {
-        joined.pop();
-        joined.extend_from_slice(&segment.waypoints);
-    }
-    joined
 }

@@ -5,7 +5,7 @@ use cranny_plan::{
 use cranny_spatial::Pose;
 
 use crate::Segment;
-use crate::answer::Mode;
+use crate::segment::Mode;
 use crate::ways_out::WaysOut;
 
 /// What is to be done with the object once it is grasped.

@@ -2,7 +2,7 @@ use cranny_collision::Cell;
 use cranny_plan::{PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
 use cranny_robot::Robot;
 
-use crate::answer::joined;
+use crate::segment::joined;
 use crate::{Mode, Segment, Timing};
 
 /// How long a robot stands at a grasp while its hand closes, in seconds, where the files of the robot do not say it: the

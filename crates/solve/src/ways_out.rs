@@ -129,8 +129,11 @@ fn until_out(grip: &Grip, path: &mut Vec<Vec<f64>>, clear_m: f64) {
     for edge in 1..path.len() {
         let [a, b] = [&path[edge - 1], &path[edge]];
         let pieces = (distance(a, b) / LOOK_EVERY).ceil().max(1.0);
-        // A way of so many metres or radians is none.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "A way of so many metres or radians is none"
+        )]
         let places = (1..=pieces.min(1e6) as u32).map(|piece| (f64::from(piece) / pieces).min(1.0));
         let mut looks = places.map(|at| between(a, b, at).collect::<Vec<f64>>());
         if let Some(out) = looks.find(|q| grip.clearance_m(q, clear_m, &mut scratch) >= clear_m) {

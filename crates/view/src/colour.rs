@@ -14,8 +14,7 @@ impl Colour {
 
     /// From screen values 0 to 1 (sRGB).
     pub fn srgb(channels: [f64; 3]) -> Self {
-        // The precision of graphics.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
         Self(channels.map(|value| linear(value.clamp(0.0, 1.0)) as f32))
     }
 
@@ -53,8 +52,7 @@ impl ScreenTable {
     pub fn new() -> Self {
         let value = |step: usize| {
             let screen = screen(step as f64 / (TABLE_STEPS - 1) as f64);
-            // Between 0 and 255.
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
             (libm::round(255.0 * screen) as u8)
         };
         Self { values: (0..TABLE_STEPS).map(value).collect() }
@@ -62,8 +60,7 @@ impl ScreenTable {
 
     /// The screen value of an amount of light; what is brighter than 1 is white.
     pub fn screen(&self, light: f32) -> u8 {
-        // Clamped to the table.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table")]
         let step = (light.clamp(0.0, 1.0) * (TABLE_STEPS - 1) as f32 + 0.5) as usize;
         self.values[step]
     }
@@ -76,10 +73,9 @@ pub(crate) fn of_score(score: Option<f64>) -> Colour {
     const STOPS: [u32; 6] = [0x004b_3ca8, 0x003a_6fd0, 0x002f_a1c4, 0x003c_c88f, 0x00a6_e04a, 0x00ff_e52b];
     let Some(score) = score else { return Colour::hex(0x9a_9a9a) };
     let place = score.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
-    // At most the number of stops.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the number of stops")]
     let index = (place as usize).min(STOPS.len() - 2);
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
     let share = (place - index as f64) as f32;
     Colour::hex(STOPS[index]).mix(Colour::hex(STOPS[index + 1]), share)
 }

@@ -35,10 +35,17 @@ impl Picture {
         for digit in text.chars().filter_map(|c| c.to_digit(10)) {
             // The strokes of a 1 are those on the right, and nothing is on their left.
             begin -= if digit == 1 { 0.34 * height } else { 0.0 };
-            // Whole points around the digit; small positive numbers.
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "whole points around the digit; small positive numbers"
+            )]
             let (side, tall) = ((0.7 * height) as usize, (1.2 * height) as usize);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a count that is not negative and small"
+            )]
             let first = begin.max(0.0) as usize;
             for row in top..(top + tall).min(self.height()) {
                 for column in first..(first + side).min(self.width()) {
@@ -47,8 +54,11 @@ impl Picture {
                     let beyond = distance_to_digit(digit, x, y) * height - thickness;
                     let cover = (0.5 - beyond).clamp(0.0, 1.0);
                     let point = &mut self.row_mut(row)[column];
-                    // Between two screen values.
-                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "between two screen values"
+                    )]
                     let mix = |from: u8, to: u8| {
                         (f32::from(from) + (f32::from(to) - f32::from(from)) * cover + 0.5) as u8
                     };

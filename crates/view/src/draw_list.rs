@@ -76,8 +76,7 @@ impl DrawList {
     fn facing(&self, corners: &[u32; 3]) -> u16 {
         let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(DrawVector::z);
-        // Each between 0 and 6.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "each between 0 and 6")]
         let step = |x: f32| ((x + 1.0) * 3.0 + 0.5) as u16;
         step(normal.x) * 49 + step(normal.y) * 7 + step(normal.z)
     }
@@ -85,8 +84,10 @@ impl DrawList {
     /// The same with all corners in one cube of a grid taken for one (Rossignac & Borrel 1993): fewer triangles that
     /// cover the same, with neither colours nor surfaces.
     pub fn coarse(&self, cell_m: f32) -> Self {
-        // Things are metres away and cells millimetres large.
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "things are metres away and cells millimetres large"
+        )]
         let cell = |p: &DrawPoint| [p.x, p.y, p.z].map(|x| (x / cell_m).floor() as i32);
         let mut known: HashMap<[i32; 3], u32> = HashMap::new();
         let mut coarse = Self::default();
@@ -144,7 +145,7 @@ pub(crate) const NEAR_M: f32 = 0.02;
 impl Lens {
     pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let single = |v: &cranny_spatial::Vector| v.cast::<f32>();
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let slope = libm::tan(0.5 * camera.height_rad) as f32;
         Self {
             eye: camera.eye.cast::<f32>(),

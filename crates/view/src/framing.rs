@@ -81,7 +81,7 @@ impl Scene {
         let around = Aabb::around(&points, 0.0);
         let low = Point::new(around.center.x, around.center.y, around.low().z);
         let reach_m = 0.75 * around.half_extents.xy().norm();
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         (low.cast(), (reach_m as f32).max(0.01))
     }
 

@@ -105,7 +105,7 @@ impl Scene {
 
     fn push_animation(&self, buffer: &mut GltfBuffer, root: &mut Root) {
         let Some(motion) = self.motion.as_ref().filter(|motion| motion.times_s.len() > 1) else { return };
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let times: Vec<[f32; 1]> = motion.times_s.iter().map(|time| [*time as f32]).collect();
         let input = buffer.numbers(root, &times, None);
         let mut animation = Animation {
@@ -220,13 +220,13 @@ fn node(name: &str, pose: &Pose, mesh: Option<Index<gltf_json::Mesh>>) -> gltf_j
     }
 }
 
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 fn translation(pose: &Pose) -> [f32; 3] {
     [0, 1, 2].map(|axis| pose.translation.vector[axis] as f32)
 }
 
 /// x, y, z, w.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 fn rotation(pose: &Pose) -> [f32; 4] {
     [0, 1, 2, 3].map(|axis| pose.rotation.coords[axis] as f32)
 }

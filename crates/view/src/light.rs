@@ -120,8 +120,11 @@ impl Light {
     /// What an open sky gives a surface: only how far up it faces counts.
     fn open_sky(&self, normal: &DrawVector) -> DrawVector {
         let step = (normal.z.clamp(-1.0, 1.0) + 1.0) * 0.5 * (TABLE_STEPS - 1) as f32;
-        // Between 0 and the number of steps.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "between 0 and the number of steps"
+        )]
         let below = (step as usize).min(TABLE_STEPS - 2);
         self.open[below].lerp(&self.open[below + 1], step - below as f32)
     }
@@ -274,8 +277,7 @@ impl DepthMap {
         if !(x >= 0.0 && y >= 0.0 && x <= last && y <= last) {
             return 1.0;
         }
-        // Within the map.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the map")]
         let (column, row) = (x as usize, y as usize);
         let (across, down) = (x - column as f32, y - row as f32);
         let begin = row * self.side + column;
@@ -295,8 +297,7 @@ impl DepthMap {
         }
         // Mostly all is open, or nothing.
         let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 0.0)];
-        // Within the map.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the map")]
         let probe = |(a, b): (f32, f32)| {
             let (column, row) = ((x + a * SUN_BLUR) as usize, (y + b * SUN_BLUR) as usize);
             u32::from(self.height_m[row * self.side + column] <= height)
@@ -307,8 +308,7 @@ impl DepthMap {
             _ => {}
         }
         let (mut sum, mut weights) = (0.0, 0.0);
-        // Within the map.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the map")]
         let [columns, rows] =
             [x, y].map(|middle| (middle - SUN_BLUR).ceil() as usize..=(middle + SUN_BLUR).floor() as usize);
         for row in rows {

@@ -180,8 +180,11 @@ impl Net {
     fn over(primitives: &[Primitive], around: &Aabb, cell_m: f64) -> Self {
         // Fillets lie within the hull, which lies within the bounds; two cells more keep the surface inside.
         let whole = around.grown(2.0 * cell_m);
-        // Sizes of links over sizes of cells: small whole numbers.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "sizes of links over sizes of cells: small whole numbers"
+        )]
         let counts = [0, 1, 2].map(|axis| (2.0 * whole.half_extents[axis] / cell_m) as usize + 2);
         let mut net = Self { low: whole.low(), cell_m, counts, samples: Vec::new() };
         let total = counts.iter().product();

@@ -84,7 +84,7 @@ impl MeshPiece {
 
     /// The same of double precision and without a colour.
     pub(crate) fn push_point(&mut self, position: &Point, normal: &Vector) -> u32 {
-        #[allow(clippy::cast_possible_truncation)]
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
         self.push(single(&position.coords), single(normal), None)
     }

@@ -17,7 +17,7 @@ pub(crate) fn unsigned32(values: impl IntoIterator<Item = u32>) -> String {
 }
 
 /// The precision of graphics.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 pub(crate) fn single(value: f64) -> f32 {
     value as f32
 }

@@ -14,6 +14,7 @@ use tokio::sync::Semaphore;
 use tokio::time::{sleep, timeout};
 
 use crate::page_answer::Served;
+use crate::page_limits::PageLimits;
 use crate::page_token::PageToken;
 use crate::{PageCells, PageData, ViewError, page_bundle};
 
@@ -25,24 +26,6 @@ pub struct PageServer {
     address: SocketAddr,
     token: PageToken,
     limits: PageLimits,
-}
-
-/// What connections to a page may ask of its server. Each carries one request.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PageLimits {
-    /// Connections at the same time, at least 1; others wait. Default 64: ten times what a browser opens.
-    pub connections: usize,
-    /// Within which the head of a request has to come, and then its body. Default 10 s: they come at once.
-    pub request: Duration,
-    /// After which a connection is cut whatever it does. Default 2 min: a large page over a forwarded port.
-    pub connection: Duration,
-}
-
-impl Default for PageLimits {
-    fn default() -> Self {
-        let (request, connection) = (Duration::from_secs(10), Duration::from_mins(2));
-        Self { connections: 64, request, connection }
-    }
 }
 
 /// How long answers that are under way may take once the server is to stop.

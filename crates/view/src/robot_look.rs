@@ -120,8 +120,7 @@ fn plastic([red, green, blue, opacity]: [f64; 4], is_bare: bool) -> Material {
     }
     let name = format!("robot {red:.2} {green:.2} {blue:.2}");
     let roughness = if red + green + blue < 1.2 { 0.5 } else { 0.32 };
-    // The precision of graphics.
-    #[allow(clippy::cast_possible_truncation)]
+    #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
     let opacity = opacity as f32;
     Material { opacity, roughness, ..Material::matt(name, Colour::srgb([red, green, blue])) }
 }

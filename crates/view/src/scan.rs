@@ -60,7 +60,11 @@ pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visi
 
 /// The least whole number not below `value`, between 0 and `most`. By conversion: without instructions for it that not
 /// every machine has, rounding is a call for each row of each triangle.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that is not negative and small"
+)]
 pub(crate) fn ceiling(value: f32, most: usize) -> usize {
     let inside = value.clamp(0.0, most as f32);
     let below = inside as usize;

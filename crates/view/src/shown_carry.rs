@@ -2,8 +2,6 @@ use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use cranny_solve::{CLOSING_S, Mode};
 
-use crate::ShownPath;
-
 /// What becomes of an object along a path on which it is carried away: it stands, the hand closes on it, and from then on
 /// it goes with the hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,13 +28,13 @@ pub struct ShownMode {
 }
 
 impl ShownCarry {
-    /// Of a plan whose hand begins to close at `closes_s`; `onward` is what follows, from 0 s.
+    /// Of a plan whose hand begins to close at `closes_s`; `onward` is when what follows is at its way points, from 0 s, and when it ends.
     pub(crate) fn of(
         robot: &Robot,
         plan: &PlanFile,
         grasp: &[f64],
         closes_s: f64,
-        onward: &ShownPath,
+        onward: (&[f64], f64),
     ) -> Self {
         let lift_off = plan.segments.iter().find(|segment| segment.mode == Mode::LiftOff.name());
         let opening_m = lift_off.and_then(|segment| segment.opening_m);
@@ -44,7 +42,7 @@ impl ShownCarry {
         let closing = opening_m.zip(open_m).map_or(0.0, |(opening_m, open_m)| 1.0 - opening_m / open_m);
         let edges = lift_off.map_or(0, |segment| segment.waypoints.len().saturating_sub(1));
         let goes_on_s = closes_s + CLOSING_S;
-        let lifted_s = goes_on_s + onward.waypoint_times_s.get(edges).copied().unwrap_or_default();
+        let lifted_s = goes_on_s + onward.0.get(edges).copied().unwrap_or_default();
         let mode = |mode, from_s, until_s| ShownMode { mode, from_s, until_s };
         Self {
             object: lift_off.and_then(|segment| segment.attached.clone()).unwrap_or_default(),
@@ -53,7 +51,7 @@ impl ShownCarry {
             modes: [
                 mode(Mode::Reach, 0.0, closes_s),
                 mode(Mode::LiftOff, goes_on_s, lifted_s),
-                mode(Mode::Carry, lifted_s, goes_on_s + onward.ends_s()),
+                mode(Mode::Carry, lifted_s, goes_on_s + onward.1),
             ],
         }
     }

@@ -81,13 +81,17 @@ impl ShownPath {
         let goes_on_s = closes_s + CLOSING_S;
         let grasp = onward.configurations[0].clone();
         let steps = (CLOSING_S * rate_hz).ceil().clamp(1.0, 1e5);
-        // Between 1 and 10⁵; the last is the first of the way on.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "between 1 and 10⁵; the last is the first of the way on"
+        )]
         for step in 1..steps as u32 {
             self.times_s.push(closes_s + CLOSING_S * f64::from(step) / steps);
             self.configurations.push(grasp.clone());
         }
-        self.carry = Some(ShownCarry::of(robot, plan, &grasp, closes_s, &onward));
+        let when = (&onward.waypoint_times_s[..], onward.ends_s());
+        self.carry = Some(ShownCarry::of(robot, plan, &grasp, closes_s, when));
         self.times_s.extend(onward.times_s.iter().map(|time_s| goes_on_s + time_s));
         self.configurations.extend(onward.configurations);
         self.waypoint_times_s.extend(onward.waypoint_times_s[1..].iter().map(|time_s| goes_on_s + time_s));
@@ -122,8 +126,7 @@ impl ShownPath {
         for edge in waypoints.windows(2) {
             let duration_s = distance(&edge[0], &edge[1]) / UNTIMED_SPEED;
             let steps = (duration_s * rate_hz).ceil().clamp(1.0, 1e5);
-            // Between 1 and 10⁵.
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 10⁵")]
             for step in 1..=steps as u32 {
                 let share = f64::from(step) / steps;
                 path.configurations.push(between(&edge[0], &edge[1], share).collect());

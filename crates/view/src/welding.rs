@@ -31,15 +31,14 @@ impl MeshPiece {
                 cosine > SAME_COSINE && piece.colours.get(other) == colour
             };
             let index = here.iter().copied().find(is_same).unwrap_or_else(|| {
-                // Few enough digits for `f32`.
-                #[allow(clippy::cast_precision_loss)]
+                #[allow(clippy::cast_precision_loss, reason = "few enough digits for `f32`")]
                 let index = piece.push(place.map(|step| step as f32 * POSITION_GRID_M), *normal, colour);
                 here.push(index);
                 index
             });
             welded.push(index);
         }
-        #[allow(clippy::cast_precision_loss)]
+        #[allow(clippy::cast_precision_loss, reason = "steps of the grid are few")]
         let on_grid = |x: f32| steps(x, NORMAL_GRID) as f32 * NORMAL_GRID;
         for normal in &mut piece.normals {
             *normal = normal.map(on_grid);
@@ -51,8 +50,7 @@ impl MeshPiece {
 }
 
 /// Which step of a grid is nearest.
-// What is drawn is far smaller than the range.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "what is drawn is far smaller than the range")]
 fn steps(value: f32, grid: f32) -> i64 {
     (value / grid).round() as i64
 }

@@ -86,7 +86,7 @@ impl Connector for Trees<'_> {
         self.sides[1].cut(self.goals[goal]);
     }
 
-    fn len(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.sides.iter().map(Forest::len).sum()
     }
 }

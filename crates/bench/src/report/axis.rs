@@ -142,7 +142,11 @@ fn round_step(step: f64) -> f64 {
 }
 
 /// With as many decimals as the step has.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that is not negative and small"
+)]
 fn decimal(value: f64, step: f64) -> String {
     if value.abs() >= 1e4 && step >= 1e3 {
         return format!("{}k", value / 1e3);

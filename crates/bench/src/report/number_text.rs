@@ -29,7 +29,11 @@ pub fn percent(share: f64) -> String {
 const LEAST: f64 = 1e-7;
 
 /// Decimals that show `digits` digits of a value from [`LEAST`] to 1.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that is not negative and small"
+)]
 fn digits_after_point(size: f64, digits: i32) -> usize {
     (digits - 1 - size.log10().floor() as i32).max(0) as usize
 }

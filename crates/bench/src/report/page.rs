@@ -2,7 +2,8 @@ use std::fmt::Write as _;
 
 use crate::report::page_figures::{Markup, anchor, escape};
 use crate::report::paper_table::PaperTable;
-use crate::report::plot::{Plot, plots};
+use crate::report::plot::Plot;
+use crate::report::plots::plots;
 use crate::report::{Enclosure, Summary, page_overall, page_scenarios, page_tables};
 
 const STYLE: &str = include_str!("page.css");

@@ -1,7 +1,7 @@
 use crate::BenchError;
 use crate::report::axis::Axis;
 use crate::report::drawing::Drawing;
-use crate::report::{Measure, Row, Summary, box_plot, difficulty_plot, picture, profile_plot, success_plot};
+use crate::report::{Measure, Row, Summary, picture};
 
 /// A picture of a report.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,32 +17,6 @@ pub struct Plot {
     /// The one scenario that it is about, as in [`Row::scenario_name`].
     pub scenario_name: Option<String>,
     drawing: Drawing,
-}
-
-/// All plots of a summary, in the order of the page: by criterion, then over all scenarios, then by environment.
-pub fn plots(summary: &Summary) -> Vec<Plot> {
-    let mut plots = Vec::new();
-    for criterion in summary.criteria() {
-        let overall = Scope { summary, criterion, environment: None };
-        plots.extend(success_plot::overall(overall));
-        plots.extend(profile_plot::plot(overall));
-        for environment in summary.environments(criterion) {
-            let scope = Scope { summary, criterion, environment: Some(environment) };
-            plots.extend(success_plot::plots(scope));
-            plots.extend(difficulty_plot::plots(scope));
-            plots.extend(box_plot::plots(scope));
-        }
-    }
-    let mut taken = std::collections::BTreeMap::<String, usize>::new();
-    for plot in &mut plots {
-        // Two planners may differ in characters that a file name does not have.
-        let count = taken.entry(plot.name.clone()).or_default();
-        *count += 1;
-        if *count > 1 {
-            plot.name = format!("{}-{count}", plot.name);
-        }
-    }
-    plots
 }
 
 /// What a plot may be about.

@@ -37,7 +37,11 @@ impl Spread {
 }
 
 /// The least value that a `share` of all do not exceed; `share` is in ]0, 1], `sorted` is not empty.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that is not negative and small"
+)]
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     // Quarters of counts below 2^52 are exact.
     let rank = (share * sorted.len() as f64).ceil() as usize;

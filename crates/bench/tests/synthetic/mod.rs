@@ -57,7 +57,11 @@ pub fn add(campaign: &mut Campaign, draw: &mut Draw, scenario: &str, manner: &Ma
         let time_s = -manner.mean_s * (1.0 - draw.next()).ln();
         let solved = time_s <= manner.limit_s;
         let planning_time_s = time_s.min(manner.limit_s);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count that is not negative and small"
+        )]
         let iterations = 1 + (planning_time_s * 400.0 * (0.8 + 0.4 * draw.next())) as u64;
         let when_solved = |value: f64| solved.then_some(value);
         let (length, clearance_m, score) =

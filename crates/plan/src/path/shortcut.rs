@@ -325,7 +325,7 @@ impl<'a> Shortener<'a> {
             let kept = new.iter().sum::<f64>() - opened;
             opened <= (1.0 - least_gain) * (before - kept)
         };
-        // What a look at the world adds is asked last: it takes longest.
+        // What a check against the world adds is asked last: it takes longest.
         let mut new: Vec<f64> = chain.windows(2).map(|edge| cost.least_of_edge(&edge[0], &edge[1])).collect();
         let mut is_taken =
             is_less(&new) && open.clone().all(|edge| is_free(cell, &chain[edge], &chain[edge + 1], scratch));
@@ -366,6 +366,6 @@ impl<'a> Hold<'a> {
 
 /// Whether the straight motion is proven.
 fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
-    let places: [f64; 16] = std::array::from_fn(|look| (look + 1) as f64 / 16.0);
+    let places: [f64; 16] = std::array::from_fn(|check| (check + 1) as f64 / 16.0);
     cell.free_ahead(a, b, &places, scratch) == 16 && cell.unproven_at(MOST_EFFORT, a, b, scratch).is_none()
 }

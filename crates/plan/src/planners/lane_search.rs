@@ -135,7 +135,7 @@ impl<'a> LaneSearch<'a> {
 
     /// Looks for a path to the goals of the problem, or of a pool.
     pub fn run(&mut self, pool: Option<GoalPool>) -> Result<Path, Outcome> {
-        // Start and goals in one look.
+        // Start and goals in one check.
         let start = self.problem.start();
         let mut free = Vec::new();
         let ends = [start, &self.problem.goal_configurations().concat()].concat();
@@ -243,9 +243,8 @@ impl<'a> LaneSearch<'a> {
         let found = pool.draw_batch(path, random, scratch, statistics, *observer);
         let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
         self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
-        let [side, _] = &self.sides;
-        let start = self.problem.start();
-        self.drawn.retain(|(goal, cost)| side.distance(start, goal) + cost < bound);
+        let least = |goal: &[f64]| self.sides[0].distance(self.problem.start(), goal);
+        self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
     }
 
     /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
@@ -294,7 +293,7 @@ impl<'a> LaneSearch<'a> {
         })
     }
 
-    /// Adds a root to the goal forest, and looks whether the way to it lies open.
+    /// Adds a root to the goal forest, and checks whether the edge to it is free.
     fn add_goal(&mut self, goal: &[f64], cost: f64) -> Option<Path> {
         let root = self.remember_goal(goal, cost)?;
         self.laps.begin();
@@ -379,7 +378,7 @@ impl<'a> LaneSearch<'a> {
         nearest
     }
 
-    /// Grows from a node towards `target` as far as one pass of looks goes, or to the first that is not free;
+    /// Grows from a node towards `target` as far as one pass of checks goes, or to the first that is not free;
     /// adds a node for each whole step, and at the target.
     fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
         let Reach { step, looks, .. } = self.settings;
@@ -391,14 +390,14 @@ impl<'a> LaneSearch<'a> {
         let all = (forest.distance(&self.from, target) / spacing).ceil().max(1.0);
         let count = LANES.min(as_count(all));
         let is_last = count >= as_count(all);
-        let place = |look: usize| if is_last && look == count { 1.0 } else { look as f64 / all };
-        let places: [f64; LANES] = std::array::from_fn(|look| place(look + 1));
+        let place = |check: usize| if is_last && check == count { 1.0 } else { check as f64 / all };
+        let places: [f64; LANES] = std::array::from_fn(|check| place(check + 1));
         let free = self.cell.free_ahead(&self.from, target, &places[..count], &mut self.scratch);
         self.statistics.collision_checks += count as u64;
         self.statistics.collision_time_s += self.laps.lap_s();
         let (is_open, is_target) = (free == count, free == count && is_last);
         let mut node = from;
-        let ends = (1..=free).filter(|look| look % looks == 0 || (is_target && *look == free));
+        let ends = (1..=free).filter(|check| check % looks == 0 || (is_target && *check == free));
         for end in ends {
             self.q.clear();
             self.q.extend(between(&self.from, target, place(end)));
@@ -488,11 +487,14 @@ impl<'a> LaneSearch<'a> {
     }
 }
 
-/// Looks that would take longer than this are not taken at once anyway.
-const MOST_LOOKS: f64 = 1e9;
+/// Checks that would take longer than this are not taken at once anyway.
+const MOST_CHECKS: f64 = 1e9;
 
-// The value lies within what a count can hold.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn as_count(looks: f64) -> usize {
-    looks.min(MOST_LOOKS) as usize
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the value lies within what a count can hold"
+)]
+fn as_count(count: f64) -> usize {
+    count.min(MOST_CHECKS) as usize
 }

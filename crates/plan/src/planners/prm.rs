@@ -19,7 +19,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, U
 /// 3. Where start and a goal are connected the shortest way between them is taken, and those of its edges are proven that
 ///    are as a file has them; one that cannot be is left out.
 ///
-/// One iteration is one random configuration, one way that is looked at, or one batch of inverse kinematics before there is a
+/// One iteration is one random configuration, one edge that is checked, or one batch of inverse kinematics before there is a
 /// goal. Differs from the publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prm {
@@ -196,7 +196,7 @@ impl Connector for Graph<'_> {
         self.goals[goal] = None;
     }
 
-    fn len(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.roadmap.len()
     }
 }

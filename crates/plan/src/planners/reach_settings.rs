@@ -13,7 +13,7 @@ use crate::{PlanError, Ranges};
 ///    about the box between the start and one of the goals, farther and farther beyond it as time goes on; within it they
 ///    follow a sequence that fills it evenly (Richtmyer 1951), which takes a quarter off the slowest. From a node
 ///    that was blocked nothing far away is tried again (dynamic domains: Yershova, Jaillet, Siméon & `LaValle` 2005).
-/// 4. Growth looks at a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
+/// 4. Growth checks a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
 ///    before the first that is not free; where both sides meet, every straight way of the path is proven as one
 ///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
 ///
@@ -22,7 +22,7 @@ use crate::{PlanError, Ranges};
 pub struct Reach {
     /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
     pub step: f64,
-    /// Configurations looked at between two nodes, the second included. One growth looks at 16 (`LANES`).
+    /// Configurations that are checked between two nodes, the second included. One growth checks 16 (`LANES`).
     /// Default 4.
     pub looks: usize,
     /// Goals that are enough at first. Default 100: more do not help, unless all are cut off; one more for every 100

@@ -16,11 +16,13 @@ pub struct Registry {
     entries: Vec<Entry>,
 }
 
+type Made = Result<Box<dyn Planner>, PlanError>;
+
 #[derive(Clone)]
 struct Entry {
     default: Arc<dyn Planner>,
     /// The same kind with these settings, all of them.
-    with: fn(&str, Map<String, Value>) -> Result<Box<dyn Planner>, PlanError>,
+    with: fn(&str, Map<String, Value>) -> Made,
 }
 
 impl Entry {

@@ -107,7 +107,7 @@ impl Connector for Tree<'_> {
         self.goals.remove(goal);
     }
 
-    fn len(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.nodes.len()
     }
 }

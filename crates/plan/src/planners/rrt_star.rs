@@ -185,9 +185,8 @@ impl Tree<'_> {
 /// What rounding may take from the cost of a way: no node becomes its own ancestor.
 const ROUNDING: f64 = 1e-9;
 
-/// How many nearest are looked at among `nodes`.
-// Some dozens.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+/// How many nearest are checked among `nodes`.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some dozens")]
 fn rewired(nodes: usize, dof: usize) -> usize {
     let factor = std::f64::consts::E * (1.0 + 1.0 / dof as f64);
     (factor * libm::log(nodes as f64)).ceil().max(1.0) as usize
@@ -226,7 +225,7 @@ impl Connector for Tree<'_> {
         self.arrivals.retain(|(_, arrived)| *arrived != goal);
     }
 
-    fn len(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.nodes.len()
     }
 }

@@ -64,8 +64,7 @@ impl ApproachSphere {
 /// Which triangle a point of the octahedron |x| + |y| + |z| = 1 lies in.
 fn triangle(point: &Vector) -> Triangle {
     let scaled = [point.x, point.y].map(|x| x.abs() * f64::from(CELLS));
-    // They lie in [0, CELLS].
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "they lie in [0, CELLS]")]
     let cell = scaled.map(|x| x.floor() as u32);
     let is_upper = scaled.iter().map(|x| x.fract()).sum::<f64>() > 1.0;
     ([point.x < 0.0, point.y < 0.0, point.z < 0.0], cell, is_upper)

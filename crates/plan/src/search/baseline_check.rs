@@ -74,7 +74,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether a bubble proves what lies in it: under `paper` each way point is looked at, and no two are farther apart than
+    /// Whether a bubble proves what lies in it: under `paper` each way point is checked, and no two are farther apart than
     /// a step.
     pub fn is_proven_by_bubbles(&self) -> bool {
         matches!(self, Self::Exact(..))

@@ -102,7 +102,7 @@ impl Connector for Bidirectional<'_> {
         self.sides[1].cut(self.goals[goal]);
     }
 
-    fn len(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.sides.iter().map(Forest::len).sum()
     }
 }

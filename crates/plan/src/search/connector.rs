@@ -28,7 +28,7 @@ pub trait Connector {
     fn remove_goal(&mut self, goal: usize, search: &mut Search);
 
     /// How many nodes there are.
-    fn len(&self) -> usize;
+    fn nodes(&self) -> usize;
 }
 
 /// Looks for a path to any goal of a problem: of grasps, inverse kinematics finds goals between the iterations, up to
@@ -49,7 +49,7 @@ pub fn connect(
     let mut goals = Goals { connector, most: most_goals, added: 0, removed: 0 };
     let mut failures = Vec::new();
     let ended = goals.run(cell, goal, &mut search, &mut failures);
-    search.statistics.nodes = goals.connector.len() as u64;
+    search.statistics.nodes = goals.connector.nodes() as u64;
     Ok(PlanReport { failures, ..search.report(ended) })
 }
 

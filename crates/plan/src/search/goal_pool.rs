@@ -9,10 +9,10 @@ use crate::search::grasp_source::GraspSource;
 use crate::task::grasp_poses::poses;
 use crate::{FailureReason, GraspFailure, Observer, PlanError, Problem, Statistics};
 
-/// Attempts to a pose that is known to be open to the hand, before another pose is looked at: so many cost
+/// Attempts to a pose that is known to be open to the hand, before another pose is checked: so many cost
 /// as much as looking at poses until the hand is free at one.
 const ATTEMPTS_PER_POSE: usize = 16;
-/// Poses that are looked at before the first attempt, so that it does not all hang on one.
+/// Poses that are checked before the first attempt, so that it does not all hang on one.
 const FIRST_POSES: usize = 8;
 /// Once there is a goal, a batch is due every so many iterations for each … attempts that a goal costs:
 const ATTEMPTS_PER_ITERATION: u64 = 8;

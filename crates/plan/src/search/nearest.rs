@@ -263,7 +263,7 @@ impl NearestNeighbours {
 }
 
 /// A coordinate as the tree stores it.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 fn as_lane(x: f64) -> f32 {
     x as f32
 }

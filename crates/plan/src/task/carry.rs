@@ -54,7 +54,7 @@ const RUNG_M: f64 = 0.005;
 /// Between two configurations on the way back, in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
 /// Pieces of an edge whose lengths together are that of its way in space.
-const LOOKS_ALONG: u32 = 8;
+const SAMPLES_ALONG: u32 = 8;
 
 /// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
 #[derive(Clone, Debug)]
@@ -257,9 +257,9 @@ impl Carrier {
             world_from_held.translation.vector
         };
         let of_edge = |ends: &[Vec<f64>]| {
-            let looks = (0..=LOOKS_ALONG).map(|look| f64::from(look) / f64::from(LOOKS_ALONG));
+            let samples = (0..=SAMPLES_ALONG).map(|sample| f64::from(sample) / f64::from(SAMPLES_ALONG));
             let places: Vec<Vector> =
-                looks.map(|at| place(between(&ends[0], &ends[1], at).collect())).collect();
+                samples.map(|at| place(between(&ends[0], &ends[1], at).collect())).collect();
             places.windows(2).map(|places| (places[1] - places[0]).norm()).sum::<f64>()
         };
         path.windows(2).map(of_edge).sum()
@@ -300,7 +300,7 @@ impl Grip {
         self.carrying.is_free(q, scratch)
     }
 
-    /// Room to ask the hand with the object in.
+    /// Scratch for the hand with the object in it.
     pub fn carrying_scratch(&self) -> Scratch {
         self.carrying.scratch()
     }
@@ -321,8 +321,11 @@ impl Grip {
         for edge in path.windows(2) {
             let [a, b] = edge else { break };
             let pieces = (distance(a, b) / PIECE).ceil().max(1.0);
-            // At most so many that their number is exact.
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "at most so many that their number is exact"
+            )]
             for piece in 1..=pieces.min(1e6) as u32 {
                 let next: Vec<f64> = if f64::from(piece) >= pieces {
                     b.clone()

@@ -19,7 +19,7 @@ pub struct NotChecked {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum NotCheckedReason {
-    /// Two links that touch in every configuration that was looked at.
+    /// Two links that touch in every configuration that was checked.
     AlwaysTouching,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,

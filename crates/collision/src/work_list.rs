@@ -1,0 +1,32 @@
+/// A piece of the motion that is not certified yet, and the pairs in doubt there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interval {
+    pub middle: f64,
+    pub half_width: f64,
+    /// Where in the list of pairs its own begin and end.
+    pub pairs: (usize, usize),
+}
+
+/// Intervals that are still to be certified.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct WorkList {
+    pub intervals: Vec<Interval>,
+    pub pairs: Vec<u32>,
+}
+
+impl WorkList {
+    pub fn clear(&mut self) {
+        self.intervals.clear();
+        self.pairs.clear();
+    }
+
+    /// Both halves of the interval, for the pairs from `begin` on.
+    pub fn push_halves(&mut self, interval: &Interval, begin: usize) {
+        if begin < self.pairs.len() {
+            let (half_width, pairs) = (interval.half_width * 0.5, (begin, self.pairs.len()));
+            for middle in [interval.middle - half_width, interval.middle + half_width] {
+                self.intervals.push(Interval { middle, half_width, pairs });
+            }
+        }
+    }
+}

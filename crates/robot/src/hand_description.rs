@@ -1,0 +1,85 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Location, RobotError};
+
+/// What a URDF does not say of a hand with parallel pads: `hand` in the `robot.yaml` of a robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HandDescription {
+    /// What it is called.
+    pub name: String,
+    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default as of
+    /// [`RobotOptions::tip`].
+    #[serde(default)]
+    pub tip: Option<String>,
+    /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.
+    #[serde(default)]
+    pub fingers: BTreeMap<String, FingerRange>,
+    /// Between the pads when the fingers stand open, in metres.
+    pub opening_m: f64,
+    /// How far behind the origin of the gripper frame the palm begins, in metres.
+    pub finger_depth_m: f64,
+    /// With what the pads press on what they hold, in newtons.
+    pub closing_force_n: f64,
+}
+
+impl HandDescription {
+    /// Whether its figures can be; `text` is that of `file`, in which it stands.
+    pub(crate) fn check(&self, text: &str, file: &str) -> Result<(), RobotError> {
+        let of_hand = || format!("hand `{}`", self.name);
+        for (attribute, value) in [
+            ("opening_m", self.opening_m),
+            ("finger_depth_m", self.finger_depth_m),
+            ("closing_force_n", self.closing_force_n),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                let (at, range) = (line_of(text, file, attribute), "a number greater than 0".to_owned());
+                return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
+            }
+        }
+        self.check_fingers(text, file, |_| (f64::MIN, f64::MAX))
+    }
+
+    /// Whether the joint of each finger can stand where it is to stand, open and closed; `limits` by its name.
+    pub(crate) fn check_fingers(
+        &self,
+        text: &str,
+        file: &str,
+        limits: impl Fn(&str) -> (f64, f64),
+    ) -> Result<(), RobotError> {
+        for (finger, places) in &self.fingers {
+            for (attribute, value) in [("open", places.open), ("closed", places.closed)] {
+                let (lower, upper) = limits(finger);
+                if !(lower..=upper).contains(&value) {
+                    let (at, element) = (line_of(text, file, finger), format!("finger `{finger}`"));
+                    let range = match lower {
+                        f64::MIN => "a number".to_owned(),
+                        _ => format!("between {lower} and {upper}, the limits of the joint"),
+                    };
+                    return Err(RobotError::HandFigure { at, element, attribute, value, range });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where the joint of a finger stands (m, rad).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FingerRange {
+    /// With the hand open.
+    pub open: f64,
+    /// With the hand closed on nothing.
+    pub closed: f64,
+}
+
+/// The line of a text that begins with a key.
+pub(crate) fn line_of(text: &str, file: &str, key: &str) -> Location {
+    let line = text.lines().position(|line| line.trim_start().starts_with(key));
+    let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);
+    Location { file: file.to_owned(), line }
+}
