@@ -115,7 +115,7 @@ def main() -> None:
     with bench.run(
         given.scenarios.split(","),
         planners,
-        given.output,
+        output=given.output,
         runs=given.runs,
         time_limit_s=given.time_limit,
         heard=lambda ended, to_run, solved: print(f"\r{ended} of {to_run} trials, {solved} solved", end="", flush=True),

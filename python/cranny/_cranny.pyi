@@ -211,6 +211,7 @@ class Grasps:
         cls,
         poses: ArrayLike,
         scores: ArrayLike | None = None,
+        *,
         widths: ArrayLike | None = None,
         robust_scores: ArrayLike | None = None,
         robust_trials: ArrayLike | None = None,

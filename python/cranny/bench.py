@@ -1,7 +1,7 @@
 """How well planners do: campaigns of trials, their results as tables and curves.
 
 >>> from cranny import bench
->>> results = bench.run(["021"], ["reach"], "results.db", runs=10)  # doctest: +SKIP
+>>> results = bench.run(["021"], ["reach"], output="results.db", runs=10)  # doctest: +SKIP
 >>> results.trials  # doctest: +SKIP
 """
 
@@ -120,8 +120,8 @@ def load(path: str | os.PathLike[str]) -> Results:
 def run(
     scenarios: Sequence[str],
     planners: Sequence[PlannerChoice] | Mapping[str, PlannerChoice],
-    output: str | os.PathLike[str] = "results.db",
     *,
+    output: str | os.PathLike[str] = "results.db",
     runs: int = 100,
     first_seed: int = 0,
     criteria: Sequence[str] = ("exact",),

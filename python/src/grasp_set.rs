@@ -30,7 +30,7 @@ impl PyGrasps {
     /// not known. `robust_scores` (N,) in [0, 1] are the shares of `robust_trials` (N,) in which a grasp was held in
     /// physics, with everything a little wrong (`simulate_grasps`); both or neither is known of a grasp.
     #[new]
-    #[pyo3(signature = (poses, scores=None, widths=None, robust_scores=None, robust_trials=None))]
+    #[pyo3(signature = (poses, scores=None, *, widths=None, robust_scores=None, robust_trials=None))]
     fn new(
         poses: &Bound<'_, PyAny>,
         scores: Option<&Bound<'_, PyAny>>,

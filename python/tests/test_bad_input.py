@@ -171,11 +171,11 @@ HUGE = 10**5000
         ("width", lambda s, n: s.show(width=n)),
         ("height", lambda s, n: _cranny.picture(s, height=n)),
         ("rate", lambda s, n: _cranny.moving_picture(s, cranny.plan(s), rate=n)),
-        ("runs", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", runs=n)),
-        ("first_seed", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", first_seed=n)),
-        ("iterations", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", iterations=n)),
-        ("memory_limit_mb", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", memory_limit_mb=n)),
-        ("workers", lambda s, n: cranny.bench.run(["021"], ["reach"], "none.db", workers=n)),
+        ("runs", lambda s, n: cranny.bench.run(["021"], ["reach"], output="none.db", runs=n)),
+        ("first_seed", lambda s, n: cranny.bench.run(["021"], ["reach"], output="none.db", first_seed=n)),
+        ("iterations", lambda s, n: cranny.bench.run(["021"], ["reach"], output="none.db", iterations=n)),
+        ("memory_limit_mb", lambda s, n: cranny.bench.run(["021"], ["reach"], output="none.db", memory_limit_mb=n)),
+        ("workers", lambda s, n: cranny.bench.run(["021"], ["reach"], output="none.db", workers=n)),
     ],
 )
 def test_a_whole_number_out_of_range_is_shown_with_its_range(
@@ -311,7 +311,7 @@ def test_nothing_that_a_caller_passes_crashes_the_interpreter(
         lambda a, b: cranny.Robot.from_urdf_text(a, tip=b),
         lambda a, b: cranny.Robot.from_urdf(a, joints=b),
         lambda a, b: cranny.MoveItProblem(a, b),
-        lambda a, b: cranny.bench.run(a, b, folder / "x.db"),
+        lambda a, b: cranny.bench.run(a, b, output=folder / "x.db"),
         lambda a, b: cranny.bench.load(a),
         lambda a, b: scenario.show(width=a, height=b, view="top"),
     ]

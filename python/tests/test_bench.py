@@ -52,7 +52,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> bench.Results:
     planners: list[Any] = ["reach", ("ik-rrt", {"p_goal": 0.2}), straight, "through-walls", "broken"]
     output = tmp_path_factory.mktemp("bench") / "results.db"
     results = bench.run(
-        ["021"], planners, output, runs=2, time_limit_s=20, heard=lambda *counts: told.append(counts)
+        ["021"], planners, output=output, runs=2, time_limit_s=20, heard=lambda *counts: told.append(counts)
     )
     assert told[-1][:2] == (10, 10)
     return results
@@ -100,7 +100,7 @@ def test_curves_are_drawn(results: bench.Results, tmp_path: Path) -> None:
 
 def test_a_campaign_goes_on_where_it_was_stopped(results: bench.Results) -> None:
     told: list[tuple[int, int, int]] = []
-    bench.run(["021"], ["reach"], results.path, runs=3, time_limit_s=20, heard=lambda *c: told.append(c)).close()
+    bench.run(["021"], ["reach"], output=results.path, runs=3, time_limit_s=20, heard=lambda *c: told.append(c)).close()
     assert told[-1][:2] == (1, 1)
 
 
@@ -130,7 +130,7 @@ def test_closed_results_and_foreign_files_are_refused(results: bench.Results, tm
 )
 def test_what_is_no_planner_is_refused(planners: Any, message: str, tmp_path: Path) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
-        bench.run(["021"], planners, tmp_path / "x.db", runs=1)
+        bench.run(["021"], planners, output=tmp_path / "x.db", runs=1)
 
 
 def test_a_campaign_without_pandas_gives_columns(results: bench.Results, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,7 +189,7 @@ from cranny import bench
 signal.signal(signal.SIGINT, signal.default_int_handler)
 threading.Timer(3.0, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
-    bench.run(["045"], ["j-plus-rrt"], sys.argv[1], runs=50, time_limit_s=30)
+    bench.run(["045"], ["j-plus-rrt"], output=sys.argv[1], runs=50, time_limit_s=30)
 except KeyboardInterrupt:
     print("stopped")
 """

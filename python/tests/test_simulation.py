@@ -39,7 +39,7 @@ def test_robust_scores_stand_beside_the_geometric_ones(tmp_path: Path) -> None:
     assert np.isnan(some.robust_trials).all()
     rows = cranny.simulate_grasps(scenario, some, support_only=True, trials=2)
     scores = [row["robust"]["score"] for row in rows[:2]] + [np.nan]
-    robust = cranny.Grasps(some.poses, some.scores, None, scores, [2, 2, np.nan])
+    robust = cranny.Grasps(some.poses, some.scores, robust_scores=scores, robust_trials=[2, 2, np.nan])
     robust.save(tmp_path / "robust.csv")
     for known in (robust, cranny.Grasps.load(tmp_path / "robust.csv"), pickle.loads(pickle.dumps(robust))):
         np.testing.assert_array_equal(known.scores, some.scores)
@@ -51,7 +51,13 @@ def test_physics_counts_where_a_plan_is_asked_so() -> None:
     scenario = cranny.Scenario("021")
     grasps = scenario.grasps
     held = np.where(np.arange(len(grasps)) == 139, 4, 1) / 4
-    robust = cranny.Grasps(grasps.poses, grasps.scores, grasps.widths, held, np.full(len(grasps), 4))
+    robust = cranny.Grasps(
+        grasps.poses,
+        grasps.scores,
+        widths=grasps.widths,
+        robust_scores=held,
+        robust_trials=np.full(len(grasps), 4),
+    )
     plan = cranny.plan(scenario.with_grasps(robust), "ik-rrt", iterations=3000, score="physics")
     assert (plan.grasp, plan.report["score"]) == (139, "physics")
     with pytest.raises(ValueError, match="'geometric' or 'physics'"):

@@ -106,7 +106,7 @@ fn a_rate_that_is_none_is_refused_before_the_search() {
 #[test]
 fn a_robot_without_limits_of_acceleration_gets_a_plan_but_no_trajectory() {
     let folder = folder();
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda_mobile");
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenario/robots/panda_mobile");
     for file in ["panda_mobile.urdf", "panda_mobile.srdf"] {
         std::fs::copy(robots.join(file), folder.path().join(file)).expect("a copy");
     }

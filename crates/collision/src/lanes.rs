@@ -231,7 +231,13 @@ impl Lanes {
     }
 
     /// [`Self::check`] at nothing but the pairs of `scratch.wanted`, each in the lanes that it is wanted in.
-    pub fn check_again(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+    pub fn check_again(
+        &self,
+        level: Level,
+        scratch: &mut LaneScratch,
+        asked: u32,
+        interest: Interest,
+    ) -> u32 {
         scratch.wanted.sort_unstable();
         dispatch!(level, simd => self.look_again_with(simd, scratch, asked, interest))
     }

@@ -13,7 +13,7 @@ const METHODS: [TimingMethod; 2] = [TimingMethod::TimeOptimal, TimingMethod::Jer
 
 /// The built-in robot with its own limits.
 fn panda() -> Robot {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda_mobile");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenario/robots/panda_mobile");
     let text = std::fs::read_to_string(folder.join("panda_mobile.urdf")).expect("the URDF");
     Robot::from_urdf_text(&text, "panda_mobile.urdf", Some(&folder), &options(&folder)).expect("the robot")
 }

@@ -10,7 +10,8 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fearless_simd::{Level, dispatch};
 
 fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda_mobile/panda_mobile.urdf");
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenario/robots/panda_mobile/panda_mobile.urdf");
     let options = RobotOptions {
         tip: Some("panda_grasptarget".to_owned()),
         fixed: ["panda_finger_joint1", "panda_finger_joint2"].map(|joint| (joint.to_owned(), 0.04)).into(),

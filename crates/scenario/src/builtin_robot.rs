@@ -31,7 +31,7 @@ pub struct BuiltinRobot {
 /// The text of a file of the built-in robots.
 macro_rules! file {
     ($path:literal) => {
-        include_str!(concat!("../../../robots/", $path))
+        include_str!(concat!("../robots/", $path))
     };
 }
 

@@ -36,8 +36,8 @@ macro_rules! entries {
             description: concat!($before, $said, $after),
             family: Family::$family,
             parameter_m: $parameter_m,
-            scenario: include_str!(concat!("../../../scenarios/", $id, "/scenario.yaml")),
-            grasps: include_str!(concat!("../../../scenarios/", $id, "/grasps.csv")),
+            scenario: include_str!(concat!("../scenarios/", $id, "/scenario.yaml")),
+            grasps: include_str!(concat!("../scenarios/", $id, "/grasps.csv")),
         },)*)*]
     };
 }

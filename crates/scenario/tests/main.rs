@@ -2,7 +2,6 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
-#[path = "../examples/released_object/mod.rs"]
 mod released_object;
 
 mod alteration;

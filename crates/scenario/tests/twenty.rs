@@ -10,7 +10,7 @@ use strum::VariantArray as _;
 /// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
 #[test]
 fn the_files_of_the_twenty_are_what_their_recipes_make() {
-    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     for &family in Family::VARIANTS {
         let maker = {
             let robot = RecipeRobot::of_the_paper().unwrap();

@@ -12,10 +12,10 @@ use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRu
 use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
-const URDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.urdf");
-const DESCRIPTION: &str = include_str!("../../../robots/panda_mobile/robot.yaml");
-const LIMITS: &str = include_str!("../../../robots/panda_mobile/limits.yaml");
-const SRDF: &str = include_str!("../../../robots/panda_mobile/panda_mobile.srdf");
+const URDF: &str = include_str!("../../scenario/robots/panda_mobile/panda_mobile.urdf");
+const DESCRIPTION: &str = include_str!("../../scenario/robots/panda_mobile/robot.yaml");
+const LIMITS: &str = include_str!("../../scenario/robots/panda_mobile/limits.yaml");
+const SRDF: &str = include_str!("../../scenario/robots/panda_mobile/panda_mobile.srdf");
 
 /// How high the table is, in metres, and half a cube.
 const TABLE_M: f64 = 0.3;

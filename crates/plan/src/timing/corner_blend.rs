@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     fn panda() -> Robot {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda_mobile");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenario/robots/panda_mobile");
         #[allow(clippy::disallowed_methods, reason = "a test reads the robot")]
         let text = std::fs::read_to_string(folder.join("panda_mobile.urdf")).expect("the URDF");
         let options = RobotOptions {

@@ -1,5 +1,5 @@
 //! Exact verdicts a second on uniform random configurations, one at a time and in batches:
-//! `cargo run --release -p cranny-scenario --example check_rate -- SCENARIO…`
+//! `cargo run --release -p cranny-measure --bin check_rate -- SCENARIO…`
 
 use std::time::Instant;
 

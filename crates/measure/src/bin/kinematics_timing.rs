@@ -1,5 +1,5 @@
 //! Times forward kinematics, the Jacobian and inverse kinematics of a URDF's robot:
-//! `cargo run --release -p cranny-robot --example kinematics_timing -- ROBOT.urdf TIP [JOINT=VALUE …]`.
+//! `cargo run --release -p cranny-measure --bin kinematics_timing -- ROBOT.urdf TIP [JOINT=VALUE …]`.
 
 use std::error::Error;
 use std::hint::black_box;

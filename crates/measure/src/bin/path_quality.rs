@@ -1,5 +1,5 @@
 //! How good the paths are that are delivered, and how soon:
-//! `cargo run --release -p cranny-scenario --example path_quality -- FOLDER EVERY SEEDS COST MILLISECONDS…`
+//! `cargo run --release -p cranny-measure --bin path_quality -- FOLDER EVERY SEEDS COST MILLISECONDS…`
 //!
 //! FOLDER holds families of `MotionBenchMaker` problems, or scenario folders; COST is a cost of paths (`length`, `l2`,
 //! `time`, `clearance`), by which better ones are looked for and all are measured.
@@ -19,9 +19,7 @@ use cranny_plan::{
 };
 use cranny_scenario::{MoveItOptions, MoveItProblem, OpenOptions, Scenario};
 
-use motion_bench_maker::{folders_in, request_of, scenes_in};
-
-mod motion_bench_maker;
+use cranny_measure::motion_bench_maker::{folders_in, request_of, scenes_in};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -1,7 +1,7 @@
 //! For each scenario: how many of its grasps the single shot of the paper and the restarting search can hold,
 //! why the others cannot be held, and how long it takes, on all cores and without loading.
 //!
-//! `cargo run --release -p cranny-scenario --example ik_table -- SCENARIO…`
+//! `cargo run --release -p cranny-measure --bin ik_table -- SCENARIO…`
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;

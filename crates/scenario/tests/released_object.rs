@@ -8,6 +8,7 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde::Deserialize;
 
+/// Whatever goes wrong.
 pub type Failure = Box<dyn std::error::Error>;
 
 /// Grasps that stand for an object in the end.
@@ -27,10 +28,15 @@ struct Placed {
     pose: [[f64; 4]; 4],
 }
 
+/// The object of a released scenario.
 pub struct ReleasedObject {
+    /// What it is called.
     pub object: String,
+    /// Its scan, in its own frame.
     pub mesh: TriangleSoup,
+    /// How it lies.
     pub scene_from_object: Pose,
+    /// Its released grasps, in its own frame.
     pub grasps: Vec<Grasp>,
 }
 

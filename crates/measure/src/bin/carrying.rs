@@ -9,7 +9,7 @@
 //!
 //! `carrying holds SCENARIO…`: how long another hold takes, and room to ask with it, in microseconds.
 //!
-//! `cargo run --release -p cranny-scenario --example carrying -- plans 100 0 0 SCENARIO…`
+//! `cargo run --release -p cranny-measure --bin carrying -- plans 100 0 0 SCENARIO…`
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

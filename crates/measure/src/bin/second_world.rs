@@ -1,7 +1,7 @@
 //! How long a robot takes to be put into its first world, and how long into another: of 100 boxes, and of each
 //! scenario that is named. The least and the median of 21 times, in milliseconds.
 //!
-//! `cargo run --release -p cranny-scenario --example second_world -- SCENARIO…`
+//! `cargo run --release -p cranny-measure --bin second_world -- SCENARIO…`
 
 use std::sync::Arc;
 use std::time::Instant;

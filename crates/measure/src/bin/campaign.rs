@@ -2,7 +2,7 @@
 //! percentile and maximum of `planning_time_s`, then medians of what shortcuts make of the path ("apart" is the
 //! distance of the ends that they leave, which no way between these is shorter than); one thread.
 //!
-//! `cargo run --release -p cranny-scenario --example campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, PLANNER
+//! `cargo run --release -p cranny-measure --bin campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, PLANNER
 //! with settings as `reach:{"detour": 0.8}`.
 
 use std::time::Duration;

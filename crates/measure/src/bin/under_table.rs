@@ -1,5 +1,5 @@
 //! Makes a family of problems like those of `MotionBenchMaker` in which the Panda reaches under a table:
-//! `cargo run --release -p cranny-scenario --example under_table -- DATA FOLDER [COUNT]`
+//! `cargo run --release -p cranny-measure --bin under_table -- DATA FOLDER [COUNT]`
 //!
 //! DATA holds `panda_spherized.urdf` and `panda.srdf`, FOLDER gets copies of both and `under_table_panda` with COUNT (100)
 //! scenes and requests, which `motion_bench` and `path_quality` read. The table stands in front of the arm: a top, four

@@ -1,9 +1,7 @@
 //! Samples grasps on the scans of the released scenarios and compares them with the released grasps: a Markdown
 //! table on standard output.
 //!
-//! Usage: `cargo run --release -p cranny-scenario --example grasp_sampling -- $CRANNY_DATA/jogramop [seed]`
-
-mod released_object;
+//! Usage: `cargo run --release -p cranny-measure --bin grasp_sampling -- $CRANNY_DATA/jogramop [seed]`
 
 use std::path::Path;
 use std::time::Instant;
@@ -14,6 +12,9 @@ use cranny_grasp::{
 };
 use cranny_shape::Surface;
 use released_object::{CANDIDATES, Failure, KEPT, ReleasedObject};
+
+#[path = "../../../scenario/tests/released_object.rs"]
+mod released_object;
 
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);

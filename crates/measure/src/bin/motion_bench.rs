@@ -1,5 +1,5 @@
 //! Plans every problem of a folder of `MotionBenchMaker` families, several seeds each:
-//! `cargo run --release -p cranny-scenario --example motion_bench -- FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]`,
+//! `cargo run --release -p cranny-measure --bin motion_bench -- FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]`,
 //! SETTINGS of the planner as JSON.
 //!
 //! FOLDER holds a folder for each family, with `sceneNNNN.yaml` and `requestNNNN.yaml`, and beside them
@@ -19,9 +19,7 @@ use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Registry, Unobserved}
 use cranny_scenario::{MoveItOptions, MoveItProblem};
 use cranny_spatial::Stream;
 
-use motion_bench_maker::{folders_in, request_of, scenes_in};
-
-mod motion_bench_maker;
+use cranny_measure::motion_bench_maker::{folders_in, request_of, scenes_in};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (flags, words): (Vec<String>, Vec<String>) =

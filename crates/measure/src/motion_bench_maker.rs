@@ -3,6 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// The folders in a folder, sorted.
+///
+/// # Errors
+/// Those of the system.
 pub fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries: std::io::Result<Vec<PathBuf>> =
         fs::read_dir(folder)?.map(|entry| entry.map(|e| e.path())).collect();
@@ -11,6 +15,10 @@ pub fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
+/// The scenes of a family, sorted.
+///
+/// # Errors
+/// Those of the system.
 pub fn scenes_in(family: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries: std::io::Result<Vec<PathBuf>> =
         fs::read_dir(family)?.map(|entry| entry.map(|e| e.path())).collect();

@@ -1,7 +1,7 @@
 //! Time per check, per proof and per plan against the number of obstacles, as a table on the standard output
 //! and as a plot; one thread.
 //!
-//! `cargo run --release -p cranny-scenario --example scaling -- PLOT.svg [BOXES…]`
+//! `cargo run --release -p cranny-measure --bin scaling -- PLOT.svg [BOXES…]`
 
 mod chart;
 mod clutter;
