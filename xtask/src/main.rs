@@ -3,10 +3,12 @@
 //! Exit codes: 0 done, 1 a check failed, 2 not runnable as asked (unknown word, no git, wrong
 //! `CRANNY_DATA`).
 
+mod checked_arithmetic;
 mod checkout;
 mod gltf;
 mod latex;
 mod member;
+mod own_planner;
 mod problem;
 mod python_package;
 mod python_tools;

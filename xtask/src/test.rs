@@ -2,9 +2,11 @@
 
 use std::time::Instant;
 
+use crate::checked_arithmetic;
 use crate::gltf;
 use crate::latex;
 use crate::member;
+use crate::own_planner;
 use crate::python_package;
 use crate::python_tools;
 use crate::released_data;
@@ -41,7 +43,15 @@ const STEPS: [Step; 9] = [
 ];
 
 /// The steps of a long run alone: what seldom breaks, or whose tools few have.
-const LONG_STEPS: [Step; 1] = [Step { name: "LaTeX", needs: latex::readiness, action: latex::check }];
+const LONG_STEPS: [Step; 3] = [
+    Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
+    Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
+    Step {
+        name: "checked arithmetic",
+        needs: checked_arithmetic::readiness,
+        action: checked_arithmetic::check,
+    },
+];
 
 /// Whether all steps passed.
 ///

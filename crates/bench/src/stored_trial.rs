@@ -5,7 +5,7 @@ use crate::trial::TrialRecord;
 pub struct StoredTrial {
     /// Its number in these results, from 1: what `cranny bench replay` is given.
     pub id: u64,
-    /// The [`Run`] that it was part of, by number.
+    /// The [`Run`](crate::Run) that it was part of, by number.
     pub run: u64,
     /// The trial and how it went.
     pub record: TrialRecord,

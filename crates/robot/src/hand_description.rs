@@ -12,7 +12,7 @@ pub struct HandDescription {
     /// What it is called.
     pub name: String,
     /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default as of
-    /// [`RobotOptions::tip`].
+    /// [`RobotOptions::tip`](crate::RobotOptions::tip).
     #[serde(default)]
     pub tip: Option<String>,
     /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.

@@ -26,7 +26,7 @@ pub struct RepairedMesh {
 impl RepairedMesh {
     /// Repairs what can be repaired without a guess.
     ///
-    /// 1. Vertices closer than [`SAME_PLACE_M`] become one.
+    /// 1. Vertices closer than [`SAME_PLACE_M`](crate::SAME_PLACE_M) become one.
     /// 2. Triangles with two equal corners go; of equal triangles one stays.
     /// 3. Triangles are turned so that neighbours agree, and each body so that it faces outwards, or inwards
     ///    where it is the wall of a cavity.

@@ -10,7 +10,7 @@ pub struct OwnGrasp {
     pub world_from_gripper: [[f64; 4]; 4],
     /// How far the fingers are apart once they have closed on the target, in metres.
     pub opening_m: f64,
-    /// How good it is, in [0, 1]: how little friction its contacts need ([`friction_score`]).
+    /// How good it is, in [0, 1]: how little friction its contacts need ([`friction_score`](cranny_grasp::friction_score)).
     pub score: f64,
 }
 
