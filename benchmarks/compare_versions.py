@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Compares two versions of Cranny: the median ratio of alternating pairs of runs, with its interval.
 
-    cargo build --release -p cranny-scenario --example check_rate --example motion_bench --example campaign
+    cargo build --release -p cranny-measure --bin check_rate --bin motion_bench --bin campaign
     benchmarks/compare_versions.py OLD NEW --pairs 15
 
-OLD and NEW are folders that hold those three programs (from target/release/examples of each version). CRANNY_DATA
+OLD and NEW are folders that hold those three programs (from target/release of each version). CRANNY_DATA
 names the data. Every run is bound to one core; which version goes first alternates. The interval holds the median of
 the ratios with 95 % (order statistics).
 """

@@ -7,7 +7,7 @@ use cranny_spatial::Pose;
 use crate::link_body::LinkBody;
 use crate::{CollisionError, World};
 
-/// The collision check of the released planners, for comparison only (DESIGN, `paper`).
+/// The collision check of the released planners, for comparison only (README, "What solved means").
 ///
 /// Triangles of links against triangles of obstacles, surface against surface, at single configurations;
 /// only the links on the chain from the root to the tip, so no fingers; no self-collision; and instead of a

@@ -11,8 +11,8 @@ use crate::error::{Location, RobotError};
 pub struct HandDescription {
     /// What it is called.
     pub name: String,
-    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default as of
-    /// [`RobotOptions::tip`](crate::RobotOptions::tip).
+    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default: the
+    /// tip that the robot has without this file.
     #[serde(default)]
     pub tip: Option<String>,
     /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.

@@ -2,12 +2,14 @@
 //! in the middle of their bounds.
 
 mod banana;
+mod object_shape;
 mod screwdriver;
 mod sugar_box;
 mod tennis_ball;
 
 use cranny_shape::{ConvexParts, ShapeError, TriangleSoup};
 
+use self::object_shape::ObjectShape;
 use crate::{ObjectSettings, ObjectType, ScenarioError};
 
 /// How a built-in object is made.
@@ -16,13 +18,7 @@ pub(crate) struct Recipe {
     pub name: &'static str,
     /// Published mass, in kilograms.
     pub mass_kg: f64,
-    shape: fn() -> Result<Shape, ShapeError>,
-}
-
-/// A mesh, and the convex bodies that it is made of.
-struct Shape {
-    mesh: TriangleSoup,
-    parts: Vec<TriangleSoup>,
+    shape: fn() -> Result<ObjectShape, ShapeError>,
 }
 
 static RECIPES: [Recipe; 4] = [
@@ -67,7 +63,7 @@ pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
 impl Recipe {
     /// The object, with convex parts and stable poses.
     pub fn object(&self) -> Result<ObjectType, ScenarioError> {
-        let Shape { mesh, parts } = (self.shape)()?.centred();
+        let ObjectShape { mesh, parts } = (self.shape)()?.centred();
         let parts = ConvexParts::measured(&mesh, parts)?;
         ObjectType::of_parts(mesh, parts, &ObjectSettings::new(self.name, self.mass_kg))
     }
@@ -78,7 +74,7 @@ impl Recipe {
     }
 }
 
-impl Shape {
+impl ObjectShape {
     /// The same with the origin in the middle of the bounds.
     fn centred(mut self) -> Self {
         let first = self.mesh.vertices[0];

@@ -41,7 +41,10 @@ impl CoarseHull {
                 let (corners, bulge_m) = chosen(&points.iter().collect::<Vec<_>>(), most)?;
                 Some(Self { corners, radius_m, bulge_m })
             }
-            _ => Some(Self { corners: convex.bounding_points(), radius_m, bulge_m: 0.0 }),
+            // Their bounding points are their corners: they lie in the solid.
+            Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Triangle(_) => {
+                Some(Self { corners: convex.bounding_points(), radius_m, bulge_m: 0.0 })
+            }
         }
     }
 }

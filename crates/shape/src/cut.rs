@@ -119,3 +119,33 @@ fn is_outside(point: &PlanePoint, corners: &[PlanePoint]) -> bool {
 fn cross(o: PlanePoint, a: PlanePoint, b: PlanePoint) -> f64 {
     (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 }
+
+#[cfg(test)]
+mod tests {
+    use cranny_spatial::Pose;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{Solid, separation};
+
+    proptest! {
+        #[test]
+        fn no_point_of_a_hull_is_lost_between_its_halves(
+            corners in proptest::collection::vec(proptest::array::uniform3(-1.0..1.0_f64), 5..20),
+            shares in proptest::collection::vec(0.0..1.0_f64, 20),
+        ) {
+            let corners: Vec<Point> = corners.into_iter().map(Point::from).collect();
+            let sum: f64 = shares.iter().zip(&corners).map(|(share, _)| share).sum();
+            prop_assume!(sum > 1e-3);
+            let weighted = shares.iter().zip(&corners).map(|(share, corner)| corner.coords * (share / sum));
+            let inside = Pose::from_parts(weighted.sum::<cranny_spatial::Vector>().into(), Pose::identity().rotation);
+            let Some(cut) = Cut::across(&corners) else { return Ok(()) };
+            let halves = [Solid::hull(&cut.low), Solid::hull(&cut.high)];
+            prop_assume!(halves.iter().all(Result::is_ok));
+            let speck = Solid::sphere(1e-12).expect("a positive radius");
+            let distance = |half: &Solid| separation(&speck, &inside, half, &Pose::identity(), f64::MAX).lower_m;
+            let least_m = halves.iter().flatten().map(distance).fold(f64::INFINITY, f64::min);
+            prop_assert!(least_m < 1e-7, "{} m", least_m);
+        }
+    }
+}

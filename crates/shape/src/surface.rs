@@ -5,7 +5,7 @@ use crate::triangle_tree::TriangleTree;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
 /// Triangles without an inside: two surfaces touch only where a triangle of one meets a triangle of the
-/// other. What the released planners check (DESIGN, `paper`).
+/// other. What the released planners check (README, "What solved means").
 #[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) corners: Vec<[Point; 3]>,

@@ -78,7 +78,7 @@ pub struct Timed {
 /// How a path was shortened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortening {
-    /// Random changes of the path that were tried, drawn from the seed of the request.
+    /// Random changes of one path that were tried at most, drawn from the seed of the request.
     pub attempts: usize,
     /// Further searches for a better path.
     pub searches: u64,

@@ -3,7 +3,7 @@
 /// motion.
 pub const CONTACT_M: f64 = 1e-5;
 
-/// An answer is exact when the gripper is at most this far from a grasp, in metres (DESIGN, "solved").
+/// An answer is exact when the gripper is at most this far from a grasp, in metres (README, "What solved means").
 pub const EXACT_TRANSLATION_M: f64 = 1e-3;
 
 /// An answer is exact when the gripper is turned at most this far from a grasp: 1°, in radians.

@@ -1,7 +1,7 @@
 //! Modules of a crate know each other in one direction, as crates do.
 //!
-//! What `use` and qualified paths of a file name is followed through re-exports to the file that defines it. Tests may name
-//! what they like. The root of a crate, its door, is no part of a circle; the Python package is left out, where classes
+//! What `use` and qualified paths of a file name is followed through re-exports to the file that defines it; what stands in
+//! the arguments of a macro is not seen. Tests may name what they like. The root of a crate, its door, is no part of a circle; the Python package is left out, where classes
 //! refer to each other as Python's do.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,7 +35,8 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         let module = module_of(inside);
         match file.text().map(syn::parse_file) {
             Some(Ok(parsed)) => {
-                let mut reader = Reader { module: &module, names: Names::default() };
+                let mut reader =
+                    Reader { module: &module, children: children(&parsed), names: Names::default() };
                 reader.visit_file(&parsed);
                 let names = reader.names;
                 crates.entry(root).or_default().insert(module, names);
@@ -65,8 +66,19 @@ fn module_of(inside: &str) -> Module {
     module
 }
 
+/// The modules that a file declares.
+fn children(file: &syn::File) -> BTreeSet<String> {
+    let name = |item: &syn::Item| match item {
+        syn::Item::Mod(module) if module.content.is_none() => Some(module.ident.to_string()),
+        _ => None,
+    };
+    file.items.iter().filter_map(name).collect()
+}
+
 struct Reader<'a> {
     module: &'a Module,
+    /// The modules below it, by name.
+    children: BTreeSet<String>,
     names: Names,
 }
 
@@ -77,6 +89,7 @@ impl Reader<'_> {
             "crate" => Vec::new(),
             "self" => self.module.clone(),
             "super" => self.module[..self.module.len().saturating_sub(1)].to_vec(),
+            child if self.children.contains(child) => [self.module.as_slice(), &[child.to_owned()]].concat(),
             _ => return None,
         };
         for part in &path[1..] {
@@ -100,18 +113,18 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
         let mut paths = Vec::new();
         flatten(&item.tree, &mut Vec::new(), &mut paths);
-        for (mut path, name) in paths {
+        for (path, name) in paths {
+            let Some(path) = self.path_from_root(&path) else { continue };
             if matches!(item.vis, syn::Visibility::Inherited) {
-                self.names.named.extend(self.path_from_root(&path));
-                continue;
+                self.names.named.insert(path);
+            } else {
+                self.names.exported.insert(name, path);
             }
-            // A re-export may name a child without `self::`.
-            if !matches!(path[0].as_str(), "crate" | "self" | "super") {
-                path.insert(0, "self".to_owned());
-            }
-            self.names.exported.extend(self.path_from_root(&path).map(|path| (name, path)));
         }
     }
+
+    /// `pub(super)` names nobody.
+    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
         let parts: Vec<String> = path.segments.iter().map(|part| part.ident.to_string()).collect();
@@ -218,7 +231,7 @@ mod tests {
     #[test]
     fn a_circle_of_parent_and_child_is_found() {
         let found = problems(&[
-            ("crates/x/src/report.rs", "mod row; use self::row::Row; pub struct Figures(Row);"),
+            ("crates/x/src/report.rs", "mod row; pub struct Figures(row::Row);"),
             ("crates/x/src/report/row.rs", "use super::Figures; pub struct Row;"),
         ]);
         assert_eq!(found, ["modules know each other in a circle: report → report::row → report"]);

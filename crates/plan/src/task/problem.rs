@@ -31,7 +31,7 @@ pub enum Goal {
     Configurations(Vec<Vec<f64>>),
 }
 
-/// When a problem counts as solved (DESIGN, "What solved means").
+/// When a problem counts as solved (README, "What solved means").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]

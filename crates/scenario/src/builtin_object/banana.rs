@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use cranny_shape::{Loft, ShapeError};
 use cranny_spatial::{Point, sin_cos};
 
-use super::Shape;
+use super::object_shape::ObjectShape;
 
 /// The published length along the bend, in metres.
 const LENGTH_M: f64 = 0.19;
@@ -30,7 +30,7 @@ const RING_POINTS: u32 = 40;
 const PARTS: usize = 12;
 
 /// Bent in the plane z = 0.
-pub fn shape() -> Result<Shape, ShapeError> {
+pub fn shape() -> Result<ObjectShape, ShapeError> {
     let bend_radius_m = LENGTH_M / BEND_RAD;
     let ring = |index: u32| {
         let share = f64::from(index) / f64::from(RINGS - 1);
@@ -48,7 +48,7 @@ pub fn shape() -> Result<Shape, ShapeError> {
     };
     let loft = Loft::new((0..RINGS).map(ring).collect())?;
     let cuts: Vec<usize> = (1..PARTS).map(|part| part * (RINGS as usize - 1) / PARTS).collect();
-    Ok(Shape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
+    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
 }
 
 /// The radius as a share of the greatest, eased between the entries of [`TAPER`].

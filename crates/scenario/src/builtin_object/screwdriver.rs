@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use cranny_shape::{Loft, ShapeError};
 use cranny_spatial::{Point, sin_cos};
 
-use super::Shape;
+use super::object_shape::ObjectShape;
 
 /// The published length, in metres.
 const LENGTH_M: f64 = 0.215;
@@ -30,7 +30,7 @@ const BLADE_THICKNESS_M: f64 = 0.001;
 const RING_POINTS: u32 = 48;
 
 /// Along x from the butt of the handle to the tip of the blade, which is flat across z.
-pub fn shape() -> Result<Shape, ShapeError> {
+pub fn shape() -> Result<ObjectShape, ShapeError> {
     // Place along x, radius, depth of the flutes, in metres.
     let neck_m = HANDLE_LENGTH_M - 0.02;
     let handle = [
@@ -59,7 +59,7 @@ pub fn shape() -> Result<Shape, ShapeError> {
     }
     let loft = Loft::new(rings)?;
     let cuts = [NECK_RING, COLLAR_RING, shaft_begin, blade_begin];
-    Ok(Shape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
+    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
 }
 
 /// Rings of the blade's taper.

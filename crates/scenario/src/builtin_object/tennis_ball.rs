@@ -1,6 +1,6 @@
 use cranny_shape::TriangleSoup;
 
-use super::Shape;
+use super::object_shape::ObjectShape;
 
 /// Half the published diameter of 64.7 mm.
 const RADIUS_M: f64 = 0.03235;
@@ -12,7 +12,7 @@ const DIVISIONS: u32 = 4;
 const PART_DIVISIONS: u32 = 3;
 
 /// A sphere.
-pub fn shape() -> Shape {
+pub fn shape() -> ObjectShape {
     let mesh = TriangleSoup::geodesic_sphere(RADIUS_M, DIVISIONS);
-    Shape { mesh, parts: vec![TriangleSoup::geodesic_sphere(RADIUS_M, PART_DIVISIONS)] }
+    ObjectShape { mesh, parts: vec![TriangleSoup::geodesic_sphere(RADIUS_M, PART_DIVISIONS)] }
 }
