@@ -39,7 +39,8 @@ pub struct Campaign {
     pub memory_limit_bytes: u64,
     /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
     pub judge_both: bool,
-    /// Whether the least clearance along each path is measured, at most a tenth too low: some milliseconds beside the trial's own
+    /// Whether the least clearance along each path is measured, at most a tenth too low: some milliseconds beside the
+    /// trial's own
     /// time. Default: yes.
     pub measure_clearance: bool,
     /// What is asked of each path beyond its criterion. Default: nothing.
@@ -174,8 +175,12 @@ impl Campaign {
             scenarios.push(source);
         }
         self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
-        let settings_of = |planner: &CampaignPlanner| self.demand.among(planner.call.settings());
-        let settings: Vec<String> = self.planners.iter().map(settings_of).collect();
+        // Whoever made the calls: a trial is known by all settings of its planner, the defaults included.
+        let settings_of = |planner: &CampaignPlanner| {
+            Ok(self.demand.among(planner.call.clone().checked(registry)?.settings()))
+        };
+        let settings: Vec<String> =
+            self.planners.iter().map(settings_of).collect::<Result<_, BenchError>>()?;
         let most_runs =
             self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
         let mut questions = Vec::new();

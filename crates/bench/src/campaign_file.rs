@@ -85,7 +85,8 @@ struct ExceptionEntry {
 }
 
 impl Campaign {
-    /// Reads a campaign of the planners of a registry, and of programs, from a YAML file; paths in it are taken from the folder of the file.
+    /// Reads a campaign of the planners of a registry, and of programs, from a YAML file; paths in it are taken from the
+    /// folder of the file.
     ///
     /// # Errors
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.

@@ -134,7 +134,8 @@ impl PlannerCall {
         Err(BenchError::OtherProgram { planner: trial.planner.clone(), command: self.command() })
     }
 
-    /// All settings of a call that is [checked](Self::checked), as canonical JSON: the same on every machine. A file of the command counts with its name and
+    /// All settings of a call that is [checked](Self::checked), as canonical JSON: the same on every machine. A file of the
+    /// command counts with its name and
     /// its content, not with where it lies.
     pub fn settings(&self) -> String {
         let words = |words: &[String]| -> Value {

@@ -9,7 +9,8 @@ use crate::process_group::{self, Leash};
 use crate::worker_message::{Message, Request};
 use crate::{BenchError, trial_run};
 
-/// Serves the trials of a campaign by the planners of a registry, one line of `input` each, until `input` ends; then it ends the process at
+/// Serves the trials of a campaign by the planners of a registry, one line of `input` each, until `input` ends; then it
+/// ends the process at
 /// once, with whatever program of others is running: a campaign that is gone wants no answer.
 ///
 /// # Errors

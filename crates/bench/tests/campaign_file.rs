@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use cranny_bench::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
+use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, Registry};
 
 fn read(folder: &Path, text: &str) -> Result<Campaign, BenchError> {
@@ -198,4 +199,25 @@ fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     }
     let twice = "scenarios: ['021']\nplanners: [{planner: reach}, {planner: reach, settings: {looks: 8}}]\n";
     assert!(fault(twice).contains("two planners of the campaign are called 'reach'"));
+}
+
+#[test]
+fn a_trial_is_known_by_all_settings_whether_or_not_its_call_was_checked() {
+    let bare = PlannerCall::BuiltIn {
+        planner: "reach".into(),
+        settings: serde_json::Map::new(),
+        score: ScoreKind::default(),
+    };
+    let checked = PlannerCall::parse("reach", &Registry::default()).expect("a planner");
+    let trials = |call: PlannerCall| {
+        let campaign = Campaign {
+            scenarios: vec!["021".into()],
+            planners: vec![CampaignPlanner::new(call)],
+            runs: 1,
+            ..Campaign::default()
+        };
+        let questions = campaign.schedule(&Registry::default()).expect("a schedule").questions;
+        questions.into_iter().map(|question| question.trial).collect::<Vec<_>>()
+    };
+    assert_eq!(trials(bare), trials(checked));
 }

@@ -1,7 +1,8 @@
 //! Modules of a crate know each other in one direction, as crates do.
 //!
 //! What `use` and qualified paths of a file name is followed through re-exports to the file that defines it; what stands in
-//! the arguments of a macro is not seen. Tests may name what they like. The root of a crate, its door, is no part of a circle; the Python package is left out, where classes
+//! the arguments of a macro is not seen. Tests may name what they like. The root of a crate, its door, is no part of a
+//! circle; the Python package is left out, where classes
 //! refer to each other as Python's do.
 
 use std::collections::{BTreeMap, BTreeSet};
