@@ -58,73 +58,6 @@ fn the_good_scenario_that_the_bad_ones_are_made_of_is_good() {
 }
 
 #[test]
-fn scenario_files_are_refused_with_file_and_line() {
-    let bad: [(&str, String, &str, &[&str]); 8] = [
-        (
-            "a missing mesh",
-            yaml("obstacles:\n  - name: rock\n    shapes:\n      - mesh: {file: rock.obj}\n"),
-            GRASP,
-            &["rock.obj"],
-        ),
-        ("a NaN in a grasp", yaml(""), &GRASP.replace("0.5,0,-1", "nan,0,-1"), &["grasps.csv:1"]),
-        ("15 numbers", yaml(""), "1,0,0,0.5,0,-1,0,0,0,0,-1,0.4,0,0,0\n", &["grasps.csv:1", "15", "16"]),
-        ("an unknown joint", yaml("").replace(START, "{elbow_of_nobody: 1.0}"), GRASP, &["elbow_of_nobody"]),
-        ("an empty grasp file", yaml(""), "", &["grasps.csv"]),
-        ("an empty scenario file", String::new(), GRASP, &["scenario.yaml"]),
-        (
-            "a truncated scenario file",
-            "robot: panda_mobile\nstart: [0, 0,".into(),
-            GRASP,
-            &["scenario.yaml:2"],
-        ),
-        ("an unknown key", yaml("colour: blue\n"), GRASP, &["scenario.yaml", "colour"]),
-    ];
-    for (what, yaml, grasps, words) in bad {
-        let folder = folder();
-        scenario(folder.path(), &yaml, grasps);
-        eprintln!("{what}");
-        refused(folder.path(), &["plan", "."], words);
-    }
-}
-
-#[test]
-fn robots_are_refused_with_file_and_line() {
-    let link = |name: &str| format!("<link name=\"{name}\"/>\n");
-    let joint = |name: &str, parent: &str, child: &str, limit: &str| {
-        format!(
-            "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
-             <axis xyz=\"0 0 1\"/><limit {limit} velocity=\"1\" effort=\"1\"/></joint>\n"
-        )
-    };
-    let good = "lower=\"-1\" upper=\"1\"";
-    let robot = |body: String| format!("<robot name=\"bad\">\n{body}</robot>\n");
-    let bad: [(&str, String, &[&str]); 4] = [
-        (
-            "a loop",
-            robot(
-                [link("a"), link("b"), link("c"), joint("x", "b", "c", good), joint("y", "c", "b", good)]
-                    .concat(),
-            ),
-            &["bad.urdf:", "loop"],
-        ),
-        (
-            "limits reversed",
-            robot([link("a"), link("b"), joint("swing", "a", "b", "lower=\"1\" upper=\"-1\"")].concat()),
-            &["bad.urdf:4", "swing"],
-        ),
-        ("an empty file", String::new(), &["bad.urdf"]),
-        ("a truncated file", "<robot name=\"bad\">\n<link name=\"a\">\n".into(), &["bad.urdf"]),
-    ];
-    for (what, urdf, words) in bad {
-        let folder = folder();
-        std::fs::write(folder.path().join("bad.urdf"), urdf).expect("written");
-        eprintln!("{what}");
-        refused(folder.path(), &["plan", "021", "--robot", "bad.urdf"], words);
-    }
-    refused(folder().path(), &["plan", "021", "--robot", "nowhere.urdf"], &["nowhere.urdf"]);
-}
-
-#[test]
 fn a_start_in_collision_is_an_outcome_not_an_error() {
     let folder = folder();
     let block = "obstacles:\n  - name: block\n    shapes:\n      - box: {size: [0.2, 0.2, 0.2]}\n        \
@@ -135,44 +68,6 @@ fn a_start_in_collision_is_an_outcome_not_an_error() {
     assert_eq!(output.status.code(), Some(1), "{summary}{}", String::from_utf8_lossy(&output.stderr));
     assert!(summary.contains("start-invalid") && summary.contains("touches block"), "{summary}");
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2, "nothing is written");
-}
-
-#[test]
-fn way_points_and_flags_are_refused() {
-    let folder = folder();
-    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
-    file("short.csv", "0,0,0,0,0,0,0,0\n");
-    file("nan.csv", "0,0,0,0,0,0,0,0,nan\n");
-    file("empty.csv", "");
-    file("cut.plan.json", "{\"scenario\": \"021\",");
-    let refuse = |arguments: &[&str], words: &[&str]| {
-        let mut command = Command::cargo_bin("cranny").expect("the program");
-        let output = command.current_dir(folder.path()).args(arguments).output().expect("it runs");
-        let error = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-        for word in words {
-            assert!(error.contains(word), "no '{word}' in: {error}");
-        }
-    };
-    refuse(&["verify", "021", "short.csv"], &["short.csv:1", "8", "9"]);
-    refuse(&["verify", "021", "nan.csv"], &["nan.csv:1"]);
-    refuse(&["verify", "021", "empty.csv"], &["empty.csv"]);
-    refuse(&["verify", "021", "cut.plan.json"], &["cut.plan.json"]);
-    refuse(&["verify", "021", "nowhere.csv"], &["nowhere.csv"]);
-    refuse(&["plan", "0x1"], &["0x1", "021"]);
-    refuse(&["plan", "21"], &["did you mean 021?"]);
-    // Nothing was checked, so this is no "no".
-    refuse(&["scenario", "check", "999"], &["no built-in scenario '999'"]);
-    refuse(&["ik", "021", "--solutions", "0"], &["a whole number from 1 to 1000"]);
-    refuse(&["plan", "021", "--planner", "magic"], &["magic", "ik-rrt"]);
-    refuse(&["plan", "021", "--margin", "-1"], &["margin"]);
-    refuse(&["plan", "021", "--margin=-1"], &["margin", "at least 0"]);
-    refuse(&["plan", "021", "--time-limit", "soon"], &["soon"]);
-    refuse(&["plan", "021", "--colour"], &["--colour"]);
-    refuse(&["plan", "021", "-o", "no/such/folder/x.plan.json"], &["folder does not exist"]);
-    refuse(&["plan", "021", "--goal-threshold", "0"], &["paper"]);
-    refuse(&["ik", "021", "--grasp", "500"], &["200 grasps"]);
-    refuse(&["ik", "021", "--criterion", "paper"], &["exact"]);
 }
 
 /// A name from a file could clear the screen, or write what the program never said.

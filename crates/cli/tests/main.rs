@@ -21,6 +21,7 @@ mod commands;
 mod false_proofs;
 #[cfg(unix)]
 mod foreign_planners;
+mod golden;
 mod moveit;
 mod optimisation;
 #[cfg(unix)]

@@ -13,7 +13,7 @@ pub(crate) struct SelfPairs(Vec<((usize, usize), Option<f64>)>);
 pub(crate) type AlwaysTouching = ((usize, usize), f64);
 
 impl SelfPairs {
-    /// All pairs but adjacent ones (no link with geometry between them), those that the robot's SRDF or its options
+    /// All pairs but [adjacent](Robot::adjacent_pairs) ones, those that the robot's SRDF or its options
     /// disable, and those that never move against each other.
     pub fn of(robot: &Robot, bodies: &[LinkBody]) -> Self {
         let links = |pair| links_of(bodies, pair);

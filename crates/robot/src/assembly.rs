@@ -94,7 +94,7 @@ impl Robot {
         let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
-            adjacent_pairs: adjacent_pairs(&links),
+            adjacent_pairs: adjacent_pairs(&links, &movers),
             disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
             group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
             joint_names,

@@ -3,13 +3,13 @@ use std::collections::BTreeMap;
 use crate::joint_group::unknown_link;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
-use crate::{Link, RobotError, Srdf};
+use crate::{Link, Mover, RobotError, Srdf};
 
 /// Two links with geometry are adjacent if the way between them through the tree meets no third one.
 ///
-/// Bare links that hang together form a patch; the links with geometry around one patch are adjacent pair by
-/// pair, and so are a parent and its child.
-pub(crate) fn adjacent_pairs(links: &[Link]) -> Vec<(usize, usize)> {
+/// A parent and its child are. Bare links that hang together form a patch: the link with geometry above it is adjacent to
+/// each below, and two below only if at most one joint moves them against each other. Two arms on a bare torso are not.
+pub(crate) fn adjacent_pairs(links: &[Link], movers: &[Vec<Mover>]) -> Vec<(usize, usize)> {
     // A patch is known by its topmost link.
     let mut patch_of: Vec<usize> = (0..links.len()).collect();
     let mut around: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -23,12 +23,22 @@ pub(crate) fn adjacent_pairs(links: &[Link]) -> Vec<(usize, usize)> {
             (true, true) => patch_of[index] = patch_of[parent],
         }
     }
-    for neighbours in around.values() {
+    for (&patch, neighbours) in &around {
         for (position, &first) in neighbours.iter().enumerate() {
-            pairs.extend(neighbours[position + 1..].iter().map(|&second| (first, second)));
+            let is_above = links[patch].parent == Some(first);
+            let hangs_with =
+                |second: &usize| is_above || joints_between(&movers[first], &movers[*second]) <= 1;
+            let others = neighbours[position + 1..].iter().copied().filter(hangs_with);
+            pairs.extend(others.map(|second| (first, second)));
         }
     }
     sorted_pairs(pairs)
+}
+
+/// How many joints move one link against another, by those that move each.
+fn joints_between(first: &[Mover], second: &[Mover]) -> usize {
+    let common = first.iter().zip(second).take_while(|(a, b)| a.child_link == b.child_link).count();
+    first.len() + second.len() - 2 * common
 }
 
 /// The pairs that the SRDF, or whoever loads the robot, says not to test.

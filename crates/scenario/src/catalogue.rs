@@ -1,4 +1,4 @@
-use crate::own_layout::{self, Texts};
+use crate::layout::own::{self, Texts};
 use crate::{Family, FamilyMaker, OpenOptions, Recipe, Scenario, ScenarioError};
 
 /// A scenario that needs no file.
@@ -100,7 +100,7 @@ pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, S
         grasps: entry.grasps.to_owned(),
         ik: None,
     };
-    Some(own_layout::open_texts(id.to_owned(), &texts, options))
+    Some(own::open_texts(id.to_owned(), &texts, options))
 }
 
 impl CatalogueEntry {

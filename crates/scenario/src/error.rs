@@ -3,7 +3,10 @@ use std::path::PathBuf;
 use cranny_file::TextFault;
 use cranny_robot::Location;
 
-use crate::error_words::{length, listed, meant};
+use crate::family::error::FamilyError;
+use crate::moveit::error::MoveItError;
+use crate::object::error::ObjectError;
+use crate::plan::error::PlanFileError;
 
 /// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
 /// itself: file and line where there is one.
@@ -98,32 +101,6 @@ pub enum ScenarioError {
         /// What stands there.
         text: String,
     },
-    /// A way point of a plan has the wrong number of values.
-    #[error("{}: way point {waypoint} has {actual} values instead of {expected}", path.display())]
-    Waypoint {
-        /// The plan file.
-        path: PathBuf,
-        /// Index of the way point, from 0.
-        waypoint: usize,
-        /// How many values there should be.
-        expected: usize,
-        /// How many there are.
-        actual: usize,
-    },
-    /// A file's ending says nothing about how to read it.
-    #[error("{}: cannot tell what this file is (known endings: .plan.json, .csv, .try)", path.display())]
-    WaypointFormat {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A plan to be written holds a number that JSON cannot: infinite, or not a number.
-    #[error("{}: not written, because '{field}' holds a number that is not finite", path.display())]
-    NotFinite {
-        /// The file.
-        path: PathBuf,
-        /// Which field of the plan.
-        field: &'static str,
-    },
     /// The start configuration does not fit the robot.
     #[error("{file}: the start has {actual} values, but the robot has {expected} joints ({joints})")]
     StartCount {
@@ -192,16 +169,6 @@ pub enum ScenarioError {
         /// The scenario.
         id: String,
     },
-    /// Nothing says what the target weighs.
-    #[error(
-        "scenario '{id}' does not say what its target '{target}' weighs (write mass_kg beneath target in scenario.yaml)"
-    )]
-    NoMass {
-        /// The scenario.
-        id: String,
-        /// The body to be grasped.
-        target: String,
-    },
     /// The floor is not where a scenario's files have it.
     #[error("only one floor, at {height_m} m in the planning frame, can be written: there the robot stands")]
     OtherFloor {
@@ -264,134 +231,6 @@ pub enum ScenarioError {
         /// What would fit.
         hint: &'static str,
     },
-    /// A `MoveIt` file names a joint or a group that the robot does not have.
-    #[error("{at}: {reason}")]
-    NotOfRobot {
-        /// Where.
-        at: Location,
-        /// What the robot says.
-        reason: Box<cranny_robot::RobotError>,
-    },
-    /// A `MoveIt` scene comes without a robot.
-    #[error("{}: no URDF of the robot is given or found; looked for {}", path.display(), listed(tried))]
-    NoRobot {
-        /// The scene file.
-        path: PathBuf,
-        /// The files that were looked for.
-        tried: Vec<PathBuf>,
-    },
-    /// A `MoveIt` joint state does not give each joint one position.
-    #[error("{at}: the joint state has {names} names, but {values} positions")]
-    JointState {
-        /// Where.
-        at: Location,
-        /// How many joints are named.
-        names: usize,
-        /// How many positions there are.
-        values: usize,
-    },
-    /// A joint has two values.
-    #[error("{at}: joint '{joint}' has a value already")]
-    JointTwice {
-        /// Where the second one stands.
-        at: Location,
-        /// The joint.
-        joint: String,
-    },
-    /// A `MoveIt` request has no goal.
-    #[error("{}: no goal: 'goal_constraints' must hold joint constraints", path.display())]
-    NoGoal {
-        /// The request file.
-        path: PathBuf,
-    },
-    /// The goal leaves a joint out.
-    #[error("{at}: the goal gives no value for joint '{joint}'")]
-    GoalWithoutJoint {
-        /// Where the goal stands.
-        at: Location,
-        /// The joint.
-        joint: String,
-    },
-    /// A `MoveIt` object has no shape.
-    #[error("{at}: object '{object}' has neither primitives nor meshes")]
-    NoShape {
-        /// Where.
-        at: Location,
-        /// The object.
-        object: String,
-    },
-    /// The shapes of a `MoveIt` object do not have one pose each.
-    #[error("{at}: object '{object}' has {actual} poses for {expected} shapes of kind {kind}")]
-    PoseCount {
-        /// Where.
-        at: Location,
-        /// The object.
-        object: String,
-        /// `primitive` or `mesh`.
-        kind: &'static str,
-        /// How many shapes there are.
-        expected: usize,
-        /// How many poses.
-        actual: usize,
-    },
-    /// A `MoveIt` primitive is of a kind that is not known.
-    #[error("{at}: object '{object}': unknown primitive '{kind}' (known: box, sphere, cylinder)")]
-    UnknownPrimitive {
-        /// Where.
-        at: Location,
-        /// The object.
-        object: String,
-        /// The kind.
-        kind: String,
-    },
-    /// A `MoveIt` primitive has the wrong number of dimensions.
-    #[error("{at}: object '{object}': {actual} dimensions, but those of a {kind} are [{expected}]")]
-    Dimensions {
-        /// Where.
-        at: Location,
-        /// The object.
-        object: String,
-        /// The kind of primitive.
-        kind: String,
-        /// What its dimensions are.
-        expected: &'static str,
-        /// How many there are.
-        actual: usize,
-    },
-    /// A pose is given in a frame that is not known to stand still.
-    #[error("{at}: unknown frame '{frame}' (known: {known})")]
-    UnknownFrame {
-        /// Where.
-        at: Location,
-        /// The frame.
-        frame: String,
-        /// The frames that there are.
-        known: String,
-    },
-    /// A mesh is too large or too small for an object that a hand grasps.
-    #[error(
-        "{file}the object is {} long, so its mesh is hardly in metres (if it is in {unit}, scale it by {scale}: \
-         --scale {scale})",
-        length(*size_m)
-    )]
-    ObjectSize {
-        /// The mesh file and a colon, if it is from a file.
-        file: String,
-        /// Its greatest extent as read, in metres.
-        size_m: f64,
-        /// The unit that the mesh may be in.
-        unit: &'static str,
-        /// The scale that would then be right.
-        scale: f64,
-    },
-    /// A number that describes an object is none.
-    #[error("the {what} of an object must be a positive number, but is {value}")]
-    ObjectNumber {
-        /// Which number.
-        what: &'static str,
-        /// The offending value.
-        value: f64,
-    },
     /// A gripper has a figure that cannot be.
     #[error("{}: {reason}", path.display())]
     GripperFigure {
@@ -419,16 +258,6 @@ pub enum ScenarioError {
         at: Location,
         /// What is wrong.
         fault: Box<ScenarioError>,
-    },
-    /// No built-in object has that name.
-    #[error(
-        "there is no built-in object '{name}' (there are: {known}) and no folder of that name with object.yaml"
-    )]
-    UnknownBuiltinObject {
-        /// The name.
-        name: String,
-        /// The names that there are.
-        known: String,
     },
     /// Only scenarios whose robot can be named can be written.
     #[error(
@@ -460,28 +289,6 @@ pub enum ScenarioError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A family is asked for that there is not.
-    #[error("no family '{name}' (there are {known})")]
-    UnknownFamily {
-        /// What was asked for.
-        name: String,
-        /// The families.
-        known: String,
-    },
-    /// The parameter of a family is out of its range.
-    #[error("{family}: the {parameter} must be from {low} to {high} m, but is {value}")]
-    Parameter {
-        /// The family.
-        family: &'static str,
-        /// What its parameter is.
-        parameter: &'static str,
-        /// The least value.
-        low: f64,
-        /// The greatest.
-        high: f64,
-        /// What was given.
-        value: f64,
-    },
     /// The robot cannot be built.
     #[error(transparent)]
     Robot(#[from] cranny_robot::RobotError),
@@ -497,4 +304,21 @@ pub enum ScenarioError {
     /// The problem is malformed.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// What can be wrong with a `MoveIt` scene, a request, or the robot that they name.
+    #[error(transparent)]
+    MoveIt(#[from] MoveItError),
+    /// What can be wrong with a plan file or a file of way points.
+    #[error(transparent)]
+    PlanFile(#[from] PlanFileError),
+    /// What can be wrong with an object to be grasped.
+    #[error(transparent)]
+    Object(#[from] ObjectError),
+    /// What can be wrong with a family of scenarios.
+    #[error(transparent)]
+    Family(#[from] FamilyError),
+}
+
+/// The names that may be meant, or else a hint.
+fn meant(near: &[&str], hint: &str) -> String {
+    if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
 }

@@ -9,7 +9,8 @@ use cranny_shape::Surface;
 use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
-use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, TargetPhysics, hand};
+use crate::robot::hand;
+use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, TargetPhysics};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@ use cranny_robot::{LimitsFile, RobotDescription};
 use schemars::schema_for;
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-use crate::scenario_file::ScenarioFile;
+use crate::layout::own_file::ScenarioFile;
 
 /// A file that people write, of which there is a JSON Schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]

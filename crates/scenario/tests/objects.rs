@@ -1,7 +1,7 @@
 //! Built-in objects, objects from meshes, and obstacles.
 
 use cranny_scenario::{
-    ObjectSettings, ObjectType, Obstacle, ScenarioError, builtin_object, builtin_object_names,
+    ObjectError, ObjectSettings, ObjectType, Obstacle, ScenarioError, builtin_object, builtin_object_names,
 };
 use cranny_shape::{RepairedMesh, ShapeError, Surface, TriangleSoup};
 use cranny_spatial::{Point, Pose, Vector};
@@ -54,7 +54,7 @@ fn built_in_objects_have_their_published_sizes_and_sound_meshes() {
             assert!(center.x.abs() < 1e-12 && center.y.abs() < 1e-12 && center.z > 0.0);
         }
     }
-    assert!(matches!(builtin_object("anvil"), Err(ScenarioError::UnknownBuiltinObject { .. })));
+    assert!(matches!(builtin_object("anvil"), Err(ScenarioError::Object(ObjectError::Unknown { .. }))));
 }
 
 #[test]
@@ -94,13 +94,16 @@ fn a_mesh_in_other_units_gets_a_hint_and_bad_numbers_are_refused() {
     let millimetres = ObjectType::from_mesh(&cuboid(175.0), &settings).unwrap_err().to_string();
     assert!(millimetres.contains("millimetres") && millimetres.contains("0.001"), "{millimetres}");
     let small = ObjectType::from_mesh(&cuboid(0.000175), &settings).unwrap_err();
-    assert!(matches!(small, ScenarioError::ObjectSize { .. }), "{small}");
+    assert!(matches!(small, ScenarioError::Object(ObjectError::Size { .. })), "{small}");
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mass = ObjectType::from_mesh(&cuboid(0.2), &ObjectSettings::new("box", bad)).unwrap_err();
-        assert!(matches!(mass, ScenarioError::ObjectNumber { what: "mass", .. }), "{mass}");
+        assert!(matches!(mass, ScenarioError::Object(ObjectError::Number { what: "mass", .. })), "{mass}");
         let slippery = ObjectSettings { friction: bad, ..settings.clone() };
         let friction = ObjectType::from_mesh(&cuboid(0.2), &slippery).unwrap_err();
-        assert!(matches!(friction, ScenarioError::ObjectNumber { what: "friction", .. }), "{friction}");
+        assert!(
+            matches!(friction, ScenarioError::Object(ObjectError::Number { what: "friction", .. })),
+            "{friction}"
+        );
     }
     let mut open = cuboid(0.2);
     open.triangles.pop();

@@ -5,8 +5,8 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{
-    Credits, DEFAULT_FRICTION, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario, ScenarioError,
-    TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
+    Credits, DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario,
+    ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
 };
 use cranny_shape::{Surface, TriangleSoup, VolumeMoments};
 use cranny_spatial::{Pose, PoseDifference, Vector};
@@ -170,9 +170,15 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
             let mass = TargetPhysics { mass_kg: Some(bad), ..AS_SAID };
             let friction = TargetPhysics { friction: Some(bad), ..AS_SAID };
             let fault = scenario.target_object(&mass).unwrap_err();
-            assert!(matches!(fault, ScenarioError::ObjectNumber { what: "mass", .. }), "{fault}");
+            assert!(
+                matches!(fault, ScenarioError::Object(ObjectError::Number { what: "mass", .. })),
+                "{fault}"
+            );
             let fault = scenario.target_object(&friction).unwrap_err();
-            assert!(matches!(fault, ScenarioError::ObjectNumber { what: "friction", .. }), "{fault}");
+            assert!(
+                matches!(fault, ScenarioError::Object(ObjectError::Number { what: "friction", .. })),
+                "{fault}"
+            );
         }
     }
 }
@@ -181,7 +187,7 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
 fn a_target_without_a_mass_and_a_scenario_without_a_target() {
     let scenario = open_folder(folder_with(BOX, "").path());
     let fault = scenario.target_object(&AS_SAID).unwrap_err();
-    assert!(matches!(fault, ScenarioError::NoMass { .. }));
+    assert!(matches!(fault, ScenarioError::Object(ObjectError::NoMass { .. })));
     let text = fault.to_string();
     assert!(text.contains("'thing' weighs") && text.contains("mass_kg beneath target"), "{text}");
     let light = TargetPhysics { mass_kg: Some(0.1), ..AS_SAID };

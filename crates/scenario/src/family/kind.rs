@@ -1,0 +1,278 @@
+use cranny_shape::TriangleSoup;
+use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+use strum::{EnumString, IntoStaticStr, VariantArray};
+
+use crate::FamilyError;
+use crate::family::resized::{resized, scaled};
+use crate::object::builtin::{self, builtin_object};
+use crate::{ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
+
+/// The paper's environments, each with one dial that makes it harder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
+pub enum Family {
+    /// A screwdriver in an open shelf on a table (01); the dial is how far behind the front edge it lies.
+    Shelf,
+    /// A ball under a table (02); the dial is how far behind the front edge it lies.
+    Table,
+    /// A box behind two segments of a wall (03); the dial is the gap between them.
+    Gap,
+    /// A banana on a pedestal behind a gate (04); the dial is the gate's opening.
+    Gate,
+}
+
+/// Where an object lies in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The middle of its bounds, in metres along x of the scene, across the robot's way.
+    pub x_m: f64,
+    /// The same along y, away from the robot.
+    pub y_m: f64,
+    /// Its turn about the vertical against the paper's, in radians.
+    pub yaw_rad: f64,
+}
+
+/// A region of the floor, or of what an object lies on, in metres of the scene.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_field_names, reason = "units, as everywhere")]
+pub(crate) struct Region {
+    /// From, to.
+    pub across_m: [f64; 2],
+    pub away_m: [f64; 2],
+    pub floor_m: f64,
+    /// How high things on it may be.
+    pub tallest_m: f64,
+}
+
+/// The object of a family, resting.
+#[derive(Clone, Debug)]
+pub(crate) struct Resting {
+    /// Its mesh, in its own frame.
+    pub mesh: TriangleSoup,
+    /// What it is called in scenarios.
+    pub name: &'static str,
+    shape: RecipeShape,
+    /// What a scenario has to say of it, because its shape does not.
+    pub given_physics: TargetPhysics,
+    /// Its turn at rest, as in the paper.
+    pub ground_from_object: Rotation,
+    /// The origin of its frame above the ground, in metres.
+    pub lift_m: f64,
+    /// From the origin of its frame to the middle of its bounds, on the ground, in metres.
+    middle: Vector,
+}
+
+/// Where the front of shelf and table is in the scene, in metres along y.
+const FRONT_M: f64 = 0.6;
+
+/// The middle of the scene, in front of the robot, in metres along x.
+const MIDDLE_M: f64 = 1.0;
+
+impl Family {
+    /// What flags call it.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+
+    /// The family of that name.
+    ///
+    /// # Errors
+    /// [`FamilyError::UnknownFamily`], which lists the names that there are.
+    pub fn of_name(name: &str) -> Result<Self, ScenarioError> {
+        let known = || Self::VARIANTS.iter().map(|family| family.name()).collect::<Vec<_>>().join(", ");
+        name.parse().map_err(|_| FamilyError::UnknownFamily { name: name.to_owned(), known: known() }.into())
+    }
+
+    /// What its dial is.
+    pub fn parameter(self) -> &'static str {
+        match self {
+            Self::Shelf | Self::Table => "depth",
+            Self::Gap => "gap",
+            Self::Gate => "opening",
+        }
+    }
+
+    /// The least and the greatest value of its dial, in metres: the object stays on what carries it, walls and
+    /// gate keep legs.
+    pub fn range_m(self) -> [f64; 2] {
+        match self {
+            Self::Shelf => [0.02, 0.78],
+            Self::Table => [0.04, 0.76],
+            Self::Gap => [0.02, 1.9],
+            Self::Gate => [0.1, 1.9],
+        }
+    }
+
+    /// From where to where large sets draw the dial, in metres, unless told otherwise: the paper's levels, and
+    /// a little beyond.
+    pub fn usual_range_m(self) -> [f64; 2] {
+        match self {
+            Self::Shelf => [0.10, 0.45],
+            Self::Table => [0.15, 0.65],
+            Self::Gap => [0.30, 0.64],
+            Self::Gate => [0.54, 0.86],
+        }
+    }
+
+    /// Where the paper has the object, at that value of the dial: centres of bounds in the released scenes.
+    pub fn paper_placement(self, parameter_m: f64) -> Placement {
+        let (x_m, y_m) = match self {
+            Self::Shelf => (0.993, FRONT_M + parameter_m),
+            Self::Table => (MIDDLE_M, FRONT_M + parameter_m),
+            Self::Gap => (0.912, 0.744),
+            Self::Gate => (1.002, 1.242),
+        };
+        Placement { x_m, y_m, yaw_rad: 0.0 }
+    }
+
+    /// The obstacles at that value of the dial.
+    pub(crate) fn obstacles(self, parameter_m: f64) -> Vec<RecipeBody> {
+        let at = |name: &str, obstacle: Obstacle, x: f64, y: f64, z: f64| {
+            let shape = |(middle, size): (Vector, Vector)| {
+                (Pose::translation(middle.x, middle.y, middle.z), RecipeShape::Cuboid(size))
+            };
+            RecipeBody {
+                name: name.to_owned(),
+                scene_from_body: Pose::translation(x, y, z),
+                shapes: obstacle.boxes().into_iter().map(shape).collect(),
+            }
+        };
+        let wall = Obstacle::WALL_SEGMENT;
+        /// Width of a segment.
+        const WALL_M: f64 = 0.8;
+        let half_gap = 0.5 * parameter_m;
+        match self {
+            Self::Shelf => vec![
+                at("table", Obstacle::TABLE, 0.0, FRONT_M, 0.0),
+                at("shelf", Obstacle::SHELF, 0.77, FRONT_M, 0.5),
+            ],
+            Self::Table => vec![at("table", Obstacle::TABLE, 0.0, FRONT_M, 0.0)],
+            Self::Gap => vec![
+                at("left wall", wall, MIDDLE_M - half_gap - WALL_M, 0.5, 0.0),
+                at("right wall", wall, MIDDLE_M + half_gap, 0.5, 0.0),
+            ],
+            Self::Gate => vec![
+                at("gate", Obstacle::gate(parameter_m), 0.0, 0.4, 0.0),
+                at("pedestal", Obstacle::PEDESTAL, 0.8, 1.1, 0.0),
+            ],
+        }
+    }
+
+    /// How wide its object is between the fingers, where it is narrowest, in metres.
+    pub(crate) fn object_width_m(self) -> f64 {
+        match self {
+            Self::Shelf => 0.032,
+            Self::Table => 0.067,
+            Self::Gap => 0.038,
+            Self::Gate => 0.036,
+        }
+    }
+
+    /// How far behind the front of what is in the way the object lies at most, in metres, with a little to spare: so far a
+    /// robot that drives up to it has to reach.
+    pub(crate) fn beyond_front_m(self) -> f64 {
+        match self {
+            Self::Shelf | Self::Gap => 0.55,
+            Self::Table => 0.7,
+            Self::Gate => 1.0,
+        }
+    }
+
+    /// How high the object lies, in metres.
+    pub(crate) fn support_m(self) -> f64 {
+        match self {
+            Self::Shelf | Self::Gate => 0.5,
+            Self::Table | Self::Gap => 0.0,
+        }
+    }
+
+    /// Where an object of a large set may lie; `None` along y where the dial says it.
+    pub(crate) fn object_region(self) -> ([f64; 2], Option<[f64; 2]>) {
+        match self {
+            Self::Shelf => ([0.9, 1.1], None),
+            Self::Table => ([0.5, 1.5], None),
+            Self::Gap => ([0.85, 1.15], Some([0.7, 0.95])),
+            Self::Gate => ([0.92, 1.08], Some([1.18, 1.38])),
+        }
+    }
+
+    /// Where clutter of a large set may stand.
+    pub(crate) fn clutter_region(self) -> Region {
+        let region = |across_m, away_m, floor_m, tallest_m| Region { across_m, away_m, floor_m, tallest_m };
+        match self {
+            Self::Shelf => region([0.85, 1.15], [0.65, 1.05], 0.5, 0.2),
+            Self::Table => region([0.2, 1.8], [0.6, 1.35], 0.0, 0.25),
+            Self::Gap => region([0.4, 1.6], [0.65, 1.2], 0.0, 0.4),
+            Self::Gate => region([0.4, 1.6], [0.6, 1.05], 0.0, 0.5),
+        }
+    }
+
+    /// The object, `scale` times as large as it is, resting as in the paper.
+    pub(crate) fn resting(self, scale: f64) -> Result<Resting, ScenarioError> {
+        let about_z = |degrees: f64| Rotation::from_axis_angle(&Vector::z_axis(), degrees.to_radians());
+        let (object, name, ground_from_object) = match self {
+            Self::Shelf => {
+                let stable = &builtin_object("flat_screwdriver")?.stable_poses[0];
+                let rest = stable.ground_from_body.rotation;
+                let blade = rest * Vector::x();
+                let heading = Rotation::from_axis_angle(&Vector::z_axis(), -libm::atan2(blade.y, blade.x));
+                // The blade points towards the robot.
+                ("flat_screwdriver", "screwdriver", about_z(-107.7) * heading * rest)
+            }
+            Self::Table => ("tennis_ball", "ball", Rotation::identity()),
+            Self::Gap => {
+                // On its narrow side, along the wall.
+                let on_side = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
+                ("sugar_box", "box", about_z(90.0) * on_side)
+            }
+            Self::Gate => {
+                // Flat, bent away from the robot.
+                let upside_down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
+                ("banana", "banana", about_z(90.0) * upside_down)
+            }
+        };
+        let mesh = builtin::mesh(object)?;
+        let source = ObjectSource::builtin(object)?;
+        let physics = source.physics();
+        // A sphere and a box are looked at faster than their meshes, but do not say what they weigh.
+        let (shape, given_physics) = match self {
+            Self::Table => (RecipeShape::Sphere(bounds(&mesh, &Rotation::identity()).1.x), physics),
+            Self::Gap => (RecipeShape::Cuboid(bounds(&mesh, &Rotation::identity()).1 * 2.0), physics),
+            Self::Shelf | Self::Gate => (RecipeShape::Object(source), TargetPhysics::default()),
+        };
+        let (mesh, shape, given_physics) = if scale < 1.0 {
+            let (shape, physics) = resized(&shape, &physics, &mesh, scale);
+            (scaled(&mesh, scale), shape, physics)
+        } else {
+            (mesh, shape, given_physics)
+        };
+        let (middle, half) = bounds(&mesh, &ground_from_object);
+        let lift_m = half.z - middle.z;
+        Ok(Resting { mesh, name, shape, given_physics, ground_from_object, lift_m, middle })
+    }
+}
+
+/// Middle and half size of the bounds of a mesh that is turned.
+fn bounds(mesh: &TriangleSoup, turn: &Rotation) -> (Vector, Vector) {
+    let infinity = Vector::repeat(f64::INFINITY);
+    let turned = mesh.vertices.iter().map(|vertex| turn * vertex.coords);
+    let (low, high) = turned.fold((infinity, -infinity), |(low, high), v| (low.inf(&v), high.sup(&v)));
+    ((low + high) * 0.5, (high - low) * 0.5)
+}
+
+impl Resting {
+    /// The object in the scene, on what lies `support_m` above the floor.
+    pub fn body(&self, placement: &Placement, support_m: f64) -> RecipeBody {
+        RecipeBody::new(self.name, self.scene_from_object(placement, support_m), self.shape.clone())
+    }
+
+    pub fn scene_from_object(&self, placement: &Placement, support_m: f64) -> Pose {
+        let turn = Rotation::from_axis_angle(&Vector::z_axis(), placement.yaw_rad);
+        // The bounds of the object as the paper has it; turning it turns their middle about the origin.
+        let (sine, cosine) = sin_cos(placement.yaw_rad);
+        let middle_x = cosine * self.middle.x - sine * self.middle.y;
+        let middle_y = sine * self.middle.x + cosine * self.middle.y;
+        let origin = Vector::new(placement.x_m - middle_x, placement.y_m - middle_y, support_m + self.lift_m);
+        Pose::from_parts(origin.into(), turn * self.ground_from_object)
+    }
+}

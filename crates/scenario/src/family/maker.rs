@@ -1,0 +1,199 @@
+use cranny_collision::{Body, World};
+use cranny_grasp::{
+    COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
+};
+use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
+use cranny_robot::RobotError;
+use cranny_shape::{Solid, Surface};
+use cranny_spatial::{Pose, Stream, Vector};
+
+use crate::family::kind::Resting;
+use crate::robot::short_arm::{self, ALL_POSES_DOF};
+use crate::{
+    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale,
+};
+
+/// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
+#[derive(Clone, Debug)]
+pub struct FamilyMaker {
+    /// The family.
+    pub family: Family,
+    robot: RecipeRobot,
+    scale: SceneScale,
+    resting: Resting,
+    hand: Hand,
+    /// All sampled grasps, then the few that stand for them; poses in the object's frame.
+    candidates: Vec<Grasp>,
+    few: Vec<Grasp>,
+}
+
+/// Which of the sampled grasps a scenario gets, of those that the hand can take there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GraspChoice {
+    /// 200 that cover all of them, chosen anew.
+    Covering,
+    /// Of 200 that were chosen once, on level ground with nothing around; fewer, but sooner.
+    Few,
+}
+
+/// As many as each scenario of the paper has.
+const GRASPS: usize = 200;
+
+/// From so many they are chosen, as in the paper.
+const CANDIDATES: usize = 2000;
+
+/// A hand that takes so few after so many waves of contacts takes few of the others, and each may cost milliseconds.
+const HOPELESS: usize = CANDIDATES / 20;
+const PATIENT_WAVES: usize = 40;
+
+impl FamilyMaker {
+    /// Samples the grasps of the family's object for the robot's hand, the object resting on level ground, by the sampler's
+    /// defaults: from the side or from above, hand and fingers free of object and ground at the grasp and on the way there.
+    ///
+    /// # Errors
+    /// [`RobotError::NoHand`] for a robot of whose hand nothing is known.
+    pub fn new(
+        family: Family,
+        robot: RecipeRobot,
+        scale: SceneScale,
+        seed: u64,
+    ) -> Result<Self, ScenarioError> {
+        let resting = family.resting(scale.object)?;
+        if robot.robot.hand().is_none() {
+            return Err(RobotError::NoHand { robot: robot.robot.name().to_owned() }.into());
+        }
+        let hand = robot_hand(&robot.robot);
+        let mesh = &resting.mesh;
+        let object_from_ground =
+            Pose::from_parts(Vector::new(0.0, 0.0, resting.lift_m).into(), resting.ground_from_object)
+                .inverse();
+        let world = World::new(vec![
+            Body::new("object", Pose::identity(), Solid::mesh(mesh)?),
+            Body::new("ground", object_from_ground, Solid::half_space()),
+        ])?;
+        let filter = HandFilter::new(&hand, world, APPROACH_M)?;
+        let settings = SamplerSettings {
+            count: CANDIDATES,
+            friction: DEFAULT_FRICTION,
+            up: resting.ground_from_object.inverse() * Vector::z(),
+            steepest_rise_rad: 0.0,
+            ground_m: Some(-resting.lift_m),
+            opening_m: hand.opening_m,
+            seed,
+            ..SamplerSettings::default()
+        };
+        let accept = |sampled: &SampledGrasp| filter.is_free(&sampled.grasp);
+        let mut waves = 0;
+        let mut go_on = |found: usize| {
+            waves += 1;
+            waves < PATIENT_WAVES || found > HOPELESS
+        };
+        let found = sample_grasps(&Surface::new(mesh)?, &settings, &accept, &mut go_on)?;
+        let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
+        let few = covering_subset(&candidates, GRASPS, COVERAGE_THRESHOLD);
+        let few = few.into_iter().map(|index| candidates[index]).collect();
+        Ok(Self { family, robot, scale, resting, hand, candidates, few })
+    }
+
+    /// The robot, and where it stands.
+    pub fn robot(&self) -> &RecipeRobot {
+        &self.robot
+    }
+
+    /// How much smaller than the paper's its scenes are.
+    pub fn scale(&self) -> SceneScale {
+        self.scale
+    }
+
+    /// Where the paper has the object at that value of the dial (m), in a scene of this scale.
+    pub fn paper_placement(&self, parameter_m: f64) -> Placement {
+        self.scale.placement(&self.family.paper_placement(parameter_m / self.scale.of_dial(self.family)))
+    }
+
+    /// How high the object lies, in metres.
+    fn support_m(&self) -> f64 {
+        self.scale.shift_m[2] + self.scale.across * self.family.support_m()
+    }
+
+    /// The scenario at a value of the dial (m), with the object where the paper has it.
+    ///
+    /// # Errors
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    pub fn at(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
+        let placement = self.paper_placement(parameter_m);
+        self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
+    }
+
+    /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
+    /// many grasps as the hand can take there: at most 200, perhaps none.
+    ///
+    /// # Errors
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    pub fn scenario(
+        &self,
+        parameter_m: f64,
+        placement: &Placement,
+        clutter: Vec<RecipeBody>,
+        choice: GraspChoice,
+    ) -> Result<Recipe, ScenarioError> {
+        let mut recipe = self.scenario_without_grasps(parameter_m, placement)?;
+        recipe.obstacles.extend(clutter);
+        let world_from_object =
+            self.robot.planning_from_scene() * self.resting.scene_from_object(placement, self.support_m());
+        let filter = HandFilter::new(&self.hand, recipe.world()?, APPROACH_M)?;
+        let placed = |grasp: &Grasp| Grasp {
+            world_from_gripper: world_from_object * grasp.world_from_gripper,
+            ..*grasp
+        };
+        let robot = &self.robot.robot;
+        let free = |grasps: &[Grasp]| -> Vec<Grasp> {
+            let mut random = Stream::new(0, 0);
+            let mut held = |grasp: Grasp| {
+                if robot.dof() >= ALL_POSES_DOF {
+                    Some(grasp)
+                } else {
+                    short_arm::held(robot, &grasp, &mut random)
+                }
+            };
+            let near = grasps.iter().map(placed).filter_map(&mut held);
+            near.filter(|grasp| filter.is_free(grasp)).collect()
+        };
+        let grasps = match choice {
+            GraspChoice::Few => free(&self.few),
+            GraspChoice::Covering => {
+                let free = free(&self.candidates);
+                let chosen = covering_subset(&free, GRASPS, COVERAGE_THRESHOLD);
+                chosen.into_iter().map(|index| free[index]).collect()
+            }
+        };
+        recipe.grasps = GraspSet::new(grasps)?;
+        Ok(recipe)
+    }
+
+    /// The same without clutter and grasps.
+    pub(crate) fn scenario_without_grasps(
+        &self,
+        parameter_m: f64,
+        placement: &Placement,
+    ) -> Result<Recipe, ScenarioError> {
+        let family = self.family;
+        let parameter_m = family.checked(parameter_m, &self.scale)?;
+        let obstacles = family.obstacles(parameter_m / self.scale.of_dial(family)).into_iter();
+        let title = format!(
+            "{} {} {:.0} mm",
+            family.name(),
+            if family.parameter() == family.name() { "of" } else { family.parameter() },
+            parameter_m * 1000.0
+        );
+        Ok(Recipe {
+            title,
+            obstacles: obstacles.map(|body| self.scale.obstacle(body)).chain(self.scale.platform()).collect(),
+            target: Some(self.resting.body(placement, self.support_m())),
+            given_physics: self.resting.given_physics,
+            start: self.robot.start(),
+            robot: self.robot.clone(),
+            grasps: GraspSet::default(),
+            ik: Vec::new(),
+        })
+    }
+}

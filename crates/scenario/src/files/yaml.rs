@@ -1,0 +1,81 @@
+use std::path::Path;
+
+use cranny_file::{Readable, TEXT};
+use cranny_robot::Location;
+use cranny_spatial::Rotation;
+use cranny_spatial::nalgebra::Quaternion;
+use serde::de::DeserializeOwned;
+
+use crate::ScenarioError;
+use crate::object::object_type::check_number;
+
+/// What a YAML file says that a scenario names, or that lies in its folder.
+pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
+    parse(path, &text(TEXT, path)?)
+}
+
+/// The same of a file that a person names.
+pub(crate) fn read_argument<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
+    parse(path, &text(TEXT.argument(), path)?)
+}
+
+/// The text of a file of some kind.
+pub(crate) fn text(kind: Readable, path: &Path) -> Result<String, ScenarioError> {
+    kind.text(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
+}
+
+/// What a YAML text says; errors name `path`.
+pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
+    if text.trim().is_empty() {
+        return Err(ScenarioError::Empty { path: path.to_owned() });
+    }
+    cranny_file::yaml(text).map_err(|reason| ScenarioError::Yaml { at: line(path, reason.line), reason })
+}
+
+/// A place in a YAML file, as errors name it.
+pub(crate) fn at(path: &Path, location: serde_saphyr::Location) -> Location {
+    line(path, usize::try_from(location.line()).unwrap_or(0).max(1))
+}
+
+/// A number of a file, if it is finite.
+pub(crate) fn finite(
+    path: &Path,
+    number: f64,
+    location: serde_saphyr::Location,
+) -> Result<f64, ScenarioError> {
+    let fault = || ScenarioError::NotANumber { at: at(path, location), text: number.to_string() };
+    number.is_finite().then_some(number).ok_or_else(fault)
+}
+
+/// A number of a file that describes an object, if it is positive and finite.
+pub(crate) fn positive(
+    path: &Path,
+    what: &'static str,
+    number: f64,
+    location: serde_saphyr::Location,
+) -> Result<f64, ScenarioError> {
+    finite(path, number, location)?;
+    let in_file = |fault| ScenarioError::At { at: at(path, location), fault: Box::new(fault) };
+    check_number(what, number).map_err(in_file)?;
+    Ok(number)
+}
+
+/// The rotation of a quaternion (x, y, z, w) of unit length.
+pub(crate) fn rotation(
+    path: &Path,
+    [x, y, z, w]: [f64; 4],
+    location: serde_saphyr::Location,
+) -> Result<Rotation, ScenarioError> {
+    /// How far the length may be from 1: that of one printed with four digits is closer.
+    const TOLERANCE: f64 = 1e-3;
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    let is_unit = (norm - 1.0).abs() <= TOLERANCE;
+    let fault = || ScenarioError::Quaternion { at: at(path, location), norm };
+    is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or_else(fault)
+}
+
+/// A line of a file, from 1, as errors name it.
+pub(crate) fn line(path: &Path, line: usize) -> Location {
+    Location { file: path.display().to_string(), line: u32::try_from(line).unwrap_or(u32::MAX) }
+}

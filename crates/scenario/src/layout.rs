@@ -1,0 +1,18 @@
+//! A scenario on disk: its own layout, the released one, packed; reading, checking, writing.
+
+pub(crate) mod archive;
+pub(crate) mod archive_contents;
+pub(crate) mod identity;
+pub(crate) mod inspection;
+pub(crate) mod open;
+pub(crate) mod own;
+pub(crate) mod own_export;
+pub(crate) mod own_file;
+pub(crate) mod recipe;
+pub(crate) mod recipe_file;
+pub(crate) mod released;
+pub(crate) mod released_export;
+pub(crate) mod released_frame;
+pub(crate) mod released_grasps;
+pub(crate) mod released_objects;
+pub(crate) mod template;

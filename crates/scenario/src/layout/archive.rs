@@ -1,0 +1,283 @@
+//! Scenarios in one file: a zip archive of the folder with `manifest.json`, which names author, licence and
+//! citation and gives the SHA-256 of every other file.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{Cursor, Write as _};
+use std::path::{Path, PathBuf};
+
+use cranny_file::{ARCHIVE, MESH, TEXT, excerpt};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use crate::files::yaml;
+use crate::layout::archive_contents as unpacked;
+use crate::layout::archive_contents::fault;
+use crate::layout::own;
+use crate::layout::own_file::{AboutEntry, ScenarioFile};
+use crate::robot::in_folder::{RobotInFolder, is_named_by_place};
+use crate::{
+    BuiltinRobot, OpenOptions, Scenario, ScenarioError, scenario, write_whole_file, write_whole_folder,
+};
+
+const MANIFEST: &str = "manifest.json";
+
+/// The version of the manifest that is written and read.
+const VERSION: u32 = 1;
+
+/// Who made a scenario, and how it may be used; what is missing is taken from `about` of `scenario.yaml`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Credits {
+    /// Who made it.
+    pub author: Option<String>,
+    /// An SPDX expression, such as `CC-BY-4.0`.
+    pub licence: Option<String>,
+    /// How it wants to be cited.
+    pub citation: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    cranny_scenario: u32,
+    id: String,
+    author: Option<String>,
+    licence: Option<String>,
+    citation: Option<String>,
+    /// SHA-256 by path.
+    files: BTreeMap<String, String>,
+}
+
+/// Packs the folder of a scenario in Cranny's own layout: every file below it but hidden ones and plans. The
+/// same folder gives the same bytes. A robot from outside the folder comes along in `robot/`, where the packed
+/// `scenario.yaml` then finds it. The archive is opened before it is written, so that one that needs other files
+/// from elsewhere is never made.
+///
+/// # Errors
+/// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Content`] for a link in it.
+pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<String>, ScenarioError> {
+    let path = folder.join(own::FILE);
+    if !path.is_file() {
+        return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
+    }
+    // What is wrong with it anyway is said of the files that are there.
+    own::open(folder, &OpenOptions::default())?;
+    let file: ScenarioFile = yaml::read(&path)?;
+    let id = scenario::id_of(folder);
+    let mut contents = BTreeMap::new();
+    collect(folder, "", &mut contents)?;
+    let is_own_robot = BuiltinRobot::of_name(&file.robot.value).is_none();
+    if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
+        bring_robot(&file, folder, &mut contents)?;
+    }
+    unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
+    open_alone(&id, &contents).map_err(|reason| {
+        // That it could not be tried is no fault of the scenario.
+        if matches!(reason, ScenarioError::Unwritable { .. }) {
+            reason
+        } else {
+            let problem = "the scenario does not open by itself, without the files around it";
+            fault(folder, format!("{problem}: {reason}"))
+        }
+    })?;
+    let about = file.about.unwrap_or_default();
+    let AboutEntry { author, licence, citation, .. } = about;
+    let manifest = Manifest {
+        cranny_scenario: VERSION,
+        author: credits.author.clone().or(author),
+        licence: credits.licence.clone().or(licence),
+        citation: credits.citation.clone().or(citation),
+        files: contents.iter().map(|(name, bytes)| (name.clone(), checksum(bytes))).collect(),
+        id,
+    };
+    let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
+    // What could not be unpacked again is not packed.
+    let whole = contents.values().map(|content| content.len() as u64).sum();
+    unpacked::check_size(whole, bytes.len() as u64).map_err(|problem| fault(archive, problem))?;
+    write_whole_file(archive, &bytes)?;
+    Ok(contents.into_keys().collect())
+}
+
+/// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for a broken archive, a path that leaves the folder, a wrong checksum;
+/// [`ScenarioError::Exists`].
+pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
+    let contents = read(archive, &bytes_of(archive)?)?;
+    write_whole_folder(folder, |folder| write_all(folder, &contents))?;
+    Ok(contents.into_keys().collect())
+}
+
+/// Whether the files make a scenario by themselves, in a folder of their own.
+fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
+    let root = tempfile::tempdir().map_err(unwritable)?;
+    let folder = root.path().join(id);
+    write_all(&folder, contents)?;
+    Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).map(|_| ())
+}
+
+/// Puts the robot's files among those of the scenario, whose `scenario.yaml` then names them.
+fn bring_robot(
+    file: &ScenarioFile,
+    folder: &Path,
+    contents: &mut BTreeMap<String, Vec<u8>>,
+) -> Result<(), ScenarioError> {
+    let robot = RobotInFolder::of_scenario(file, folder)?;
+    let text = robot.named_in(&yaml::text(TEXT, &folder.join(own::FILE))?);
+    contents.insert(own::FILE.to_owned(), text.into_bytes());
+    for (name, content) in robot.contents() {
+        if contents.insert(name.clone(), content.to_vec()).is_some_and(|there| there != content) {
+            let problem = format!("'{name}' is there already, but is not the robot that scenario.yaml names");
+            return Err(fault(folder, problem));
+        }
+    }
+    Ok(())
+}
+
+/// An archive in a folder of its own, which goes with it.
+pub(crate) struct Unpacked {
+    root: tempfile::TempDir,
+    id: String,
+}
+
+impl Unpacked {
+    pub fn open(archive: &Path) -> Result<Self, ScenarioError> {
+        Self::of(archive, &bytes_of(archive)?)
+    }
+
+    fn of(archive: &Path, bytes: &[u8]) -> Result<Self, ScenarioError> {
+        let contents = read(archive, bytes)?;
+        let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
+        let root = tempfile::tempdir().map_err(unwritable)?;
+        let id = archive.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let unpacked = Self { root, id };
+        write_all(&unpacked.folder(), &contents)?;
+        Ok(unpacked)
+    }
+
+    pub fn folder(&self) -> PathBuf {
+        self.root.path().join(&self.id)
+    }
+}
+
+fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
+    ARCHIVE
+        .argument()
+        .bytes(archive)
+        .map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// Two digits for each byte.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for byte in bytes {
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+/// The files of a packed scenario by their path, checksums verified.
+pub(crate) fn contents_of_archive(archive: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    read(archive, &bytes_of(archive)?)
+}
+
+/// The files of a folder by their path, as they would be packed.
+pub(crate) fn contents_of_folder(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    let mut contents = BTreeMap::new();
+    collect(folder, "", &mut contents)?;
+    Ok(contents)
+}
+
+/// The files below `folder`, by their path with slashes.
+fn collect(
+    folder: &Path,
+    prefix: &str,
+    contents: &mut BTreeMap<String, Vec<u8>>,
+) -> Result<(), ScenarioError> {
+    let unreadable = |path: &Path, reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
+    for entry in fs::read_dir(folder).map_err(|reason| unreadable(folder, reason))? {
+        let entry = entry.map_err(|reason| unreadable(folder, reason))?;
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let kind = entry.file_type().map_err(|reason| unreadable(&path, reason))?;
+        if name.starts_with('.') || name.ends_with(".plan.json") || name == MANIFEST {
+            continue;
+        }
+        if kind.is_symlink() {
+            return Err(fault(&path, "is a link, and what it leads to may be outside the folder"));
+        }
+        if kind.is_dir() {
+            collect(&path, &format!("{prefix}{name}/"), contents)?;
+        } else {
+            let bytes = MESH.bytes(&path).map_err(|reason| unreadable(&path, reason))?;
+            contents.insert(format!("{prefix}{name}"), bytes);
+        }
+    }
+    Ok(())
+}
+
+fn zipped(manifest: &Manifest, contents: &BTreeMap<String, Vec<u8>>) -> zip::result::ZipResult<Vec<u8>> {
+    // One time for all, or the same folder would not give the same bytes.
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    archive.start_file(MANIFEST, options)?;
+    let text = serde_json::to_string_pretty(manifest).map_err(std::io::Error::other)?;
+    archive.write_all(text.as_bytes())?;
+    for (name, bytes) in contents {
+        archive.start_file(name.as_str(), options)?;
+        archive.write_all(bytes)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+/// The files of an archive but its manifest, which they must agree with.
+fn read(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
+    let mut contents = unpacked::contents(path, bytes)?;
+    let Some(manifest) = contents.remove(MANIFEST) else {
+        return Err(fault(path, format!("has no {MANIFEST}, so it is no packed scenario")));
+    };
+    let manifest: Manifest = cranny_file::json(&manifest)
+        .map_err(|reason| fault(path, format!("{MANIFEST}, line {}: {reason}", reason.line)))?;
+    if manifest.cranny_scenario != VERSION {
+        return Err(fault(path, format!("is of version {}, not {VERSION}", manifest.cranny_scenario)));
+    }
+    for (name, sum) in &manifest.files {
+        match contents.get(name) {
+            None => return Err(fault(path, format!("'{}' is missing", excerpt(name)))),
+            Some(content) if checksum(content) != *sum => {
+                return Err(fault(path, format!("'{name}' is not what was packed: its checksum differs")));
+            }
+            Some(_) => {}
+        }
+    }
+    if let Some(name) = contents.keys().find(|name| !manifest.files.contains_key(*name)) {
+        return Err(fault(path, format!("'{name}' is not in {MANIFEST}")));
+    }
+    Ok(contents)
+}
+
+fn write_all(folder: &Path, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
+    for (name, content) in contents {
+        let path = folder.join(name);
+        let write = || -> std::io::Result<()> {
+            if let Some(parent) = path.parent() {
+                fs::create_dir_all(parent)?;
+            }
+            File::create(&path)?.write_all(content)
+        };
+        write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
+    }
+    Ok(())
+}

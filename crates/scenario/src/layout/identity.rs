@@ -1,0 +1,58 @@
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sha2::{Digest as _, Sha256};
+
+use crate::layout::archive;
+use crate::layout::own;
+use crate::layout::released;
+use crate::{ScenarioError, catalogue, scenario};
+
+/// What tells a scenario from any other, wherever its files lie.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Identity {
+    /// The built-in id, or the name of the folder.
+    pub id: String,
+    /// SHA-256 over names and contents of its files, in hexadecimal. A built-in scenario, its folder and its
+    /// packed folder have the same; hidden files and plans do not count.
+    pub sha256: String,
+}
+
+impl Identity {
+    /// The identity of the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open) takes it.
+    /// What its files refer to outside its folder (a robot, an object library) is not part of it.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] for what is no scenario; that it can be opened is not looked at.
+    pub fn of(what: &str) -> Result<Self, ScenarioError> {
+        let path = Path::new(what);
+        if let Some(entry) = catalogue().iter().find(|entry| entry.id == what) {
+            let (scenario, grasps) = entry.files();
+            let files = [(own::FILE, scenario), (own::GRASPS_FILE, grasps)];
+            let contents = files.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+            return Ok(Self { id: what.to_owned(), sha256: hash(&contents.into()) });
+        }
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
+            let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            return Ok(Self { id, sha256: hash(&archive::contents_of_archive(path)?) });
+        }
+        if path.join(own::FILE).is_file() || path.join(released::FILE).is_file() {
+            return Ok(Self { id: scenario::id_of(path), sha256: hash(&archive::contents_of_folder(path)?) });
+        }
+        // What opening it would say.
+        crate::Scenario::open(what, &crate::OpenOptions::default())
+            .map(|scenario| Self { id: scenario.id, sha256: String::new() })
+    }
+}
+
+/// Of every file its name, its length and its content, by name.
+fn hash(contents: &BTreeMap<String, Vec<u8>>) -> String {
+    let mut digest = Sha256::new();
+    for (name, content) in contents {
+        digest.update(name.as_bytes());
+        digest.update([0]);
+        digest.update((content.len() as u64).to_le_bytes());
+        digest.update(content);
+    }
+    archive::hexadecimal(&digest.finalize())
+}

@@ -1,0 +1,239 @@
+//! What is wrong with a scenario in Cranny's own layout, all of it at once.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use cranny_grasp::check_csv;
+use cranny_robot::Robot;
+use cranny_spatial::Pose;
+
+use crate::files::number_table;
+use crate::files::yaml;
+use crate::layout::archive::Unpacked;
+use crate::layout::own::{FILE, GRASPS_FILE, IK_FILE, Layout};
+use crate::layout::own_file::ScenarioFile;
+use crate::{OpenOptions, Scenario, ScenarioError};
+
+/// Everything that is wrong with the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open)
+/// takes it. Of folders in Cranny's own layout, packed or not, that is all of it at once (see
+/// [`check_folder`]), of others the first fault.
+///
+/// # Errors
+/// If `what` names no scenario, sound or not, or none that may be read.
+pub fn check(what: &str) -> Result<Vec<ScenarioError>, ScenarioError> {
+    let folder = Path::new(what);
+    let checked = if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
+        Unpacked::open(folder).and_then(|unpacked| check_folder(&unpacked.folder()))
+    } else if folder.join(FILE).is_file() {
+        check_folder(folder)
+    } else {
+        Scenario::open(what, &OpenOptions::default()).map(|_| Vec::new())
+    };
+    match checked {
+        Err(
+            fault @ (ScenarioError::Unknown { .. }
+            | ScenarioError::FileForFolder { .. }
+            | ScenarioError::NoScenarioFile { .. }
+            | ScenarioError::Unreadable { .. }),
+        ) => Err(fault),
+        Err(fault) => Ok(vec![fault]),
+        faults => faults,
+    }
+}
+
+/// Everything that keeps the folder from being a scenario, in the order of its files and their lines; nothing
+/// if it opens.
+///
+/// A part of `scenario.yaml` that cannot be read hides only itself: an entry of a list, or else a key of the
+/// file.
+///
+/// # Errors
+/// [`ScenarioError::NoScenarioFile`] or [`ScenarioError::Unreadable`] if there is nothing to look into.
+pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> {
+    let path = folder.join(FILE);
+    if !path.is_file() {
+        return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
+    }
+    let mut faults = Vec::new();
+    let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
+    let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
+    check_grasps(&folder.join(GRASPS_FILE), &mut faults);
+    let dof = robot.flatten().map(|robot| robot.dof());
+    check_ik(&folder.join(IK_FILE), dof, &mut faults);
+    if faults.is_empty() {
+        // What the parts do not show, such as poses too far away.
+        faults.extend(Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).err());
+    }
+    Ok(faults)
+}
+
+/// The part of a `scenario.yaml` that can be read.
+struct Legible {
+    file: ScenarioFile,
+    /// The keys that were put there in place of missing or illegible ones.
+    replaced: Vec<&'static str>,
+}
+
+/// How many lines are read again and again, some seconds' worth: of a long file with many faults only the first are
+/// told.
+const MOST_LINES_READ: usize = 1_000_000;
+
+/// The keys that must be there, each with something that can be read.
+const NEEDED: [(&str, &str); 3] = [("robot", "panda_mobile"), ("start", "[]"), ("floor", "null")];
+
+impl Legible {
+    /// Reads the text; where that fails, leaves out the least part around the fault and tries again.
+    fn of(path: &Path, text: &str, faults: &mut Vec<ScenarioError>) -> Option<Self> {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut replaced = Vec::new();
+        // Each turn leaves out a line, or puts in a key, and reads the whole text again.
+        let turns =
+            (MOST_LINES_READ / lines.len().max(1)).clamp(NEEDED.len() + 1, lines.len() + NEEDED.len() + 1);
+        for _ in 0..turns {
+            let fault = match yaml::parse::<ScenarioFile>(path, &(lines.join("\n") + "\n")) {
+                Ok(file) => return Some(Self { file, replaced }),
+                Err(fault) => fault,
+            };
+            let said = fault.to_string();
+            let missing = NEEDED.iter().find(|(key, _)| said.contains(&format!("missing field `{key}`")));
+            if let Some((key, stand_in)) = missing {
+                if replaced.contains(key) {
+                    faults.push(fault);
+                    return None;
+                }
+                if !faults.iter().any(|earlier| hides(earlier, key, text)) {
+                    faults.push(fault);
+                }
+                replaced.push(key);
+                lines.push(format!("{key}: {stand_in}"));
+                continue;
+            }
+            let ScenarioError::Yaml { at, .. } = &fault else {
+                faults.push(fault);
+                return None;
+            };
+            let line = (at.line as usize).clamp(1, lines.len().max(1)) - 1;
+            faults.push(fault);
+            if !leave_out(&mut lines, line) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Checks everything that can be read; returns the robot if there is one.
+    fn check(&self, layout: &Layout, faults: &mut Vec<ScenarioError>) -> Option<std::sync::Arc<Robot>> {
+        let file = &self.file;
+        let was_there = |key: &str| !self.replaced.contains(&key);
+        let robot = layout.robot(file, &OpenOptions::default());
+        let robot = robot.map_err(|fault| faults.push(fault)).ok().map(|(robot, _)| robot);
+        let frame = layout.pose(file.frame.as_ref());
+        faults.extend(frame.err());
+        if let Some(robot) = robot.as_ref().filter(|_| was_there("start") && was_there("robot")) {
+            match layout.start(&file.start, robot) {
+                Ok(start) if start.len() != robot.dof() => faults.push(ScenarioError::StartCount {
+                    file: layout.at(file.start.referenced).to_string(),
+                    expected: robot.dof(),
+                    actual: start.len(),
+                    joints: robot.joint_names().join(", "),
+                }),
+                Ok(_) => {}
+                Err(fault) => faults.push(fault),
+            }
+        }
+        if let Some(height) = &file.floor {
+            faults.extend(layout.floor(height, &Pose::identity()).err());
+        }
+        let mut names = HashSet::new();
+        for entry in file.obstacles.iter().chain(&file.target) {
+            faults.extend(layout.check_name(entry, &mut names).err());
+            faults.extend(layout.body_faults(entry));
+            let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
+            faults.extend(layout.physics_fault(entry, is_target));
+        }
+        robot.filter(|_| was_there("robot"))
+    }
+}
+
+/// Whether what was left out because of `earlier` gave `key`.
+fn hides(earlier: &ScenarioError, key: &str, text: &str) -> bool {
+    let ScenarioError::Yaml { at, .. } = earlier else { return false };
+    let lines: Vec<&str> = text.lines().collect();
+    let until = (at.line as usize).min(lines.len());
+    // The last key of the file before the fault, or at it.
+    let last = lines[..until].iter().rev().find(|line| is_key(line));
+    last.is_some_and(|line| line.starts_with(key) && line[key.len()..].trim_start().starts_with(':'))
+}
+
+fn is_key(line: &str) -> bool {
+    line.starts_with(|c: char| c.is_ascii_alphabetic()) && line.contains(':')
+}
+
+fn indent(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// Empties the entry of a list that `line` belongs to, or else the key of the file; lines keep their numbers.
+/// Returns whether anything was left to empty.
+fn leave_out(lines: &mut [String], line: usize) -> bool {
+    let is_blank = |text: &str| text.trim().is_empty() || text.trim_start().starts_with('#');
+    let Some(line) = (0..=line.min(lines.len().saturating_sub(1))).rev().find(|&l| !is_blank(&lines[l]))
+    else {
+        return false;
+    };
+    // The key of the file, and under it the outermost entry of a list.
+    let key = (0..=line).rev().find(|&l| indent(&lines[l]) == 0 && !is_blank(&lines[l])).unwrap_or(0);
+    let depth = (key + 1..=line)
+        .filter(|&l| lines[l].trim_start().starts_with("- "))
+        .map(|l| indent(&lines[l]))
+        .min();
+    let begin = depth
+        .and_then(|depth| {
+            let is_entry =
+                |l: &usize| indent(&lines[*l]) == depth && lines[*l].trim_start().starts_with("- ");
+            (key + 1..=line).rev().find(is_entry)
+        })
+        .unwrap_or(key);
+    let least = indent(&lines[begin]);
+    let mut end = begin + 1;
+    while end < lines.len() && (is_blank(&lines[end]) || indent(&lines[end]) > least) {
+        end += 1;
+    }
+    for text in &mut lines[begin..end.max(line + 1)] {
+        text.clear();
+    }
+    // A list without entries is none at all.
+    if begin != key
+        && lines[key + 1..].iter().take_while(|l| is_blank(l) || indent(l) > 0).all(|l| is_blank(l))
+    {
+        lines[key].clear();
+    }
+    true
+}
+
+fn check_grasps(path: &Path, faults: &mut Vec<ScenarioError>) {
+    match cranny_file::TABLE.text(path) {
+        Ok(text) => {
+            let (_, found) = check_csv(path, &text);
+            faults.extend(found.into_iter().map(ScenarioError::from));
+        }
+        Err(reason) => {
+            faults.push(cranny_grasp::GraspError::Unreadable { path: path.to_owned(), reason }.into());
+        }
+    }
+}
+
+fn check_ik(path: &Path, dof: Option<usize>, faults: &mut Vec<ScenarioError>) {
+    if !path.exists() {
+        return;
+    }
+    match yaml::text(cranny_file::TABLE, path) {
+        Ok(text) => {
+            let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            faults.extend(
+                lines.filter_map(|(index, line)| number_table::fault_of_line(path, index, line, dof)),
+            );
+        }
+        Err(fault) => faults.push(fault),
+    }
+}

@@ -1,0 +1,63 @@
+use std::path::Path;
+
+use cranny_grasp::read_csv;
+
+use crate::given_grasps::GivenGrasps;
+use crate::layout::archive::Unpacked;
+use crate::layout::own;
+use crate::layout::released;
+use crate::scenario::{OpenOptions, Scenario};
+use crate::{ScenarioError, catalogue};
+
+/// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
+/// file of a scenario. Nothing is read.
+pub fn is_scenario(what: &str) -> bool {
+    let folder = Path::new(what);
+    catalogue().iter().any(|entry| entry.id == what)
+        || folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+        || [own::FILE, released::FILE].iter().any(|file| folder.join(file).is_file())
+}
+
+/// Whether something is there; "no permission" is no "no".
+fn is_there(path: &Path) -> Result<bool, ScenarioError> {
+    cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
+}
+
+impl Scenario {
+    /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
+    /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
+    /// of the same name; `./021` is the folder.
+    ///
+    /// # Errors
+    /// [`ScenarioError`], with file and line where there is one.
+    pub fn open(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
+        let scenario = Self::open_own(what, options)?;
+        match &options.grasps {
+            GivenGrasps::Own => Ok(scenario),
+            GivenGrasps::File(file) => Ok(scenario.with_grasps(read_csv(file)?)),
+            GivenGrasps::None => Ok(scenario.without_grasps()),
+        }
+    }
+
+    /// The scenario with the grasps that it comes with.
+    fn open_own(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
+        let folder = Path::new(what);
+        if let Some(scenario) = catalogue::open(what, options) {
+            scenario
+        } else if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
+            let unpacked = Unpacked::open(folder)?;
+            own::open(&unpacked.folder(), options)
+        } else if is_there(&folder.join(own::FILE))? {
+            own::open(folder, options)
+        } else if is_there(&folder.join(released::FILE))? {
+            released::open(folder, options)
+        } else if folder.is_dir() {
+            Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() })
+        } else if is_there(folder)? {
+            Err(ScenarioError::FileForFolder { path: folder.to_owned() })
+        } else {
+            let near = catalogue::near_ids(what);
+            Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids(), near })
+        }
+    }
+}

@@ -1,0 +1,347 @@
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_collision::{Body, Part, World};
+use cranny_file::{TABLE, TEXT};
+use cranny_grasp::parse_csv;
+use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
+use cranny_shape::{ShapeError, Solid, TriangleSoup};
+use cranny_spatial::{Pose, Rotation, Vector};
+use serde_saphyr::Spanned;
+
+use crate::files::number_table;
+use crate::files::sizes;
+use crate::files::yaml;
+use crate::layout::own_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
+use crate::robot::file;
+use crate::{
+    BUILTIN_ROBOTS, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
+    ScenarioError, TargetPhysics, scenario,
+};
+
+/// The file that makes a folder a scenario of Cranny's own layout.
+pub(crate) const FILE: &str = "scenario.yaml";
+
+/// The texts of a scenario of Cranny's own layout, and the folder that its further files are in.
+pub(crate) struct Texts {
+    /// Also what errors name the files by.
+    pub folder: PathBuf,
+    pub scenario: String,
+    pub grasps: String,
+    pub ik: Option<String>,
+}
+
+impl Texts {
+    /// Of a folder: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
+    fn read(folder: &Path) -> Result<Self, ScenarioError> {
+        let scenario = yaml::text(TEXT, &folder.join(FILE))?;
+        let grasps = folder.join(GRASPS_FILE);
+        let grasps = TABLE
+            .text(&grasps)
+            .map_err(|reason| cranny_grasp::GraspError::Unreadable { path: grasps, reason })?;
+        let ik = folder.join(IK_FILE);
+        let ik = if ik.is_file() { Some(yaml::text(TABLE, &ik)?) } else { None };
+        Ok(Self { folder: folder.to_owned(), scenario, grasps, ik })
+    }
+}
+
+pub(crate) const GRASPS_FILE: &str = "grasps.csv";
+
+pub(crate) const IK_FILE: &str = "ik.csv";
+
+/// Opens a folder of Cranny's own layout.
+pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
+    open_texts(scenario::id_of(folder), &Texts::read(folder)?, options)
+}
+
+/// The same from texts.
+pub(crate) fn open_texts(
+    id: String,
+    texts: &Texts,
+    options: &OpenOptions,
+) -> Result<Scenario, ScenarioError> {
+    let folder = &texts.folder;
+    let path = folder.join(FILE);
+    let file: ScenarioFile = yaml::parse(&path, &texts.scenario)?;
+    let layout = Layout { folder, path: &path };
+    let (robot, robot_source) = layout.robot(&file, options)?;
+    let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
+
+    let mut bodies: Vec<Body> = Vec::new();
+    let mut names = HashSet::new();
+    for entry in &file.obstacles {
+        layout.check_name(entry, &mut names)?;
+        layout.check_fixed(entry)?;
+        bodies.push(layout.body(entry, &planning_from_scene)?.0);
+    }
+    let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
+    if let Some(entry) = &file.target {
+        layout.check_name(entry, &mut names)?;
+        given_physics = layout.physics(entry)?;
+        let (body, source) = layout.body(entry, &planning_from_scene)?;
+        target_source = source;
+        bodies.push(body);
+    }
+    let target = file.target.as_ref().map(|_| bodies.len() - 1);
+    if let Some(height) = &file.floor {
+        bodies.push(layout.floor(height, &planning_from_scene)?);
+    }
+    let ik = match (&options.robot, &texts.ik) {
+        (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
+        _ => Vec::new(),
+    };
+    let criterion = options.criterion.or(file.criterion).unwrap_or_default();
+    Scenario {
+        id,
+        criterion,
+        start: match layout.start_of_other(&file.start, &robot, options) {
+            Some(start) => start,
+            None => layout.start(&file.start, &robot)?,
+        },
+        robot,
+        robot_source,
+        world: World::new(bodies)?,
+        target,
+        target_source,
+        given_physics,
+        grasps: parse_csv(&folder.join(GRASPS_FILE), &texts.grasps)?,
+        has_grasp_set: true,
+        ik,
+        export: None,
+    }
+    .on_its_ground(options)?
+    .with_checked_start(&layout.at(file.start.referenced).to_string())
+}
+
+const FLOOR: &str = "floor";
+
+/// The folder that is read, and the file that errors name.
+pub(crate) struct Layout<'a> {
+    pub folder: &'a Path,
+    pub path: &'a Path,
+}
+
+impl Layout<'_> {
+    pub fn at(&self, location: serde_saphyr::Location) -> Location {
+        yaml::at(self.path, location)
+    }
+
+    /// That the name of a body is not the floor's, nor one of `taken`, to which it is added.
+    pub fn check_name<'b>(
+        &self,
+        entry: &'b BodyEntry,
+        taken: &mut HashSet<&'b str>,
+    ) -> Result<(), ScenarioError> {
+        let name = &entry.name.value;
+        if name == FLOOR || !taken.insert(name) {
+            let at = self.at(entry.name.referenced);
+            return Err(ScenarioError::NameTaken { at, name: name.clone() });
+        }
+        Ok(())
+    }
+
+    pub fn floor(&self, height: &Spanned<f64>, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
+        let height_m = yaml::finite(self.path, height.value, height.referenced)?;
+        let planning_from_floor = planning_from_scene * Pose::translation(0.0, 0.0, height_m);
+        Ok(Body::new(FLOOR, planning_from_floor, Solid::half_space()))
+    }
+
+    pub fn robot(
+        &self,
+        file: &ScenarioFile,
+        options: &OpenOptions,
+    ) -> Result<(Arc<Robot>, RobotSource), ScenarioError> {
+        if let Some(other) = &options.robot {
+            return Ok((file::load(other, &RobotOptions::default())?, RobotSource::of(other)));
+        }
+        let robot_options = RobotOptions {
+            srdf: file.srdf.as_ref().map(|srdf| TextSource::Path(self.folder.join(srdf))),
+            group: file.group.clone().map_or(JointGroup::RootToTip, JointGroup::Srdf),
+            tip: file.tip.clone(),
+            fixed: file.fixed.clone(),
+            unchecked_pairs: file.unchecked_pairs.clone(),
+            packages: file.packages.iter().map(|folder| self.folder.join(folder)).collect(),
+            ..RobotOptions::default()
+        };
+        let name = &file.robot.value;
+        let source_of =
+            |source| if robot_options == RobotOptions::default() { source } else { RobotSource::Other };
+        if let Some(builtin) = BuiltinRobot::of_name(name) {
+            return Ok((builtin.robot(&robot_options)?, source_of(RobotSource::Builtin(builtin.name))));
+        }
+        let path = self.folder.join(name);
+        if !path.exists() {
+            let (at, name) = (self.at(file.robot.referenced), name.clone());
+            let known = BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
+            return Err(ScenarioError::UnknownRobot { at, name, path, known });
+        }
+        let robot = file::load(&path, &robot_options)?;
+        Ok((robot, source_of(RobotSource::Files(path))))
+    }
+
+    /// Where a robot starts that is not the scenario's own, if its own files say so and the scenario does not name all of
+    /// its joints.
+    fn start_of_other(
+        &self,
+        start: &Spanned<StartEntry>,
+        robot: &Robot,
+        options: &OpenOptions,
+    ) -> Option<Vec<f64>> {
+        options.robot.as_ref()?;
+        let is_named = matches!(start.value, StartEntry::ByJoint(_)) && self.start(start, robot).is_ok();
+        robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
+    }
+
+    pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
+        let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
+        let by_joint = match &start.value {
+            StartEntry::List(list) => return list.iter().map(number).collect(),
+            StartEntry::ByJoint(by_joint) => by_joint,
+        };
+        let joints = robot.joint_names();
+        if let Some((joint, value)) = by_joint.iter().find(|(joint, _)| !joints.contains(joint)) {
+            return Err(ScenarioError::UnknownJoint {
+                at: self.at(value.referenced),
+                joint: joint.clone(),
+                known: joints.join(", "),
+            });
+        }
+        let value_of = |joint: &String| match by_joint.iter().find(|(name, _)| name == joint) {
+            Some((_, value)) => number(value),
+            None => Err(ScenarioError::MissingJoint { at: self.at(start.referenced), joint: joint.clone() }),
+        };
+        joints.iter().map(value_of).collect()
+    }
+
+    /// The body, and the object that it is, where it is one alone.
+    pub fn body(
+        &self,
+        entry: &BodyEntry,
+        planning_from_scene: &Pose,
+    ) -> Result<(Body, Option<ObjectSource>), ScenarioError> {
+        let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
+        let name = &entry.name.value;
+        let (mut parts, mut sources) = (Vec::new(), Vec::new());
+        for shape in &entry.shapes {
+            let world_from_solid = planning_from_body * self.pose(shape.value.pose.as_ref())?;
+            let (solid, source) = self.solid(shape, name)?;
+            parts.push(Part { world_from_solid, solid });
+            sources.push(source);
+        }
+        if parts.is_empty() {
+            return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
+        }
+        let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
+        Ok((Body { name: name.clone(), parts }, source))
+    }
+
+    /// What the entry of the target says of its mass and friction.
+    pub fn physics(&self, entry: &BodyEntry) -> Result<TargetPhysics, ScenarioError> {
+        let number = |what: &'static str, number: &Option<Spanned<f64>>| {
+            let positive = |n: &Spanned<f64>| yaml::positive(self.path, what, n.value, n.referenced);
+            number.as_ref().map(positive).transpose()
+        };
+        Ok(TargetPhysics {
+            mass_kg: number("mass", &entry.mass_kg)?,
+            friction: number("friction", &entry.friction)?,
+        })
+    }
+
+    /// That an obstacle is not said to weigh or to slide.
+    fn check_fixed(&self, entry: &BodyEntry) -> Result<(), ScenarioError> {
+        let hint = "obstacles do not move: only the target has a mass and a friction";
+        let refused = |what: &'static str, number: &Option<Spanned<f64>>| match number {
+            Some(number) => Err(ScenarioError::Unsupported { at: self.at(number.referenced), what, hint }),
+            None => Ok(()),
+        };
+        refused("mass_kg of an obstacle", &entry.mass_kg)?;
+        refused("friction of an obstacle", &entry.friction)
+    }
+
+    /// What is first wrong with what an entry says, or should not say, of mass and friction.
+    pub fn physics_fault(&self, entry: &BodyEntry, is_target: bool) -> Option<ScenarioError> {
+        if is_target { self.physics(entry).err() } else { self.check_fixed(entry).err() }
+    }
+
+    /// Everything that is wrong with a body but its name.
+    pub fn body_faults(&self, entry: &BodyEntry) -> Vec<ScenarioError> {
+        let mut faults: Vec<ScenarioError> = self.pose(entry.pose.as_ref()).err().into_iter().collect();
+        for shape in &entry.shapes {
+            faults.extend(self.pose(shape.value.pose.as_ref()).err());
+            faults.extend(self.solid(shape, &entry.name.value).err());
+        }
+        if entry.shapes.is_empty() {
+            faults.push(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
+        }
+        faults
+    }
+
+    pub fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
+        let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
+        let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];
+        for number in given.concat() {
+            yaml::finite(self.path, number, *referenced)?;
+        }
+        let rotation = match (entry.rotation_rpy_deg, entry.quaternion_xyzw) {
+            (None, None) => Rotation::identity(),
+            (Some(rpy_deg), None) => {
+                let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
+                Rotation::from_euler_angles(roll, pitch, yaw)
+            }
+            (None, Some(quaternion)) => yaml::rotation(self.path, quaternion, *referenced)?,
+            (Some(_), Some(_)) => return Err(ScenarioError::TwoRotations { at: self.at(*referenced) }),
+        };
+        Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
+    }
+
+    /// The solid of a shape, and the object that it is, if it is one.
+    fn solid(
+        &self,
+        shape: &Spanned<ShapeEntry>,
+        body: &str,
+    ) -> Result<(Solid, Option<ObjectSource>), ScenarioError> {
+        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
+        let at = self.at(shape.referenced);
+        let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
+        solids.extend(cuboid.iter().map(|entry| sizes::cuboid(entry.size)));
+        solids.extend(sphere.iter().map(|entry| Solid::sphere(entry.radius)));
+        solids.extend(cylinder.iter().map(|entry| sizes::cylinder(entry.length, entry.radius)));
+        solids.extend(capsule.iter().map(|entry| sizes::capsule(entry.length, entry.radius)));
+        solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
+        solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
+        let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
+        let source = object.as_ref().map(|name| self.object(name)).transpose().map_err(in_file)?;
+        if let Some(source) = &source {
+            solids.push(Ok(source.solid().map_err(in_file)?));
+        }
+        match (solids.pop(), solids.len()) {
+            (Some(solid), 0) => match solid {
+                Ok(solid) => Ok((solid, source)),
+                Err(reason) => Err(ScenarioError::Shape { at, body: body.to_owned(), reason }),
+            },
+            (last, others) => {
+                Err(ScenarioError::ShapeCount { at, actual: others + usize::from(last.is_some()) })
+            }
+        }
+    }
+
+    /// An object with a folder of its own, or else a built-in one.
+    fn object(&self, name: &str) -> Result<ObjectSource, ScenarioError> {
+        let folder = self.folder.join(name);
+        if folder.join(OBJECT_FILE).is_file() {
+            return Ok(ObjectType::read_folder(&folder)?.into());
+        }
+        ObjectSource::builtin(name)
+    }
+
+    fn solid_of_file(
+        &self,
+        entry: &MeshEntry,
+        solid_of: impl Fn(&TriangleSoup) -> Result<Solid, ShapeError>,
+    ) -> Result<Solid, ShapeError> {
+        let path = self.folder.join(&entry.file);
+        let soup = TriangleSoup::load(&path, Vector::repeat(entry.scale.unwrap_or(1.0)))?;
+        solid_of(&soup).map_err(|fault| fault.in_file(&path))
+    }
+}

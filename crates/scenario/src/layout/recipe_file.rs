@@ -1,0 +1,169 @@
+//! Recipes as folders of Cranny's own layout.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use cranny_grasp::csv_text;
+use cranny_spatial::{Pose, Rotation};
+
+use crate::ScenarioError;
+use crate::files::atomic_file::write_into;
+use crate::layout::own;
+use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
+use crate::robot::in_folder::{ROBOT, write_robot};
+
+/// The folder of a scenario's meshes.
+const MESHES: &str = "meshes";
+
+/// The folder of a scenario's objects.
+const OBJECTS: &str = "objects";
+
+impl Recipe {
+    /// Writes the scenario as a folder, which is made if it is not there. `scenario.yaml` comes last, so that
+    /// a folder that has one is whole.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
+    pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
+        if let Some(files) = &self.robot.files {
+            write_robot(&folder.join(ROBOT), files)?;
+        }
+        for body in self.obstacles.iter().chain(&self.target) {
+            for (index, (_, shape)) in body.shapes.iter().enumerate() {
+                match shape {
+                    RecipeShape::Mesh(soup) | RecipeShape::Hull(soup) => {
+                        write_into(folder, &mesh_file(body, index), soup.obj_text(1))?;
+                    }
+                    RecipeShape::Object(source) => {
+                        if let Some(object) = source.own() {
+                            object.write_folder(&folder.join(object_folder(body, index)))?;
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        write_into(folder, "grasps.csv", csv_text(&self.grasps))?;
+        if !self.ik.is_empty() {
+            write_into(folder, "ik.csv", configurations_text(&self.ik))?;
+        }
+        write_into(folder, own::FILE, self.yaml())
+    }
+
+    /// The text of its `scenario.yaml`.
+    pub fn yaml(&self) -> String {
+        let mut text = format!("# {}\n", self.title.replace('\n', " "));
+        let Pose { translation, rotation } = self.robot.scene_from_root;
+        let yaw_deg = plain(rotation.euler_angles().2.to_degrees());
+        let _ = writeln!(text, "robot: {}", self.robot.named_in_yaml());
+        let _ = writeln!(
+            text,
+            "frame: {{position: {}, rotation_rpy_deg: [0, 0, {yaw_deg}]}}",
+            list(translation.vector.as_slice())
+        );
+        let start: Vec<String> = self.start.iter().map(f64::to_string).collect();
+        let _ = writeln!(text, "start: [{}]", start.join(", "));
+        text.push_str("floor: 0\n");
+        if !self.obstacles.is_empty() {
+            text.push_str("obstacles:\n");
+        }
+        for body in &self.obstacles {
+            body.write(&mut text, "  - ", "    ");
+        }
+        if let Some(target) = &self.target {
+            text.push_str("target:\n");
+            target.write(&mut text, "  ", "  ");
+            for (key, number) in
+                [("mass_kg", self.given_physics.mass_kg), ("friction", self.given_physics.friction)]
+            {
+                if let Some(number) = number {
+                    let _ = writeln!(text, "  {key}: {number}");
+                }
+            }
+        }
+        text
+    }
+}
+
+/// Configurations, one a line.
+pub(crate) fn configurations_text(configurations: &[Vec<f64>]) -> String {
+    let line = |q: &Vec<f64>| q.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
+    configurations.iter().map(line).collect()
+}
+
+fn object_folder(body: &RecipeBody, shape: usize) -> String {
+    format!("{OBJECTS}/{}-{shape}", file_name(&body.name))
+}
+
+fn mesh_file(body: &RecipeBody, shape: usize) -> String {
+    format!("{MESHES}/{}-{shape}.obj", file_name(&body.name))
+}
+
+impl RecipeBody {
+    fn write(&self, text: &mut String, first: &str, rest: &str) {
+        // A JSON string is a YAML string.
+        let name = serde_json::Value::from(self.name.as_str());
+        let _ = writeln!(text, "{first}name: {name}");
+        if let Some(pose) = pose_text(&self.scene_from_body) {
+            let _ = writeln!(text, "{rest}pose: {pose}");
+        }
+        let _ = writeln!(text, "{rest}shapes:");
+        for (index, (body_from_shape, shape)) in self.shapes.iter().enumerate() {
+            let _ = writeln!(text, "{rest}  - {}", self.shape_text(index, shape));
+            if let Some(pose) = pose_text(body_from_shape) {
+                let _ = writeln!(text, "{rest}    pose: {pose}");
+            }
+        }
+    }
+
+    fn shape_text(&self, index: usize, shape: &RecipeShape) -> String {
+        let round = |kind: &str, radius_m: &f64, length_m: &f64| {
+            format!("{kind}: {{radius: {}, length: {}}}", plain(*radius_m), plain(*length_m))
+        };
+        match shape {
+            RecipeShape::Cuboid(size) => format!("box: {{size: {}}}", list(size.as_slice())),
+            RecipeShape::Sphere(radius_m) => format!("sphere: {{radius: {}}}", plain(*radius_m)),
+            RecipeShape::Cylinder(radius_m, length_m) => round("cylinder", radius_m, length_m),
+            RecipeShape::Capsule(radius_m, length_m) => round("capsule", radius_m, length_m),
+            RecipeShape::Object(source) => match source.builtin_name() {
+                Some(name) => format!("object: {name}"),
+                None => format!("object: {}", object_folder(self, index)),
+            },
+            RecipeShape::Mesh(_) => format!("mesh: {{file: {}}}", mesh_file(self, index)),
+            RecipeShape::Hull(_) => format!("hull: {{file: {}}}", mesh_file(self, index)),
+        }
+    }
+}
+
+/// Shown only as far as it is not the identity.
+fn pose_text(pose: &Pose) -> Option<String> {
+    let mut keys = Vec::new();
+    let position = list(pose.translation.vector.as_slice());
+    if position != "[0, 0, 0]" {
+        keys.push(format!("position: {position}"));
+    }
+    if pose.rotation.angle_to(&Rotation::identity()) > LEAST_TURN_RAD {
+        keys.push(format!("quaternion_xyzw: {}", list(pose.rotation.coords.as_slice())));
+    }
+    (!keys.is_empty()).then(|| format!("{{{}}}", keys.join(", ")))
+}
+
+fn list(numbers: &[f64]) -> String {
+    format!("[{}]", numbers.iter().map(|number| plain(*number).to_string()).collect::<Vec<_>>().join(", "))
+}
+
+/// Without the rounding errors that a change of frames leaves: a picometre means nothing, nor does a picoradian.
+fn plain(number: f64) -> f64 {
+    const STEPS: f64 = 1e12;
+    // Adding zero turns −0 into 0.
+    if number.abs() < 1e3 { (number * STEPS).round() / STEPS + 0.0 } else { number }
+}
+
+/// Less than this is rounding.
+const LEAST_TURN_RAD: f64 = 1e-12;
+
+/// The name without what a file's name should not hold.
+pub(crate) fn file_name(name: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
+}

@@ -1,0 +1,74 @@
+//! `grasps.npy` of the released layout: grasps in the scene, in the axes of another toolkit.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use cranny_grasp::{Grasp, GraspError, GraspSet, pose_of_rows, rows_of_pose};
+use cranny_spatial::nalgebra::{Matrix3, Rotation3};
+use cranny_spatial::{Pose, Rotation, Vector};
+use npyz::{NpyFile, WriterBuilder as _};
+
+use crate::ScenarioError;
+use crate::layout::released_frame::planning_from_scene;
+
+pub(crate) const FILE: &str = "grasps.npy";
+
+/// `array_from_gripper`: x and y change places, z turns round. It is its own inverse.
+fn swap_axes() -> Pose {
+    let axes = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+    let rotation = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    Pose::from_parts(Vector::zeros().into(), rotation)
+}
+
+/// Reads floats of shape (n, 4, 4): poses in the scene. Scores and widths are not in the file.
+pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
+    let fault = |problem: String| ScenarioError::Npy { path: path.to_owned(), problem };
+    let bytes = cranny_file::TABLE
+        .bytes(path)
+        .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+    let array = NpyFile::new(&bytes[..]).map_err(|reason| fault(reason.to_string()))?;
+    let shape = array.shape().to_vec();
+    let [count, 4, 4] = shape[..] else { return Err(fault(format!("its shape is {shape:?}"))) };
+    /// More would be no set of grasps but a broken header.
+    const MOST: u64 = 10_000_000;
+    if count == 0 || count > MOST || array.order() != npyz::Order::C {
+        return Err(fault(format!("it holds {count} poses, or holds them column by column")));
+    }
+    let numbers: Vec<f64> = match array.try_data::<f32>() {
+        Ok(data) => data.map(|x| x.map(f64::from)).collect::<Result<_, _>>(),
+        Err(array) => match array.try_data::<f64>() {
+            Ok(data) => data.collect::<Result<_, _>>(),
+            Err(array) => return Err(fault(format!("its numbers are {}", array.dtype().descr()))),
+        },
+    }
+    .map_err(|reason: std::io::Error| fault(reason.to_string()))?;
+    let in_file = |grasp: usize, reason: &GraspError| fault(format!("grasp {grasp}: {reason}"));
+    let mut grasps = Vec::new();
+    for (index, rows) in numbers.chunks_exact(16).enumerate() {
+        let rows: [f64; 16] = std::array::from_fn(|entry| rows[entry]);
+        let scene_from_array = pose_of_rows(&rows).map_err(|reason| in_file(index, &reason))?;
+        let world_from_gripper = planning_from_scene() * scene_from_array * swap_axes();
+        grasps.push(Grasp { world_from_gripper, score: None, width_m: None, robust: None });
+    }
+    Ok(GraspSet::new(grasps)?)
+}
+
+/// Writes what [`read`] reads, in single precision like the released ones.
+pub(crate) fn write(path: &Path, grasps: &GraspSet) -> Result<(), ScenarioError> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+    let scene_from_planning = planning_from_scene().inverse();
+    let numbers = grasps
+        .grasps()
+        .iter()
+        .flat_map(|grasp| rows_of_pose(&(scene_from_planning * grasp.world_from_gripper * swap_axes())));
+    let write = || -> std::io::Result<()> {
+        let file = BufWriter::new(File::create(path)?);
+        let shape = [grasps.len() as u64, 4, 4];
+        let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
+        #[allow(clippy::cast_possible_truncation, reason = "metres and cosines fit")]
+        array.extend(numbers.map(|x| x as f32))?;
+        array.finish()
+    };
+    write().map_err(unwritable)
+}

@@ -1,0 +1,104 @@
+use std::path::{Path, PathBuf};
+
+use cranny_shape::{ShapeError, Solid, TriangleSoup, cuboid_of_faces};
+use cranny_spatial::{Pose, Vector};
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use crate::files::yaml;
+use crate::{ScenarioError, TargetPhysics};
+
+/// The released object library: where the meshes of each type of object are.
+pub(crate) struct ObjectLibrary {
+    path: PathBuf,
+    folder: PathBuf,
+    objects: Vec<ObjectEntry>,
+}
+
+/// What the library says of one type of object; stable poses are not read.
+#[derive(Deserialize)]
+pub(crate) struct ObjectEntry {
+    identifier: String,
+    mesh_fn: PathBuf,
+    vhacd_fn: Option<PathBuf>,
+    #[serde(default = "unscaled")]
+    scale: f64,
+    mass: Option<Spanned<f64>>,
+    friction_coeff: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+struct LibraryFile {
+    objects: Vec<ObjectEntry>,
+}
+
+fn unscaled() -> f64 {
+    1.0
+}
+
+impl ObjectLibrary {
+    pub fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let file: LibraryFile = yaml::read(path)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self { path: path.to_owned(), folder, objects: file.objects })
+    }
+
+    pub fn object(&self, identifier: &str) -> Option<&ObjectEntry> {
+        self.objects.iter().find(|object| object.identifier == identifier)
+    }
+
+    /// All identifiers, for a message about an unknown one.
+    pub fn known(&self) -> String {
+        self.objects.iter().map(|object| object.identifier.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The solids of an obstacle in its own frame: the cuboids that its mesh is made of, twelve faces each;
+    /// of any other mesh the volume that it encloses.
+    pub fn obstacle(&self, object: &ObjectEntry) -> Result<Vec<(Pose, Solid)>, ShapeError> {
+        let path = self.folder.join(&object.mesh_fn);
+        let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;
+        let faces = soup.triangles.len();
+        let cuboids: Option<Vec<_>> = (0..faces)
+            .step_by(FACES_OF_CUBOID)
+            .map(|first| {
+                cuboid_of_faces(&soup, first..faces.min(first + FACES_OF_CUBOID), CORNER_TOLERANCE_M)
+            })
+            .collect();
+        match cuboids {
+            Some(cuboids) => {
+                cuboids.into_iter().map(|(pose, half)| Ok((pose, Solid::cuboid(half)?))).collect()
+            }
+            None => Ok(vec![(Pose::identity(), Solid::mesh(&soup).map_err(|fault| fault.in_file(&path))?)]),
+        }
+    }
+
+    /// How an object to be grasped weighs and slides, as far as the library says it. A mass of 0, which tells a
+    /// simulator to hold the object where it is, says nothing.
+    pub fn physics(&self, object: &ObjectEntry) -> Result<TargetPhysics, ScenarioError> {
+        let positive = |what: &'static str, number: &Spanned<f64>| {
+            yaml::positive(&self.path, what, number.value, number.referenced)
+        };
+        let mass = object.mass.as_ref().filter(|mass| mass.value != 0.0);
+        Ok(TargetPhysics {
+            mass_kg: mass.map(|mass| positive("mass", mass)).transpose()?,
+            friction: object
+                .friction_coeff
+                .as_ref()
+                .map(|number| positive("friction", number))
+                .transpose()?,
+        })
+    }
+
+    /// The solid of an object to be grasped, in its own frame: what its simplified mesh encloses. The scans
+    /// have holes; the simplified mesh is closed, but not convex, so it stands for itself, not for its hull.
+    pub fn target(&self, object: &ObjectEntry) -> Result<Solid, ShapeError> {
+        let path = self.folder.join(object.vhacd_fn.as_ref().unwrap_or(&object.mesh_fn));
+        let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;
+        Solid::mesh(&soup).map_err(|fault| fault.in_file(&path))
+    }
+}
+
+const FACES_OF_CUBOID: usize = 12;
+
+/// Mesh files are read in single precision, so that a coordinate of 2 m is off by at most 1.2e-7 m.
+const CORNER_TOLERANCE_M: f64 = 1e-6;

@@ -1,0 +1,91 @@
+//! The built-in objects: generated from published dimensions of the YCB object set (Calli et al. 2015), origin
+//! in the middle of their bounds.
+
+mod banana;
+mod object_shape;
+mod screwdriver;
+mod sugar_box;
+mod tennis_ball;
+
+use cranny_shape::{ConvexParts, ShapeError, TriangleSoup};
+
+use self::object_shape::ObjectShape;
+use crate::ObjectError;
+use crate::{ObjectSettings, ObjectType, ScenarioError};
+
+/// How a built-in object is made.
+#[derive(Debug)]
+pub(crate) struct Recipe {
+    pub name: &'static str,
+    /// Published mass, in kilograms.
+    pub mass_kg: f64,
+    shape: fn() -> Result<ObjectShape, ShapeError>,
+}
+
+static RECIPES: [Recipe; 4] = [
+    Recipe { name: "flat_screwdriver", mass_kg: 0.0984, shape: screwdriver::shape },
+    Recipe { name: "tennis_ball", mass_kg: 0.058, shape: || Ok(tennis_ball::shape()) },
+    Recipe { name: "sugar_box", mass_kg: 0.514, shape: || Ok(sugar_box::shape()) },
+    Recipe { name: "banana", mass_kg: 0.066, shape: banana::shape },
+];
+
+/// The names of the built-in objects.
+pub fn builtin_object_names() -> Vec<&'static str> {
+    RECIPES.iter().map(|recipe| recipe.name).collect()
+}
+
+/// The built-in object of that name: mesh, convex parts, mass, friction, stable poses.
+///
+/// # Errors
+/// [`ObjectError::Unknown`], which lists the names that there are.
+pub fn builtin_object(name: &str) -> Result<ObjectType, ScenarioError> {
+    recipe(name)?.object()
+}
+
+/// The mesh of the built-in object of that name.
+///
+/// # Errors
+/// As [`builtin_object`].
+pub(crate) fn mesh(name: &str) -> Result<TriangleSoup, ScenarioError> {
+    recipe(name)?.mesh()
+}
+
+/// How the built-in object of that name is made.
+///
+/// # Errors
+/// As [`builtin_object`].
+pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
+    RECIPES.iter().find(|recipe| recipe.name == name).ok_or_else(|| {
+        let known = builtin_object_names().join(", ");
+        ObjectError::Unknown { name: name.to_owned(), known }.into()
+    })
+}
+
+impl Recipe {
+    /// The object, with convex parts and stable poses.
+    pub fn object(&self) -> Result<ObjectType, ScenarioError> {
+        let ObjectShape { mesh, parts } = (self.shape)()?.centred();
+        let parts = ConvexParts::measured(&mesh, parts)?;
+        ObjectType::of_parts(mesh, parts, &ObjectSettings::new(self.name, self.mass_kg))
+    }
+
+    /// Its mesh alone.
+    pub fn mesh(&self) -> Result<TriangleSoup, ScenarioError> {
+        Ok((self.shape)()?.centred().mesh)
+    }
+}
+
+impl ObjectShape {
+    /// The same with the origin in the middle of the bounds.
+    fn centred(mut self) -> Self {
+        let first = self.mesh.vertices[0];
+        let (low, high) = self.mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+        let middle = (low.coords + high.coords) * 0.5;
+        for soup in std::iter::once(&mut self.mesh).chain(&mut self.parts) {
+            for vertex in &mut soup.vertices {
+                *vertex -= middle;
+            }
+        }
+        self
+    }
+}

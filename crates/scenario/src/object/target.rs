@@ -1,0 +1,104 @@
+//! The target of a scenario as a physical object.
+
+use cranny_collision::{Body, Part};
+use cranny_shape::{ConvexParts, DecompositionSettings, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::ObjectError;
+use crate::object::physics::TargetPhysics;
+use crate::{
+    DEFAULT_FRICTION, ObjectSettings, ObjectSource, ObjectType, RecipeBody, Scenario, ScenarioError,
+};
+
+/// The target of a scenario, and where it stands.
+#[derive(Clone, Debug)]
+pub struct TargetObject {
+    /// What it is.
+    pub object: ObjectType,
+    /// The object's frame in the planning frame.
+    pub world_from_object: Pose,
+}
+
+impl Scenario {
+    /// The triangles of the target, in the planning frame, normals outwards; None where there is no target. Of
+    /// several shapes each has all its own, also where it lies within another.
+    ///
+    /// # Errors
+    /// [`ScenarioError::ShapeFile`] for a shape without triangles.
+    pub fn target_mesh(&self) -> Result<Option<TriangleSoup>, ScenarioError> {
+        let body = self.target.map(|target| &self.world.bodies()[target]);
+        body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
+    }
+
+    /// How the target weighs and slides: as the scenario says, else as its object does.
+    pub fn target_physics(&self) -> TargetPhysics {
+        let of_object = self.placed_object().map(|(source, _)| source.physics());
+        self.given_physics.or(of_object.unwrap_or_default())
+    }
+
+    /// The target as an object that can be weighed and dropped; None where there is no target. Mass and friction
+    /// are those of `instead`, else those of [`Self::target_physics`], else, for the friction,
+    /// [`DEFAULT_FRICTION`].
+    ///
+    /// A target that is one object has that object's frame, convex parts and stable poses. Any other has the
+    /// mesh of [`Self::target_mesh`], each of its shapes cut into convex parts by itself, with uniform density;
+    /// where shapes overlap, what they share counts for each. Its frame is that of its only shape; of several
+    /// shapes it has the axes of the planning frame and its origin in the middle of their bounds. This takes up
+    /// to seconds for a shape that is far from convex.
+    ///
+    /// # Errors
+    /// [`ObjectError::NoMass`] if nothing says what the target weighs, [`ObjectError::Number`] for a
+    /// number of `instead` that is not positive, [`ScenarioError::ShapeFile`] for a mesh that encloses no volume.
+    pub fn target_object(&self, instead: &TargetPhysics) -> Result<Option<TargetObject>, ScenarioError> {
+        let Some(target) = self.target else { return Ok(None) };
+        let body = &self.world.bodies()[target];
+        let physics = instead.or(self.target_physics());
+        let Some(mass_kg) = physics.mass_kg else {
+            return Err(ObjectError::NoMass { id: self.id.clone(), target: body.name.clone() }.into());
+        };
+        let friction = physics.friction.unwrap_or(DEFAULT_FRICTION);
+        if let Some((source, world_from_object)) = self.placed_object() {
+            let object = source.object()?.with_mass_and_friction(mass_kg, friction)?;
+            return Ok(Some(TargetObject { object, world_from_object }));
+        }
+        let settings = ObjectSettings { friction, ..ObjectSettings::new(&body.name, mass_kg) };
+        object_of_shapes(body, &settings).map(Some)
+    }
+
+    /// The one object that the target is, if it is one, and its frame in the planning frame.
+    pub(crate) fn placed_object(&self) -> Option<(&ObjectSource, Pose)> {
+        let [Part { world_from_solid, .. }] = &self.world.bodies()[self.target?].parts[..] else {
+            return None;
+        };
+        self.target_source.as_ref().map(|source| (source, *world_from_solid))
+    }
+}
+
+/// An object that is known by its shapes alone.
+fn object_of_shapes(body: &Body, settings: &ObjectSettings) -> Result<TargetObject, ScenarioError> {
+    let placed = RecipeBody::of(body, &Pose::identity())?;
+    let world_from_object = match &placed.shapes[..] {
+        [_] => placed.scene_from_body,
+        _ => middle_of_bounds(&placed.placed_soup()?),
+    };
+    let object_from_body = world_from_object.inverse() * placed.scene_from_body;
+    let (mut mesh, mut hulls) = (TriangleSoup::default(), Vec::new());
+    for (body_from_shape, shape) in &placed.shapes {
+        let mut soup = TriangleSoup::default();
+        soup.append(&shape.soup()?, &(object_from_body * body_from_shape));
+        hulls.extend(ConvexParts::of_mesh(&soup, &DecompositionSettings::default())?.parts);
+        mesh.append(&soup, &Pose::identity());
+    }
+    let parts = ConvexParts::measured(&mesh, hulls)?;
+    Ok(TargetObject { object: ObjectType::of_parts(mesh, parts, settings)?, world_from_object })
+}
+
+fn middle_of_bounds(soup: &TriangleSoup) -> Pose {
+    let infinity = Vector::repeat(f64::INFINITY);
+    let (low, high) = soup
+        .vertices
+        .iter()
+        .fold((infinity, -infinity), |(low, high), v| (low.inf(&v.coords), high.sup(&v.coords)));
+    let middle = (low + high) * 0.5;
+    Pose::translation(middle.x, middle.y, middle.z)
+}

@@ -1,0 +1,11 @@
+//! Plan files, way points and trajectories.
+
+pub(crate) mod betterment;
+pub(crate) mod error;
+pub(crate) mod file;
+pub(crate) mod reading;
+pub(crate) mod segment;
+pub(crate) mod timing;
+pub(crate) mod trajectory;
+pub(crate) mod trajectory_csv;
+pub(crate) mod waypoints;

@@ -1,0 +1,134 @@
+use std::path::Path;
+
+use cranny_plan::Statistics;
+use serde::Deserialize;
+
+use crate::PlanFileError;
+use crate::error::ScenarioError;
+use crate::plan::file::PlanFile;
+use crate::plan::segment::{PlanSegment, segments_of};
+
+/// Whether a file is of a format that this version knows: its own, or none, as before there was any.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for another.
+pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
+    let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
+    Err(fault(path, format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT)))
+}
+
+/// Checks the segments of a plan that was read, or makes that of one written before there were any.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for a segment that this version does not know, or segments that say something else than
+/// the plan's own way points.
+pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
+    let of_waypoints = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
+    if plan.format.is_none() {
+        plan.segments = of_waypoints;
+        plan.format = Some(PlanFile::FORMAT.to_owned());
+        return Ok(());
+    }
+    let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
+    let clearances_m: Vec<Option<f64>> =
+        plan.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
+    if joined != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
+        return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
+    }
+    Ok(())
+}
+
+fn fault(path: &Path, problem: String) -> ScenarioError {
+    ScenarioError::Content { path: path.to_owned(), problem }
+}
+
+impl PlanFile {
+    /// Reads a plan.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, has a way point without one value per
+    /// joint, or segments that this version does not know.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let text = cranny_file::TABLE
+            .argument()
+            .bytes(path)
+            .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+        if text.trim_ascii().is_empty() {
+            return Err(ScenarioError::Empty { path: path.to_owned() });
+        }
+        let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
+        // What another format holds is not known.
+        let Head { format } = cranny_file::json(&text).map_err(malformed)?;
+        check_format(path, format.as_deref())?;
+        let mut plan: Self = cranny_file::json(&text).map_err(malformed)?;
+        plan.check_waypoints(path, plan.joint_names.len())?;
+        check_segments(path, &mut plan)?;
+        Ok(plan)
+    }
+
+    /// The way points of the plan, which was read from `path`.
+    ///
+    /// # Errors
+    /// [`PlanFileError::Waypoint`] unless each has `joints` values, [`ScenarioError::Empty`] if there is none.
+    pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+        self.check_waypoints(path, joints)?;
+        some(path, self.waypoints)
+    }
+
+    fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
+        match self.waypoints.iter().enumerate().find(|(_, q)| q.len() != expected) {
+            None => Ok(()),
+            Some((waypoint, q)) => {
+                Err(PlanFileError::Waypoint { path: path.to_owned(), waypoint, expected, actual: q.len() }
+                    .into())
+            }
+        }
+    }
+
+    pub(crate) fn field_not_finite(&self) -> Option<&'static str> {
+        let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
+            self.statistics;
+        let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
+        let timing = self.timing.iter().flat_map(|t| {
+            t.waypoint_times_s.iter().chain([&t.duration_s]).chain(t.closing_s.iter().flatten())
+        });
+        let optimisation = self.optimisation.iter().flat_map(|o| {
+            let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
+            improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
+        });
+        let own_grasp = self.own_grasp.iter().flat_map(|grasp| {
+            let pose = grasp.world_from_gripper.iter().flatten().copied();
+            pose.chain([grasp.opening_m, grasp.score])
+        });
+        let fields: [(&'static str, Vec<f64>); 15] = [
+            ("own_grasp", own_grasp.collect()),
+            ("waypoints", self.waypoints.concat()),
+            ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
+            ("carry_clear_m", self.carry_clear_m.into_iter().collect()),
+            ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
+            ("goal_threshold", self.goal_threshold.into_iter().collect()),
+            ("clearance_m", self.clearance_m.into_iter().collect()),
+            ("translation_error_m", self.translation_error_m.into_iter().collect()),
+            ("rotation_error_rad", self.rotation_error_rad.into_iter().collect()),
+            ("path_length", vec![self.path_length]),
+            ("margins", vec![self.margins.margin_m, self.margins.grasp_margin_m]),
+            ("budget", self.budget.time_limit_s.into_iter().collect()),
+            ("statistics", times.to_vec()),
+            ("timing", timing.copied().collect()),
+            ("optimisation", optimisation.collect()),
+        ];
+        fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
+    }
+}
+
+/// The way points, if there are any.
+pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, ScenarioError> {
+    if waypoints.is_empty() { Err(ScenarioError::Empty { path: path.to_owned() }) } else { Ok(waypoints) }
+}
+
+/// What is read of a plan before the rest.
+#[derive(Deserialize)]
+struct Head {
+    #[serde(default)]
+    format: Option<String>,
+}

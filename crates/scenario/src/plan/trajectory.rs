@@ -1,0 +1,184 @@
+use std::path::Path;
+
+use cranny_collision::Cell;
+use cranny_plan::{Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, audit_with};
+use cranny_robot::Robot;
+use cranny_solve::{Mode, Segment, TaskTrajectory, Timing, audit_segments};
+
+use crate::{PlanFile, PlanSegment, ScenarioError};
+
+impl PlanFile {
+    /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it
+    /// has none, as fast as those of velocity and acceleration allow. `None` for a plan without a path, and for a
+    /// robot without the limits that this needs. `cell` is asked only where corners are to be cut ([`Self::is_blended`]).
+    ///
+    /// # Errors
+    /// [`PlanError`] for what is no path of the robot.
+    pub fn trajectory(
+        &self,
+        robot: &Robot,
+        cell: Option<&Cell>,
+    ) -> Result<Option<TaskTrajectory>, PlanError> {
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        TaskTrajectory::of(self.timing_asked(), robot, cell, &segments.map_err(|_| PlanError::Segments)?)
+    }
+
+    /// The way to the grasp, and the way on from there after the hand has closed: none, unless the object is carried away.
+    pub fn ways(&self) -> [Vec<Vec<f64>>; 2] {
+        let is_reach = |segment: &PlanSegment| segment.mode == Mode::Reach.name();
+        let mut ways = [Vec::new(), Vec::new()];
+        for segment in &self.segments {
+            let way: &mut Vec<Vec<f64>> = &mut ways[usize::from(!is_reach(segment))];
+            way.pop();
+            way.extend_from_slice(&segment.waypoints);
+        }
+        ways
+    }
+
+    /// Whether its time is that of cut corners.
+    pub fn is_blended(&self) -> bool {
+        self.timing_asked().blend
+    }
+
+    /// The object in the hand, as it closes where the way to the grasp ends; `None` for a plan that does not carry it, or
+    /// where the hand does not close on it.
+    ///
+    /// # Errors
+    /// As [`Carrier::new`].
+    pub fn grip(&self, problem: &Problem) -> Result<Option<Grip>, PlanError> {
+        let [reach, onward] = self.ways();
+        let Some(grasp) = reach.last().filter(|_| !onward.is_empty()) else { return Ok(None) };
+        Ok(Carrier::new(problem, LiftOffSettings::default())?.close(grasp).ok())
+    }
+
+    fn timing_asked(&self) -> Timing {
+        self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
+            method: timing.method,
+            blend: timing.blended,
+            ..Timing::default()
+        })
+    }
+
+    /// What the judge says of the path, of all that it does, and of the grasp that it is said to end at where no set is
+    /// given; `None` for a plan without a path.
+    ///
+    /// # Errors
+    /// As [`audit_segments`].
+    pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
+        let carries = self.segments.len() > 1;
+        let carrier = carries.then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()?;
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        let audit = match (self.waypoints.is_empty(), segments) {
+            (true, _) => return Ok(None),
+            (false, Ok(segments)) if carries => {
+                let end = self.carry_end();
+                audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?
+            }
+            _ => audit_with(problem, &self.waypoints, settings)?,
+        };
+        let [reach, _] = self.ways();
+        Ok(Some(match self.own_grasp {
+            Some(said) => audit.with_said_grasp(said, reach.len().saturating_sub(1)),
+            None => audit,
+        }))
+    }
+
+    /// Whether the plan, which was read from `path`, moves the joints of a robot.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Content`] names the first that differs.
+    pub fn check_joints(&self, path: &Path, robot: &Robot) -> Result<(), ScenarioError> {
+        let mut pairs = self.joint_names.iter().zip(robot.joint_names());
+        pairs.find(|(found, expected)| found != expected).map_or(Ok(()), |(found, expected)| {
+            let problem =
+                format!("the plan moves joint '{found}' where this scenario's robot has '{expected}'");
+            Err(ScenarioError::Content { path: path.to_owned(), problem })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_collision::Margins;
+    use cranny_plan::{TimingMethod, Trajectory};
+
+    use super::*;
+    use crate::plan::segment::segments_of;
+    use crate::{OpenOptions, PlanTiming, Scenario};
+
+    fn plan(scenario: &Scenario) -> PlanFile {
+        let mut end = scenario.start.clone();
+        end[0] += 0.1;
+        let plan = serde_json::json!({
+            "scenario": "021", "robot": null, "geometry": null, "planner": "x", "settings": {}, "criterion": "exact",
+            "goal_threshold": null, "seed": 0, "version": "0", "outcome": "solved", "margins": Margins::default(),
+            "budget": {"iterations": null, "time_limit_s": null}, "joint_names": scenario.robot.joint_names(),
+            "grasp": null, "translation_error_m": null, "rotation_error_rad": null, "clearance_m": null,
+            "clearances_per_edge_m": [], "path_length": 0.1, "waypoints": [scenario.start, end],
+            "statistics": cranny_plan::Statistics::default(),
+        });
+        let plan: PlanFile = serde_json::from_value(plan).unwrap();
+        PlanFile { segments: segments_of(&plan.waypoints, &[]), ..plan }
+    }
+
+    #[test]
+    fn a_plan_has_the_trajectory_that_its_timing_says() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let (plan, robot) = (plan(&scenario), &scenario.robot);
+        assert_eq!(plan.trajectory(robot, None).unwrap().unwrap().method(), TimingMethod::TimeOptimal);
+        let method = TimingMethod::JerkLimited;
+        let timing = PlanTiming {
+            method,
+            blended: false,
+            duration_s: 1.0,
+            waypoint_times_s: Vec::new(),
+            closing_s: None,
+        };
+        let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
+        assert_eq!(smooth.trajectory(robot, None).unwrap().unwrap().method(), method);
+        let none = PlanFile { waypoints: Vec::new(), segments: Vec::new(), ..plan };
+        assert!(
+            none.trajectory(robot, None).unwrap().is_none()
+                && none.audit(&problem, AuditSettings::default()).unwrap().is_none()
+        );
+    }
+
+    /// A hand does not close between two pieces of the way to the grasp, and a cell is asked only for cut corners.
+    #[test]
+    fn what_follows_the_closing_of_the_hand_is_timed_by_itself() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let plan = plan(&scenario);
+        let [start, end] = [plan.waypoints[0].clone(), plan.waypoints[1].clone()];
+        let segment = |mode, ends: [&Vec<f64>; 2]| {
+            let waypoints = ends.map(Clone::clone).to_vec();
+            PlanSegment::of(&Segment { mode, ..Segment::reach(waypoints, Vec::new()) })
+        };
+        let there = [segment(Mode::Reach, [&start, &end]), segment(Mode::Reach, [&end, &start])];
+        let back = [segment(Mode::LiftOff, [&start, &end]), segment(Mode::Carry, [&end, &start])];
+        let reaching = PlanFile { segments: there.to_vec(), ..plan };
+        assert_eq!(reaching.ways(), [vec![start.clone(), end.clone(), start.clone()], Vec::new()]);
+        let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
+        assert_eq!(carrying.ways()[1], [start.clone(), end, start]);
+        assert!(!carrying.is_blended());
+        let durations = |plan: &PlanFile| {
+            let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
+            (timed.reach().duration_s(), timed.onward().map(Trajectory::duration_s))
+        };
+        let (reach_s, none) = durations(&reaching);
+        assert_eq!((none, durations(&carrying)), (None, (reach_s, Some(reach_s))));
+        let problem = scenario.problem(Margins::default()).unwrap();
+        assert!(reaching.grip(&problem).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_plan_of_another_robot_is_refused_by_its_joint() {
+        let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+        let mut plan = plan(&scenario);
+        let path = Path::new("x.plan.json");
+        assert!(plan.check_joints(path, &scenario.robot).is_ok());
+        plan.joint_names[2] = "elbow".to_owned();
+        let fault = plan.check_joints(path, &scenario.robot).unwrap_err().to_string();
+        assert!(fault.starts_with("x.plan.json: the plan moves joint 'elbow' where"), "{fault}");
+    }
+}
