@@ -95,9 +95,9 @@ fn bad_input_is_refused_word_for_word() {
 
 /// The case with `message` in place of the one that it expected.
 fn rewrite(case: &Case, message: &[&str]) {
-    let head = case.head.iter().filter(|line| !line.starts_with("> ") && !line.is_empty());
-    let mut text: String = head.map(|line| format!("{line}\n")).collect();
-    text.extend(message.iter().map(|line| format!("> {line}\n")));
+    let head = case.head.iter().filter(|line| !line.starts_with("> ") && !line.is_empty()).cloned();
+    let lines: Vec<String> = head.chain(message.iter().map(|line| format!("> {line}"))).collect();
+    let mut text = lines.join("\n") + "\n";
     text.extend(case.files.iter().map(|(name, file)| format!("-- {name} --\n{file}")));
     fs::write(&case.path, text).expect("written");
 }

@@ -1,4 +1,4 @@
-//! Problems of MoveIt and MotionBenchMaker: scene, request and robot.
+//! Problems of MoveIt and `MotionBenchMaker`: scene, request and robot.
 
 pub(crate) mod error;
 pub(crate) mod export;
