@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use cranny_scenario::{OpenOptions, Scenario};
 
-/// A copy of a sound scenario, with one file changed.
+/// A copy of a sound scenario, to be spoilt. Faults of a single file are golden cases, in `crates/cli/tests/golden`.
 struct Copy {
     folder: tempfile::TempDir,
 }
@@ -23,16 +23,6 @@ impl Copy {
 
     fn path(&self, file: &str) -> PathBuf {
         self.folder.path().join(file)
-    }
-
-    /// What is said of the copy once `from` in `file` is `to`.
-    fn fault(&self, file: &str, from: &str, to: &str) -> String {
-        let text = fs::read_to_string(self.path(file)).unwrap();
-        assert!(text.contains(from), "{from}");
-        fs::write(self.path(file), text.replacen(from, to, 1)).unwrap();
-        let fault = self.open().unwrap_err().to_string();
-        fs::write(self.path(file), text).unwrap();
-        fault
     }
 
     fn open(&self) -> Result<Scenario, cranny_scenario::ScenarioError> {
