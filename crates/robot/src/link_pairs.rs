@@ -5,10 +5,10 @@ use crate::tree::Tree;
 use crate::urdf_model::Urdf;
 use crate::{Link, Mover, RobotError, Srdf};
 
-/// Two links with geometry are adjacent if the way between them through the tree meets no third one.
+/// Two links with geometry are adjacent if the way between them through the tree meets no third one, and at most one joint
+/// moves them against each other. Two arms on a bare torso are not, nor a gantry's frame and its tool beyond bare carriages.
 ///
-/// A parent and its child are. Bare links that hang together form a patch: the link with geometry above it is adjacent to
-/// each below, and two below only if at most one joint moves them against each other. Two arms on a bare torso are not.
+/// Bare links that hang together form a patch; which links with geometry are around one is found first.
 pub(crate) fn adjacent_pairs(links: &[Link], movers: &[Vec<Mover>]) -> Vec<(usize, usize)> {
     // A patch is known by its topmost link.
     let mut patch_of: Vec<usize> = (0..links.len()).collect();
@@ -23,15 +23,12 @@ pub(crate) fn adjacent_pairs(links: &[Link], movers: &[Vec<Mover>]) -> Vec<(usiz
             (true, true) => patch_of[index] = patch_of[parent],
         }
     }
-    for (&patch, neighbours) in &around {
+    for neighbours in around.values() {
         for (position, &first) in neighbours.iter().enumerate() {
-            let is_above = links[patch].parent == Some(first);
-            let hangs_with =
-                |second: &usize| is_above || joints_between(&movers[first], &movers[*second]) <= 1;
-            let others = neighbours[position + 1..].iter().copied().filter(hangs_with);
-            pairs.extend(others.map(|second| (first, second)));
+            pairs.extend(neighbours[position + 1..].iter().map(|&second| (first, second)));
         }
     }
+    pairs.retain(|&(first, second)| joints_between(&movers[first], &movers[second]) <= 1);
     sorted_pairs(pairs)
 }
 

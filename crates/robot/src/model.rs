@@ -125,8 +125,8 @@ impl Robot {
         &self.movers[link]
     }
 
-    /// Pairs of links with geometry between which there is no link with geometry, and which are one below the other or
-    /// moved against each other by at most one joint: `(low, high)`, sorted.
+    /// Pairs of links with geometry between which there is no link with geometry, and which at most one joint moves
+    /// against each other: `(low, high)`, sorted.
     pub fn adjacent_pairs(&self) -> &[(usize, usize)] {
         &self.adjacent_pairs
     }
