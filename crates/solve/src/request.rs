@@ -121,10 +121,11 @@ impl Request {
         }
         if let Some(carry) = &self.carry {
             check_end(&carry.end, problem)?;
-            if is_paper || !["reach", "grasp-reach"].contains(&planner.name()) {
+            if is_paper || !planner.asks_about_goals() {
+                let carriers = self.registry.carriers().join("`, `");
                 return refuse(
                     "carry",
-                    "only `reach` and `grasp-reach` under the exact criterion look for a way out".to_owned(),
+                    format!("only `{carriers}` under the exact criterion look for a way out"),
                 );
             }
             if self.optimise.is_some() {

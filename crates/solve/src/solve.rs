@@ -125,7 +125,14 @@ fn solve_once(
     if let Some(task) = task {
         task.tell_failures(&problem, &mut failures);
         (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.end()));
-        segments.extend(task.into_onward(is_shortened)?);
+        let onward = task.into_onward(is_shortened)?;
+        if onward.is_empty() && outcome == Outcome::Solved {
+            return Err(SolveError::Request {
+                field: "carry",
+                problem: format!("`{}` ends at a goal that it did not ask about", planner.name()),
+            });
+        }
+        segments.extend(onward);
     }
     let audit = match &segments[..] {
         [] => None,

@@ -49,6 +49,10 @@ impl Planner for GraspReach {
         true
     }
 
+    fn asks_about_goals(&self) -> bool {
+        true
+    }
+
     fn plan(
         &self,
         problem: &Problem,

@@ -18,6 +18,10 @@ impl Planner for Reach {
         Ok(())
     }
 
+    fn asks_about_goals(&self) -> bool {
+        true
+    }
+
     fn plan(
         &self,
         problem: &Problem,

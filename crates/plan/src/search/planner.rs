@@ -175,6 +175,12 @@ pub trait Planner: Send + Sync {
         false
     }
 
+    /// Whether it asks its observer about every grasp and every goal before it ends there ([`Observer::accepts_grasp`],
+    /// [`Observer::accepts_goal`]): an object can be carried on only from what such a planner finds.
+    fn asks_about_goals(&self) -> bool {
+        false
+    }
+
     /// Looks for a path.
     ///
     /// # Errors
