@@ -1,8 +1,10 @@
-//! Tells the program which commit it was built from, where git knows: results of campaigns name it.
+//! Tells the program what it was built for, and from which commit, where git knows: results of campaigns name it.
 
 use std::process::Command;
 
 fn main() {
+    let target = std::env::var("TARGET").unwrap_or_default();
+    println!("cargo::rustc-env=CRANNY_TARGET={target}");
     let git = |words: &[&str]| -> Option<String> {
         let output =
             Command::new("git").args(words).output().ok().filter(|output| output.status.success())?;

@@ -11,6 +11,7 @@ mod foreign_data;
 mod machine_paths;
 mod module_circles;
 mod module_names;
+mod notices;
 mod test_files;
 mod unsafe_code;
 mod walks;
@@ -38,11 +39,13 @@ pub fn run(generated: Generated) -> Result<bool, String> {
     let (root, members) = member::read_workspace()?;
     if generated == Generated::Write {
         crate_table::write(&root, &members)?;
+        notices::write(&root)?;
     }
     let files = checkout::read_files(&root)?;
     let data = released_data::folder()?;
 
     let mut problems = problems_of(&members, &files);
+    problems.extend(notices::check(&root, &files)?);
     match &data {
         Some(folder) => problems.extend(foreign_data::check(&files, folder)?),
         None => eprintln!("SKIPPED: tidy, comparison with the released data (set {})", released_data::DATA),

@@ -56,7 +56,7 @@ pub use question::Question;
 pub use replay::{Replay, replay, source_of};
 pub use results::{Merged, Results, Run, ScenarioSource};
 pub use run_information::RunInformation;
-pub use sandbox::Sandbox;
+pub use sandbox::{Sandbox, Walls};
 pub use scenario_choice::{ChosenScenario, choose_scenarios};
 pub use shard::{MOST_SHARDS, Shard};
 pub use simulated_grasp::SimulatedGrasp;

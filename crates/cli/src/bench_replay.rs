@@ -16,6 +16,7 @@ use crate::number_argument::whole;
 use crate::output_file;
 use crate::progress::{spinner, stop_on_interrupt};
 use crate::text;
+use crate::version::COMMIT;
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -79,7 +80,7 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
         worker: bench_worker::worker()?,
         workers: 1,
         memory_limit_bytes: MEMORY_LIMIT_BYTES,
-        information: RunInformation::here(bench_worker::COMMIT, "", 1),
+        information: RunInformation::here(COMMIT, "", 1),
         sandbox: arguments.sandbox,
         again: Vec::new(),
     };

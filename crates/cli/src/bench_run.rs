@@ -23,6 +23,7 @@ use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
 use crate::output_file;
 use crate::progress::{bar, spinner, stop_on_interrupt};
 use crate::text;
+use crate::version::COMMIT;
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -186,7 +187,7 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
         worker: bench_worker::worker()?,
         workers,
         memory_limit_bytes: campaign.memory_limit_bytes,
-        information: RunInformation::here(bench_worker::COMMIT, &command, workers),
+        information: RunInformation::here(COMMIT, &command, workers),
         sandbox: arguments.sandbox,
         again: arguments.again.clone(),
     };

@@ -5,9 +5,6 @@ use strum::VariantArray as _;
 
 use crate::failure::Failure;
 
-/// The commit that this program was built from.
-pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
-
 /// Parses which walls the programs of others run within.
 pub fn sandbox(text: &str) -> Result<Sandbox, String> {
     let known = || Sandbox::VARIANTS.iter().map(|sandbox| sandbox.name()).collect::<Vec<_>>().join(", ");

@@ -2,13 +2,16 @@ use clap::{Parser, Subcommand};
 
 use crate::arguments::{IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments};
 use crate::bench::BenchArguments;
+use crate::completions::CompletionsArguments;
 use crate::grasps::GraspsArguments;
+use crate::manual::ManualArguments;
 use crate::object::ObjectArguments;
 use crate::render::RenderArguments;
 use crate::roadmap::RoadmapArguments;
 use crate::robot::RobotArguments;
 use crate::scenario::ScenarioArguments;
 use crate::simulate::SimulateArguments;
+use crate::version;
 use crate::view::ViewArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
@@ -19,7 +22,9 @@ use crate::view::ViewArguments;
 /// Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
 #[derive(Debug, Parser)]
 #[command(
+    name = "cranny",
     version,
+    long_version = version::long(),
     max_term_width = 100,
     after_help = "Examples:
   cranny plan 021                      plan a grasp in a built-in scenario
@@ -67,4 +72,12 @@ pub enum Command {
     Render(Box<RenderArguments>),
     /// Look at a scenario and at plans in the browser
     View(ViewArguments),
+    /// Say what is here and what is missing, and try whether plans and proofs are what they should be
+    Doctor,
+    /// Print what makes a shell complete commands and flags
+    Completions(CompletionsArguments),
+    /// Print or write the manual pages
+    Man(ManualArguments),
+    /// Print the licences of Cranny and of all that is in this program
+    Licences,
 }

@@ -45,6 +45,8 @@ pub enum FileKind {
     Experiment,
     /// The model of one, as MuJoCo reads it.
     Mjcf,
+    /// `cranny man`.
+    Manual,
 }
 
 impl FileKind {
@@ -75,6 +77,7 @@ impl FileKind {
             Self::Recording => "recording",
             Self::Experiment => "simulated experiment",
             Self::Mjcf => "MJCF model",
+            Self::Manual => "manual page of Cranny",
         }
     }
 
@@ -110,6 +113,7 @@ impl FileKind {
             Self::Recording => is_object_with(&["format"]) && text.contains("\"cranny-recording/"),
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
+            Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
             // `OMPL version 1.7`, or of another library, then the experiment.
             Self::OmplLog => {
                 let mut lines = text.lines();

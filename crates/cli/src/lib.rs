@@ -12,6 +12,8 @@ mod bench_status;
 mod bench_worker;
 mod cluster_folder;
 mod command;
+mod completions;
+mod doctor;
 mod failure;
 mod file_kind;
 mod grasp_choice;
@@ -19,7 +21,9 @@ mod grasp_subject;
 mod grasps;
 mod ik;
 mod info;
+mod licences;
 mod list;
+mod manual;
 mod number_argument;
 mod object;
 mod output_file;
@@ -49,6 +53,7 @@ mod start;
 mod task;
 mod text;
 mod verify;
+mod version;
 mod view;
 
 use std::io::Write;
@@ -71,7 +76,7 @@ enum Answer {
 /// The whole command, with the planners of a registry: what the program `cranny` is with [`Registry::default`], and what a
 /// program of one's own is with a planner more.
 pub fn main(registry: &Registry) -> ExitCode {
-    let matches = with_negative_numbers(Cli::command()).get_matches();
+    let matches = whole_command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|fault| fault.exit());
     if cli.large_files {
         cranny_file::lift_limits();
@@ -91,6 +96,10 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Roadmap(arguments) => roadmap::run(arguments, cli.output),
         Chosen::Render(arguments) => render::run(arguments, registry, cli.output),
         Chosen::View(arguments) => view::run(arguments, registry, cli.output),
+        Chosen::Doctor => doctor::run(cli.output),
+        Chosen::Completions(arguments) => completions::run(*arguments, whole_command()),
+        Chosen::Man(arguments) => manual::run(arguments, whole_command(), cli.output),
+        Chosen::Licences => licences::run(),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,
@@ -101,6 +110,10 @@ pub fn main(registry: &Registry) -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+fn whole_command() -> Command {
+    with_negative_numbers(Cli::command())
 }
 
 /// With every flag taking a negative number for what it is, so that `--count -1` hears of its range and not that

@@ -14,6 +14,11 @@ pub enum TaskState {
     Waiting,
 }
 
+/// Whether its commands are on this machine.
+pub fn is_there() -> bool {
+    Command::new("sbatch").arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
 /// Hands a script over, and returns the number of its job.
 pub fn submit(options: &[String], script: &Path) -> Result<String, Failure> {
     let mut command = Command::new("sbatch");

@@ -22,7 +22,7 @@ pub fn answer(
 
 /// Prints one JSON document on standard output.
 pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
-    write(&json(document)?)
+    write(json(document)?.as_bytes())
 }
 
 /// A JSON document as it is printed or written to a file.
@@ -32,7 +32,12 @@ pub fn json(document: &impl Serialize) -> Result<String, Failure> {
 
 /// Prints text on standard output, what a terminal would obey made visible: names come from files.
 pub fn print(text: &str) -> Result<(), Failure> {
-    write(&visible(text))
+    write(visible(text).as_bytes())
+}
+
+/// Prints what another program reads, unchanged.
+pub fn print_as_it_is(content: &[u8]) -> Result<(), Failure> {
+    write(content)
 }
 
 /// Says something beside the answer, on standard error.
@@ -41,8 +46,8 @@ pub fn note(text: &str) -> Result<(), Failure> {
 }
 
 /// A reader that has gone away is no failure.
-fn write(text: &str) -> Result<(), Failure> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+fn write(content: &[u8]) -> Result<(), Failure> {
+    match std::io::stdout().lock().write_all(content) {
         Err(fault) if fault.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => Ok(other?),
     }

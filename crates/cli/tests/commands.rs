@@ -276,3 +276,77 @@ fn trials_with_and_without_a_set_of_grasps_stand_apart() {
     let replayed = cranny(folder.path(), &["bench", "replay", "results.db", "1"]);
     assert_eq!(replayed.status.code(), Some(0), "{}", String::from_utf8_lossy(&replayed.stderr));
 }
+
+#[test]
+fn the_version_says_what_a_report_of_a_fault_needs() {
+    let folder = folder();
+    let said = cranny(folder.path(), &["--version"]);
+    let text = String::from_utf8_lossy(&said.stdout);
+    assert!(text.starts_with(concat!("cranny ", env!("CARGO_PKG_VERSION"), "\n")), "{text}");
+    for word in ["commit: ", "target: ", "vectors: "] {
+        assert!(text.contains(word), "no '{word}' in {text}");
+    }
+    let short = cranny(folder.path(), &["-V"]);
+    assert_eq!(String::from_utf8_lossy(&short.stdout).lines().count(), 1);
+}
+
+/// Guards the promise "repeatable to the byte": the digest in `doctor.rs` is that of every machine.
+#[test]
+fn the_doctor_finds_plans_proofs_and_every_vector_instruction_sound() {
+    let folder = folder();
+    let levels = cranny_spatial::simd_levels();
+    for (level, _) in levels {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        let said = command.env("CRANNY_SIMD", level).args(["doctor", "--json"]).output().expect("it runs");
+        let findings = json(&said);
+        assert_eq!(said.status.code(), Some(0), "{findings:#}");
+        has_keys(&findings, "version commit target vectors cores parts checks sound");
+        assert_eq!((&findings["vectors"], &findings["sound"]), (&level.into(), &true.into()));
+        assert_eq!(findings["checks"].as_array().map(Vec::len), Some(4));
+    }
+    let said = cranny(folder.path(), &["doctor", "--quiet"]);
+    assert!(String::from_utf8_lossy(&said.stdout).contains("All is as it should be."));
+}
+
+#[test]
+fn shells_complete_every_command() {
+    let folder = folder();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let said = cranny(folder.path(), &["completions", shell]);
+        let script = String::from_utf8_lossy(&said.stdout);
+        assert_eq!(said.status.code(), Some(0));
+        for word in ["cranny", "doctor", "simulate", "grasp-margin"] {
+            assert!(script.contains(word), "no '{word}' for {shell}");
+        }
+    }
+    assert_eq!(cranny(folder.path(), &["completions", "dos"]).status.code(), Some(2));
+}
+
+#[test]
+fn every_command_has_a_manual_page_and_nothing_else_is_written_over() {
+    let folder = folder();
+    let page = cranny(folder.path(), &["man"]);
+    assert!(String::from_utf8_lossy(&page.stdout).contains(".TH cranny 1"));
+    let pages = folder.path().join("man1");
+    for _ in 0..2 {
+        assert_eq!(cranny(folder.path(), &["man", "-o", "man1"]).status.code(), Some(0));
+    }
+    for name in ["cranny.1", "cranny-plan.1", "cranny-bench-run.1", "cranny-doctor.1"] {
+        assert!(pages.join(name).is_file(), "no {name}");
+    }
+    std::fs::write(pages.join("cranny-plan.1"), "my notes").expect("written");
+    std::fs::write(pages.join("cranny.1"), "").expect("written");
+    assert_eq!(cranny(folder.path(), &["man", "-o", "man1"]).status.code(), Some(2));
+    assert_eq!(std::fs::read(pages.join("cranny.1")).expect("read"), b"");
+    assert_eq!(std::fs::read(pages.join("cranny-plan.1")).expect("read"), b"my notes");
+}
+
+#[test]
+fn the_licences_of_others_go_with_the_program() {
+    let folder = folder();
+    let said = cranny(folder.path(), &["licences"]);
+    let text = String::from_utf8_lossy(&said.stdout);
+    for word in ["Cranny (MIT)", "Apache License", "three.js", "rapier3d-f64", "parry3d-f64", "nalgebra"] {
+        assert!(text.contains(word), "no '{word}'");
+    }
+}

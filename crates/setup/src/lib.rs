@@ -26,3 +26,4 @@ pub use self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
 pub use setup::RobotSetup;
 pub use setup_options::Base;
 pub use setup_options::SetupOptions;
+pub use xacro::has_xacro;

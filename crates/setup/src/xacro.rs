@@ -3,14 +3,26 @@ use std::process::{Command, Stdio};
 
 use crate::SetupError;
 
+/// How it is called.
+const TOOLS: [(&str, &[&str]); 2] = [("xacro", &[]), ("python3", &["-m", "xacro"])];
+
+/// Whether Python's `xacro` is installed, which robots in `.xacro` files need.
+pub fn has_xacro() -> bool {
+    let answers = |(program, arguments): &(&str, &[&str])| {
+        let mut command = Command::new(program);
+        command.args(*arguments).arg("--help").stdin(Stdio::null());
+        command.output().is_ok_and(|output| output.status.success())
+    };
+    TOOLS.iter().any(answers)
+}
+
 /// What Python's `xacro` makes of a file.
 ///
 /// # Errors
 /// [`SetupError::Xacro`] where it is not installed, or fails.
 pub(crate) fn expand(path: &Path) -> Result<String, SetupError> {
     let failed = |reason: String| SetupError::Xacro { path: path.to_owned(), reason };
-    let tools: [(&str, &[&str]); 2] = [("xacro", &[]), ("python3", &["-m", "xacro"])];
-    for (program, arguments) in tools {
+    for (program, arguments) in TOOLS {
         let run = Command::new(program).args(arguments).arg(path).stdin(Stdio::null()).output();
         let Ok(output) = run else { continue };
         let said = String::from_utf8_lossy(&output.stderr);

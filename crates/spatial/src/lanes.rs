@@ -7,12 +7,21 @@ use fearless_simd::{Level, Simd, f32x16, i32x16};
 /// variable `CRANNY_SIMD` names (`sse2`, `avx2`, `avx512`), where the machine has them. Results are the same
 /// bits with all of them.
 pub fn simd_level() -> Level {
-    static LEVEL: OnceLock<Level> = OnceLock::new();
+    named_level().1
+}
+
+/// What [`simd_level`] is called in [`simd_levels`].
+pub fn simd_level_name() -> &'static str {
+    named_level().0
+}
+
+fn named_level() -> (&'static str, Level) {
+    static LEVEL: OnceLock<(&str, Level)> = OnceLock::new();
     *LEVEL.get_or_init(|| {
-        let named = std::env::var("CRANNY_SIMD").ok().and_then(|asked| {
-            simd_levels().into_iter().find(|(name, _)| *name == asked).map(|(_, level)| level)
-        });
-        named.unwrap_or_else(Level::new)
+        let levels = simd_levels();
+        let asked = std::env::var("CRANNY_SIMD").ok();
+        let named = asked.and_then(|asked| levels.iter().find(|(name, _)| *name == asked).copied());
+        named.unwrap_or_else(|| (levels.last().map_or("widest", |(name, _)| name), Level::new()))
     })
 }
 

@@ -8,8 +8,8 @@ mod trigonometry;
 
 pub use difference::PoseDifference;
 pub use lanes::{
-    LANES, LaneArray, LaneVector, MOST_TURN_IN_LANES_RAD, SINE_ERROR_IN_LANES, simd_level, simd_levels,
-    sin_cos_lanes,
+    LANES, LaneArray, LaneVector, MOST_TURN_IN_LANES_RAD, SINE_ERROR_IN_LANES, simd_level, simd_level_name,
+    simd_levels, sin_cos_lanes,
 };
 pub use random::{Stream, other_seed};
 pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, FARTHEST_M, ROUNDING_M};

@@ -47,6 +47,9 @@ mod tree_recording;
 mod verdict;
 mod welding;
 
+/// The licences of Cranny and of all that its programs, its Python package and the viewer's page are made of.
+pub const NOTICES: &str = include_str!("../NOTICES.txt");
+
 pub use camera::{Camera, StandardView};
 pub use clearance_profile::ClearanceProfile;
 pub use colour::Colour;

@@ -1,0 +1,26 @@
+use clap::{Args, Command};
+use clap_complete::Shell;
+
+use crate::Answer;
+use crate::failure::Failure;
+use crate::text;
+
+#[derive(Clone, Copy, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny completions bash > ~/.local/share/bash-completion/completions/cranny
+  cranny completions zsh > ~/.zfunc/_cranny            (with ~/.zfunc in fpath)
+  cranny completions fish > ~/.config/fish/completions/cranny.fish")]
+pub struct CompletionsArguments {
+    /// Which shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+/// Prints what makes a shell complete the words of `command`.
+pub fn run(arguments: CompletionsArguments, mut command: Command) -> Result<Answer, Failure> {
+    let mut script = Vec::new();
+    let name = command.get_name().to_owned();
+    clap_complete::generate(arguments.shell, &mut command, name, &mut script);
+    text::print_as_it_is(&script)?;
+    Ok(Answer::Done)
+}
