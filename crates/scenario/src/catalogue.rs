@@ -97,7 +97,7 @@ pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, S
     let texts = Texts {
         folder: format!("scenarios/{id}").into(),
         scenario: entry.scenario.to_owned(),
-        grasps: entry.grasps.to_owned(),
+        grasps: Some(entry.grasps.to_owned()),
         ik: None,
     };
     Some(own::open_texts(id.to_owned(), &texts, options))

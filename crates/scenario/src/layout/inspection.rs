@@ -10,7 +10,7 @@ use cranny_spatial::Pose;
 use crate::files::number_table;
 use crate::files::yaml;
 use crate::layout::archive::Unpacked;
-use crate::layout::own::{FILE, GRASPS_FILE, IK_FILE, Layout};
+use crate::layout::own::{FILE, GRASPS_FILE, IK_FILE, Layout, is_there};
 use crate::layout::own_file::ScenarioFile;
 use crate::{OpenOptions, Scenario, ScenarioError};
 
@@ -56,8 +56,13 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
     }
     let mut faults = Vec::new();
     let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
+    let has_target = legible.as_ref().is_some_and(|legible| legible.file.target.is_some());
     let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
-    check_grasps(&folder.join(GRASPS_FILE), &mut faults);
+    // Where there is something to grasp, the planner may make its own.
+    let grasps = folder.join(GRASPS_FILE);
+    if !has_target || is_there(&grasps)? {
+        check_grasps(&grasps, &mut faults);
+    }
     let dof = robot.flatten().map(|robot| robot.dof());
     check_ik(&folder.join(IK_FILE), dof, &mut faults);
     if faults.is_empty() {

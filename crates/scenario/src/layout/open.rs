@@ -18,11 +18,6 @@ pub fn is_scenario(what: &str) -> bool {
         || [own::FILE, released::FILE].iter().any(|file| folder.join(file).is_file())
 }
 
-/// Whether something is there; "no permission" is no "no".
-fn is_there(path: &Path) -> Result<bool, ScenarioError> {
-    cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
-}
-
 impl Scenario {
     /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
     /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
@@ -47,13 +42,13 @@ impl Scenario {
         } else if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
             let unpacked = Unpacked::open(folder)?;
             own::open(&unpacked.folder(), options)
-        } else if is_there(&folder.join(own::FILE))? {
+        } else if own::is_there(&folder.join(own::FILE))? {
             own::open(folder, options)
-        } else if is_there(&folder.join(released::FILE))? {
+        } else if own::is_there(&folder.join(released::FILE))? {
             released::open(folder, options)
         } else if folder.is_dir() {
             Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() })
-        } else if is_there(folder)? {
+        } else if own::is_there(folder)? {
             Err(ScenarioError::FileForFolder { path: folder.to_owned() })
         } else {
             let near = catalogue::near_ids(what);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT};
-use cranny_grasp::parse_csv;
+use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Rotation, Vector};
@@ -28,22 +28,30 @@ pub(crate) struct Texts {
     /// Also what errors name the files by.
     pub folder: PathBuf,
     pub scenario: String,
-    pub grasps: String,
+    /// `None`: no set of grasps is given, and planners make grasps of their own.
+    pub grasps: Option<String>,
     pub ik: Option<String>,
 }
 
 impl Texts {
-    /// Of a folder: `scenario.yaml`, `grasps.csv` and, if there is one, `ik.csv`.
+    /// Of a folder: `scenario.yaml` and, if they are there, `grasps.csv` and `ik.csv`.
     fn read(folder: &Path) -> Result<Self, ScenarioError> {
         let scenario = yaml::text(TEXT, &folder.join(FILE))?;
         let grasps = folder.join(GRASPS_FILE);
-        let grasps = TABLE
-            .text(&grasps)
-            .map_err(|reason| cranny_grasp::GraspError::Unreadable { path: grasps, reason })?;
+        let grasps = if is_there(&grasps)? { Some(grasps_text(&grasps)?) } else { None };
         let ik = folder.join(IK_FILE);
         let ik = if ik.is_file() { Some(yaml::text(TABLE, &ik)?) } else { None };
         Ok(Self { folder: folder.to_owned(), scenario, grasps, ik })
     }
+}
+
+/// Whether something is there; "no permission" is no "no".
+pub(crate) fn is_there(path: &Path) -> Result<bool, ScenarioError> {
+    cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
+}
+
+fn grasps_text(path: &Path) -> Result<String, GraspError> {
+    TABLE.text(path).map_err(|reason| GraspError::Unreadable { path: path.to_owned(), reason })
 }
 
 pub(crate) const GRASPS_FILE: &str = "grasps.csv";
@@ -92,6 +100,13 @@ pub(crate) fn open_texts(
         _ => Vec::new(),
     };
     let criterion = options.criterion.or(file.criterion).unwrap_or_default();
+    let grasps_file = folder.join(GRASPS_FILE);
+    let grasps = match &texts.grasps {
+        Some(text) => parse_csv(&grasps_file, text)?,
+        None if target.is_some() => GraspSet::default(),
+        // Without anything to grasp there is nothing to make grasps of.
+        None => parse_csv(&grasps_file, &grasps_text(&grasps_file)?)?,
+    };
     Scenario {
         id,
         criterion,
@@ -105,8 +120,8 @@ pub(crate) fn open_texts(
         target,
         target_source,
         given_physics,
-        grasps: parse_csv(&folder.join(GRASPS_FILE), &texts.grasps)?,
-        has_grasp_set: true,
+        grasps,
+        has_grasp_set: texts.grasps.is_some(),
         ik,
         export: None,
     }

@@ -43,7 +43,9 @@ impl Recipe {
                 }
             }
         }
-        write_into(folder, "grasps.csv", csv_text(&self.grasps))?;
+        if !self.grasps.is_empty() || self.target.is_none() {
+            write_into(folder, "grasps.csv", csv_text(&self.grasps))?;
+        }
         if !self.ik.is_empty() {
             write_into(folder, "ik.csv", configurations_text(&self.ik))?;
         }
