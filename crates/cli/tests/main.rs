@@ -26,6 +26,8 @@ mod moveit;
 mod optimisation;
 #[cfg(unix)]
 mod output_files;
+#[cfg(unix)]
+mod pages;
 mod pictures;
 mod roadmap;
 mod robots;
