@@ -35,10 +35,11 @@ export class Player {
   }
 
   private step(elapsed_s: number): boolean {
-    const { isPlaying, time_s, speed } = this.view.state;
+    const { isPlaying, isLooping, time_s, speed } = this.view.state;
     if (!isPlaying) return false;
     const next = Math.min(time_s + elapsed_s * speed, this.duration_s);
-    this.view.set({ time_s: next, isPlaying: next < this.duration_s });
+    const hasEnded = next >= this.duration_s;
+    this.view.set({ time_s: hasEnded && isLooping ? 0 : next, isPlaying: !hasEnded || isLooping });
     return this.view.state.isPlaying;
   }
 }

@@ -11,6 +11,7 @@ export function toHash(state: ViewState, canPlay = false): string {
   if (state.plan !== INITIAL.plan) put("plan", state.plan);
   if (canPlay || state.time_s !== INITIAL.time_s) put("t", rounded(state.time_s, 4));
   if (state.speed !== INITIAL.speed) put("speed", state.speed);
+  if (state.isLooping) put("loop", 1);
   const layers = Object.keys(INITIAL.layers) as Layer[];
   const on = layers.filter((layer) => state.layers[layer] && !INITIAL.layers[layer]);
   const off = layers.filter((layer) => !state.layers[layer] && INITIAL.layers[layer]);
@@ -34,6 +35,7 @@ export function fromHash(hash: string): Partial<ViewState> {
   if (plan !== null && Number.isInteger(plan) && plan >= 0) found.plan = plan;
   const time_s = number(asked.get("t"));
   if (time_s !== null && time_s >= 0) found.time_s = time_s;
+  if (asked.has("loop")) found.isLooping = true;
   const speed = number(asked.get("speed"));
   if (speed !== null && speed > 0 && speed <= 100) found.speed = speed;
   if (asked.has("show") || asked.has("hide")) {

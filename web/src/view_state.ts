@@ -28,6 +28,8 @@ export interface ViewState {
   plan: number;
   time_s: number;
   isPlaying: boolean;
+  /** Whether a motion begins again when it has ended. */
+  isLooping: boolean;
   /** Seconds of the path in a second of the clock. */
   speed: number;
   /** The robot as it was posed by hand; null: where the path has it. */
@@ -54,6 +56,7 @@ export const INITIAL: ViewState = {
   plan: 0,
   time_s: 0,
   isPlaying: false,
+  isLooping: false,
   speed: 1,
   q: null,
   layers: {

@@ -13,6 +13,7 @@ mod problem;
 mod python_package;
 mod python_tools;
 mod released_data;
+mod site;
 mod step;
 mod test;
 mod tidy;
@@ -28,11 +29,14 @@ Usage: cargo xtask <TASK>
 Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
                  web (the viewer's page in a browser), Python, pages
-  test --long    the same, with the tests that have a longer form in it, and a report's LaTeX
-                 compiled by pdflatex
+  test --long    the same, with the tests that have a longer form in it, the site, a report's LaTeX
+                 compiled by pdflatex, a planner from a crate outside, and checked arithmetic
+  site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,
+                 target/site/book; builds mdBook where it is not installed
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others
-  tidy --write   the same, after writing the generated parts (the crate table of ARCHITECTURE.md)
+  tidy --write   the same, after writing what is generated (the crate table of ARCHITECTURE.md, the
+                 licences of what the programs are made of)
   help           this text
 
 Environment:
@@ -61,6 +65,7 @@ enum Task {
     Help,
     Tidy { generated: tidy::Generated },
     Test { is_long: bool },
+    Site,
 }
 
 /// The task that `words` name, or what is wrong with them.
@@ -73,7 +78,10 @@ fn task_of(words: &[&str]) -> Result<Task, String> {
         ["tidy", "--write"] => Ok(Task::Tidy { generated: tidy::Generated::Write }),
         ["test"] => Ok(Task::Test { is_long: false }),
         ["test", "--long"] => Ok(Task::Test { is_long: true }),
-        ["tidy" | "test", rest @ ..] => Err(format!("`{}` does not take `{}`", words[0], rest.join(" "))),
+        ["site"] => Ok(Task::Site),
+        ["tidy" | "test" | "site", rest @ ..] => {
+            Err(format!("`{}` does not take `{}`", words[0], rest.join(" ")))
+        }
         [unknown, ..] => Err(format!("there is no task `{unknown}`")),
     }
 }
@@ -88,6 +96,7 @@ fn main() -> ExitCode {
         }
         Ok(Task::Tidy { generated }) => tidy::run(generated),
         Ok(Task::Test { is_long }) => test::run(is_long),
+        Ok(Task::Site) => test::build_site(),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };
     match outcome {
@@ -110,6 +119,7 @@ mod tests {
         assert_eq!(task_of(&["test", "--long"]), Ok(Task::Test { is_long: true }));
         assert_eq!(task_of(&["tidy"]), Ok(Task::Tidy { generated: tidy::Generated::Compare }));
         assert_eq!(task_of(&["tidy", "--write"]), Ok(Task::Tidy { generated: tidy::Generated::Write }));
+        assert_eq!(task_of(&["site"]), Ok(Task::Site));
         assert_eq!(task_of(&["help"]), Ok(Task::Help));
         assert_eq!(task_of(&["tidy", "--help"]), Ok(Task::Help));
     }

@@ -10,6 +10,7 @@ use crate::own_planner;
 use crate::python_package;
 use crate::python_tools;
 use crate::released_data;
+use crate::site;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
 use crate::web;
@@ -43,7 +44,8 @@ const STEPS: [Step; 9] = [
 ];
 
 /// The steps of a long run alone: what seldom breaks, or whose tools few have.
-const LONG_STEPS: [Step; 3] = [
+const LONG_STEPS: [Step; 4] = [
+    SITE,
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
     Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
     Step {
@@ -52,6 +54,19 @@ const LONG_STEPS: [Step; 3] = [
         action: checked_arithmetic::check,
     },
 ];
+
+const SITE: Step = Step { name: "site", needs: site::readiness, action: site::check };
+
+/// Builds the site alone; whether that succeeds.
+///
+/// # Errors
+/// If there is no workspace here.
+pub fn build_site() -> Result<bool, String> {
+    let (root, _) = member::read_workspace()?;
+    let python = python_tools::prepare(&root).ok();
+    let here = Surroundings { root, data: None, python, all_required: true, is_long: false };
+    Ok(step::run_all(&[SITE], &here).failed.is_none())
+}
 
 /// Whether all steps passed.
 ///

@@ -14,6 +14,7 @@ test("a view comes back from its link", () => {
     plan: 2,
     time_s: 1.25,
     speed: 0.5,
+    isLooping: true,
     q: [0.1, -2, 0.333333],
     layers: { ...INITIAL.layers, tree: true, collision: true, grasps: false },
     ghosts: 7,

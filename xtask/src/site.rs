@@ -1,0 +1,147 @@
+//! The site: the pages of `docs/` and `benchmarks/`, the reference of all commands, a gallery of live pages and the API, as
+//! one folder that loads nothing from elsewhere.
+//!
+//! 1. Pages are copied to `target/site/src` as they lie in the checkout, so that their links hold; links to files that are
+//!    no pages lead to the repository.
+//! 2. The program draws the gallery and says its help.
+//! 3. mdBook makes HTML of it; the API of Rust, and of Python where a wheel is installed, is put beside it.
+//! 4. Every link and every file that the result names must be there.
+
+mod links;
+mod stage;
+
+use std::path::Path;
+
+use crate::gltf;
+use crate::step::{self, Readiness, Surroundings};
+
+use self::stage::Stage;
+
+/// What makes the book; one version, because themes change.
+const MDBOOK: &str = "0.5.4";
+
+/// The pages, by part and in order; a page below another is indented.
+const SUMMARY: &str = "# Summary
+
+[Cranny](index.md)
+
+# Tutorials
+
+- [Your first plan](docs/first_plan.md)
+- [Your scene](docs/your_scene.md)
+- [Your object](docs/your_object.md)
+- [Your robot](docs/robots.md)
+- [Your planner](docs/your_planner.md)
+  - [Any program: the protocol](docs/exec_protocol.md)
+- [A campaign and its report](docs/your_campaign.md)
+  - [All of a campaign file](docs/campaigns.md)
+  - [On a cluster](docs/cluster.md)
+- [Carrying things out](docs/carrying_out.md)
+- [Physics](docs/physics.md)
+
+# Reference
+
+- [Gallery](docs/gallery.md)
+- [Commands](docs/commands.md)
+- [Files and formats](docs/files.md)
+  - [Recordings](docs/recordings.md)
+- [Planners](docs/planners.md)
+
+# Understanding
+
+- [How proofs work](docs/proofs.md)
+- [What Cranny does not claim](docs/limits.md)
+- [What is claimed, and where it is shown](docs/claims.md)
+";
+
+const BOOK: &str = r#"[book]
+title = "Cranny"
+language = "en"
+description = "Grasp and motion planning in confined spaces, as one: exact, proven, repeatable"
+
+[output.html]
+default-theme = "light"
+preferred-dark-theme = "navy"
+git-repository-url = "https://github.com/cranny-planning/cranny"
+no-section-label = true
+
+[output.html.print]
+enable = false
+
+[output.html.search]
+limit-results = 20
+"#;
+
+/// Node, because the live pages are part of the program only where it is.
+pub fn readiness(here: &Surroundings) -> Readiness {
+    gltf::readiness(here)
+}
+
+/// Builds the site into `target/site/book`.
+///
+/// # Errors
+/// If a tool or a page fails, or a link leads nowhere.
+pub fn check(here: &Surroundings) -> Result<(), String> {
+    let mdbook = mdbook(here)?;
+    step::succeed(here.cargo(&["build", "--release", "--quiet"]))?;
+    let site = here.root.join("target/site");
+    let source = site.join("src");
+    let _ = std::fs::remove_dir_all(&site);
+    let mut stage = Stage { here, source: &source, summary: SUMMARY.to_owned() };
+    stage.copy_pages()?;
+    stage.draw_gallery()?;
+    stage.write_commands()?;
+    stage.write_lists()?;
+    stage.finish(BOOK)?;
+    let folder = site.display().to_string();
+    step::succeed(here.command(mdbook, &["build", &folder]))?;
+    let book = site.join("book");
+    api_of_rust(here, &book)?;
+    api_of_python(here, &book)?;
+    let pages = links::check(&book)?;
+    println!("site: {pages} pages in {}", book.display());
+    Ok(())
+}
+
+/// mdBook on this machine, or in `target`, where it is built once.
+fn mdbook(here: &Surroundings) -> Result<String, String> {
+    let version = |program: &str| {
+        let output = here.command(program, &["--version"]).output().ok()?;
+        String::from_utf8(output.stdout).ok()
+    };
+    let own = here.root.join("target/tools");
+    for program in ["mdbook".to_owned(), own.join("bin/mdbook").display().to_string()] {
+        if version(&program).is_some_and(|said| said.contains(MDBOOK)) {
+            return Ok(program);
+        }
+    }
+    println!("==> mdBook {MDBOOK}, into target/tools");
+    let root = own.display().to_string();
+    let words = ["install", "--quiet", "--locked", "--no-default-features", "--features", "search"];
+    let words = [&words[..], &["--version", MDBOOK, "--root", &root, "mdbook"]].concat();
+    step::succeed(here.cargo(&words))?;
+    Ok(own.join("bin/mdbook").display().to_string())
+}
+
+fn api_of_rust(here: &Surroundings, book: &Path) -> Result<(), String> {
+    step::succeed(here.cargo(&["doc", "--release", "--no-deps", "--workspace", "--quiet"]))?;
+    stage::copy_folder(&here.root.join("target/doc"), &book.join("api"))
+}
+
+/// From the package that the tests installed.
+fn api_of_python(here: &Surroundings, book: &Path) -> Result<(), String> {
+    let python = here.python.as_ref().map(|python| python.display().to_string());
+    let Some(python) = python.filter(|python| {
+        here.command(python, &["-c", "import cranny, pdoc"])
+            .output()
+            .is_ok_and(|output| output.status.success())
+    }) else {
+        eprintln!("SKIPPED: the API of Python (the package is not installed: run `cargo xtask test` first)");
+        let folder = book.join("api/python");
+        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+        let page = "<!doctype html><title>Python</title><p>This copy of the site was built without the Python package.";
+        return std::fs::write(folder.join("cranny.html"), page).map_err(|error| error.to_string());
+    };
+    let folder = book.join("api/python").display().to_string();
+    step::succeed(here.command(python, &["-m", "pdoc", "--output-directory", &folder, "cranny"]))
+}
