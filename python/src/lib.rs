@@ -43,9 +43,17 @@ mod trajectory;
 mod verification;
 mod whole;
 
+/// The licences of Cranny and of all that this package is made of.
+#[pyo3::pyfunction]
+fn licences() -> &'static str {
+    cranny_view::NOTICES
+}
+
 /// What the package `cranny` is made of.
 #[pyo3::pymodule]
 mod _cranny {
+    #[pymodule_export]
+    use super::licences;
     #[pymodule_export]
     use crate::body::PyBody;
     #[pymodule_export]

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
-use cranny_plan::{Criterion, Problem};
+use cranny_plan::{Criterion, Goal, Problem};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, Scenario, TargetPhysics, catalogue, write_moveit_scene,
+    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, catalogue, write_moveit_scene,
 };
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
@@ -14,7 +14,7 @@ use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBytes, PyDict};
 
-use crate::array::{configuration, copied, pose_or_translation, rows, shaped};
+use crate::array::{Configurations, configuration, copied, pose_or_translation, rows, shaped};
 use crate::body::PyBody;
 use crate::cell::PyCell;
 use crate::fault::{bad_value, fault};
@@ -41,6 +41,8 @@ pub struct PyScenario {
     pub geometry: Option<Geometry>,
     /// The grasps that were asked for.
     pub given_grasps: GivenGrasps,
+    /// The configurations to reach, any of them, in place of the grasps.
+    goals: Option<Vec<Vec<f64>>>,
     made: Made,
 }
 
@@ -77,7 +79,74 @@ impl PyScenario {
             },
         )?;
         let made = Made::opened(py.get_type::<Self>().as_any(), (what,), &keywords)?;
-        Ok(Self { scenario: Arc::new(scenario), robot_file: robot, geometry, given_grasps, made })
+        Ok(Self {
+            scenario: Arc::new(scenario),
+            robot_file: robot,
+            geometry,
+            given_grasps,
+            goals: None,
+            made,
+        })
+    }
+
+    /// A scenario of a robot among bodies, in the planning frame. `start`: (dof,), m or rad; None: the robot's own.
+    /// `target`: the name of the body that is to be grasped. `grasps`: how; None: planners make grasps of their own.
+    /// Without a target, say with `with_goals` or `with_grasps` where to go. `name`: what plans and pictures call it.
+    #[staticmethod]
+    #[pyo3(signature = (robot, bodies, *, start=None, target=None, grasps=None, name="scene"))]
+    fn of<'py>(
+        robot: &Bound<'py, PyRobot>,
+        bodies: Vec<Bound<'py, PyBody>>,
+        start: Option<&Bound<'py, PyAny>>,
+        target: Option<&str>,
+        grasps: Option<&Bound<'py, PyGrasps>>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let keywords = PyDict::new(robot.py());
+        keywords.set_item("start", start.map(copied).transpose()?)?;
+        keywords.set_item("target", target)?;
+        keywords.set_item("grasps", grasps)?;
+        keywords.set_item("name", name)?;
+        let all: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
+        let place = |name: &str| all.iter().position(|body| body.name == name);
+        if let Some(twice) = all.iter().enumerate().find(|(at, body)| place(&body.name) != Some(*at)) {
+            return Err(bad_value(format!("two bodies are called '{}'", twice.1.name)));
+        }
+        let target = target
+            .map(|name| place(name).ok_or_else(|| bad_value(format!("target: no body is called '{name}'"))))
+            .transpose()?;
+        let own_robot = robot.get().robot.clone();
+        let start = match (start, own_robot.default_start()) {
+            (Some(start), _) => configuration(start, "start", &own_robot)?,
+            (None, Some(start)) => start.to_vec(),
+            (None, None) => {
+                return Err(bad_value("start: the robot has none of its own; say where it starts"));
+            }
+        };
+        let scenario = Scenario {
+            id: name.to_owned(),
+            criterion: Criterion::Exact,
+            robot: own_robot,
+            robot_source: RobotSource::Other,
+            world: World::new(all).map_err(fault)?,
+            target,
+            target_source: None,
+            given_physics: TargetPhysics::default(),
+            start: start.clone(),
+            grasps: grasps.map(|grasps| grasps.get().set.clone()).unwrap_or_default(),
+            has_grasp_set: grasps.is_some() || target.is_none(),
+            ik: Vec::new(),
+            export: None,
+        };
+        let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;
+        Ok(Self {
+            scenario: Arc::new(scenario.with_start(start).map_err(fault)?),
+            robot_file: None,
+            geometry: None,
+            given_grasps: GivenGrasps::Own,
+            goals: None,
+            made,
+        })
     }
 
     /// Opens the scenario at `path`: a folder or a packed `.zip`, never a built-in one.
@@ -189,17 +258,30 @@ impl PyScenario {
         Self::altered(slf, scenario, ("with_object_moved", copied(motion)?))
     }
 
-    /// The same scenario with other grasps.
+    /// The same scenario, to be solved by reaching one of these configurations, (dof,) or (K, dof), in place of a grasp.
+    fn with_goals<'py>(slf: &Bound<'py, Self>, goals: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let own = slf.get();
+        let robot = &own.scenario.robot;
+        let rows = Configurations::read(goals, "goals", robot)?.rows(robot.dof())?;
+        let altered = Self::altered(slf, (*own.scenario).clone(), ("with_goals", copied(goals)?))?;
+        Ok(Self { goals: Some(rows), ..altered })
+    }
+
+    /// The same scenario with other grasps. Each is a pose of the gripper frame: without a target, a pose to reach.
     fn with_grasps<'py>(slf: &Bound<'py, Self>, grasps: &Bound<'py, PyGrasps>) -> PyResult<Self> {
         let scenario = slf.get().scenario.with_grasps(grasps.get().set.clone());
-        Self::altered(slf, scenario, ("with_grasps", grasps))
+        Ok(Self { goals: None, ..Self::altered(slf, scenario, ("with_grasps", grasps))? })
     }
 
     /// The same scenario without a set of grasps: `plan` then makes a grasp of its own (`plan.own_grasp`), which is judged by
     /// its contacts on the target's mesh and by whether the fingers can close on it.
     fn without_grasps(slf: &Bound<'_, Self>) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_grasps();
-        Ok(Self { given_grasps: GivenGrasps::None, ..Self::altered(slf, scenario, ("without_grasps",))? })
+        Ok(Self {
+            given_grasps: GivenGrasps::None,
+            goals: None,
+            ..Self::altered(slf, scenario, ("without_grasps",))?
+        })
     }
 
     /// The same scenario from another start, (dof,).
@@ -313,12 +395,18 @@ impl PyScenario {
         } else {
             own.given_grasps.clone()
         };
-        Self { scenario: Arc::new(scenario), robot_file, geometry, given_grasps, made: Made::UNKNOWN }
+        let goals = own.goals.clone();
+        Self { scenario: Arc::new(scenario), robot_file, geometry, given_grasps, goals, made: Made::UNKNOWN }
     }
 
     /// The problem to plan for.
     pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
-        self.scenario.problem(margins).map_err(fault)
+        self.with_its_goals(self.scenario.problem(margins).map_err(fault)?)
+    }
+
+    fn with_its_goals(&self, problem: Problem) -> PyResult<Problem> {
+        let Some(goals) = &self.goals else { return Ok(problem) };
+        problem.with_goal(Goal::Configurations(goals.clone())).map_err(fault)
     }
 
     /// The same under `exact`, whatever the criterion of the scenario.

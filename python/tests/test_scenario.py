@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import cranny
@@ -135,3 +136,57 @@ def test_batches_give_what_their_rows_give(cell: cranny.Cell, scenario: cranny.S
     assert cell.is_free(near.astype(np.float32)).shape == (400,)
     assert np.array_equal(cell.is_free(np.asfortranarray(near)), free)
     assert np.array_equal(cell.is_free(near[::2]), free[::2])
+
+
+def test_a_scenario_is_made_of_a_robot_and_bodies_and_survives_a_pickle() -> None:
+    robot = cranny.Robot.panda_mobile()
+    board = cranny.Body.box("board", [0.4, 0.8, 0.02], [0.9, 0, 0.55])
+    can = cranny.Body.cylinder("can", 0.03, 0.12, [0.8, 0, 0.62])
+    scene = cranny.Scenario.of(robot, [board, can, cranny.Body.floor(-0.05)], target="can")
+    assert (scene.id, len(scene.world), len(scene.grasps)) == ("scene", 3, 0)
+    assert scene.target is not None and scene.target.name == "can"
+    made = cranny.plan(scene)
+    assert made and made.own_grasp is not None and made.verify()
+    again = pickle.loads(pickle.dumps(scene))
+    np.testing.assert_array_equal(cranny.plan(again).path, made.path)
+
+    pose = made.own_grasp["world_from_gripper"]
+    given = scene.with_grasps(cranny.Grasps(np.array([pose])))
+    reached = cranny.plan(given)
+    assert reached.solved and reached.grasp == 0
+
+
+def test_a_configuration_or_a_pose_is_a_goal_too() -> None:
+    robot = cranny.Robot.panda_mobile()
+    post = cranny.Body.box("post", [0.1, 0.1, 1.5], [0.4, 0, 0.75])
+    begin, end = np.array(cranny.Scenario("021").start), np.array(cranny.Scenario("021").start)
+    begin[0], end[0] = -0.9, 0.9
+    scene = cranny.Scenario.of(robot, [post], start=begin, name="post")
+    with pytest.raises(ValueError):
+        cranny.plan(scene)
+    to_one = cranny.plan(scene.with_goals(end))
+    assert to_one.solved and to_one.verify()
+    np.testing.assert_array_equal(to_one.path[-1], end)
+    blocked = end.copy()
+    blocked[1] = 99.0
+    either = cranny.plan(pickle.loads(pickle.dumps(scene.with_goals([blocked, end]))))
+    np.testing.assert_array_equal(either.path[-1], end)
+    to_pose = cranny.plan(scene.with_grasps(cranny.Grasps(robot.fk(end)[None])))
+    assert to_pose.solved
+    np.testing.assert_allclose(robot.fk(to_pose.path[-1])[:3, 3], robot.fk(end)[:3, 3], atol=1e-3)
+
+
+def test_what_makes_no_scenario_is_refused_by_name() -> None:
+    robot, box = cranny.Robot.panda_mobile(), cranny.Body.box("box", [0.1, 0.1, 0.1], [2, 0, 0])
+    with pytest.raises(ValueError, match="two bodies are called 'box'"):
+        cranny.Scenario.of(robot, [box, box])
+    with pytest.raises(ValueError, match="target: no body is called 'can'"):
+        cranny.Scenario.of(robot, [box], target="can")
+    with pytest.raises(ValueError, match="start"):
+        cranny.Scenario.of(robot, [box], start=[0.0])
+    with pytest.raises(ValueError, match="goals"):
+        cranny.Scenario.of(robot, [box]).with_goals([[0.0]])
+
+
+def test_the_licences_of_others_go_with_the_package() -> None:
+    assert "three.js" in cranny.licences() and "pyo3" in cranny.licences()
