@@ -1,7 +1,8 @@
 //! Puts the built page of `web/` into the crate.
 //!
 //! 1. The folder that `CRANNY_WEB_DIST` names.
-//! 2. Else `web/dist`, if it is not older than what it is made of.
+//! 2. Else `page` in this crate, which a published one has and a checkout has not; else `web/dist`, if it is not older than
+//!    what it is made of.
 //! 3. Else a copy of `web/` is built by npm in the folder of this build; nothing is written beside the sources.
 //! 4. Else an older `web/dist`; else nothing, and `cranny view` says what to install.
 
@@ -37,6 +38,11 @@ fn main() {
         return copy(&dist, &page, &[]).expect("the page can be copied");
     }
     // 2.
+    let packed = folder("CARGO_MANIFEST_DIR").join("page");
+    if is_ready(&packed) {
+        println!("cargo::rerun-if-changed={}", packed.display());
+        return copy(&packed, &page, &[]).expect("the page can be copied");
+    }
     let dist = web.join("dist");
     let sources = sources(&web);
     for source in &sources {

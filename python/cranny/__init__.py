@@ -21,6 +21,7 @@ from cranny._cranny import (
     Contact,
     CrannyError,
     Grasps,
+    LivePage,
     Motion,
     MoveItProblem,
     Plan,
@@ -39,7 +40,7 @@ from cranny._cranny import (
     simulate_plan,
     verify_path,
 )
-from cranny.notebook import View
+from cranny.notebook import View, show
 from cranny.own_planner import Budget, Problem, planner
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "Contact",
     "CrannyError",
     "Grasps",
+    "LivePage",
     "Motion",
     "MoveItProblem",
     "Plan",
@@ -68,6 +70,7 @@ __all__ = [
     "ros",
     "sample_grasps",
     "scenario_ids",
+    "show",
     "simulate_grasps",
     "simulate_plan",
     "verify_path",

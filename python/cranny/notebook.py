@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import atexit
 import base64
 import html
 import os
+import tempfile
+import webbrowser
 from pathlib import Path
+from typing import Literal, overload
 
-from cranny._cranny import Plan, Scenario, moving_picture, page, picture
+from cranny._cranny import LivePage, Plan, Scenario, moving_picture, page, picture
 
 NOTEBOOK_RATE_HZ = 4
 """Pictures a second in a notebook: each takes some tenths of a second to draw."""
@@ -74,3 +78,40 @@ class View:
 
     def _repr_png_(self) -> bytes:
         return self.png()
+
+
+@overload
+def show(scenario: Scenario, plan: Plan | None = None, *, live: Literal[False] = False) -> View: ...
+@overload
+def show(scenario: Scenario, plan: Plan | None = None, *, live: Literal[True], open_browser: bool = True) -> LivePage: ...
+def show(
+    scenario: Scenario, plan: Plan | None = None, *, live: bool = False, open_browser: bool = True
+) -> View | LivePage:
+    """Shows a scenario, with a plan where one is given: a View, which a notebook draws.
+
+    With `live`, opens the viewer in the browser, and returns its page: `page.pose(q)` and `page.plan(plan)` show what
+    a script comes to, as it comes, `page.close()` (or the end of a `with`) ends it. `open_browser=False` leaves it at
+    `page.url`.
+
+    >>> import cranny
+    >>> scenario = cranny.Scenario("021")
+    >>> with cranny.show(scenario, live=True, open_browser=False) as page:
+    ...     for q in cranny.plan(scenario).path:
+    ...         page.pose(q)
+    """
+    if not live:
+        return View(scenario, plan)
+    served = LivePage(scenario, plan)
+    if open_browser:
+        _open(served.url)
+    return served
+
+
+def _open(url: str) -> None:
+    """By a file of the user's own: every user of the machine can read with which words a browser is called."""
+    number, name = tempfile.mkstemp(prefix="cranny-", suffix=".html")
+    with os.fdopen(number, "w", encoding="utf-8") as file:
+        file.write(f'<!doctype html><meta name="referrer" content="no-referrer">'
+                   f'<meta http-equiv="refresh" content="0; url={url}"><a href="{url}">Cranny</a>')
+    atexit.register(lambda: Path(name).unlink(missing_ok=True))
+    webbrowser.open(Path(name).as_uri())

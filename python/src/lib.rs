@@ -28,6 +28,7 @@ mod grasp_sampling;
 mod grasp_set;
 mod interrupt;
 mod json;
+mod live_page;
 mod moveit_problem;
 mod pickled;
 mod picture;
@@ -70,6 +71,8 @@ mod _cranny {
     use crate::grasp_sampling::sample_grasps;
     #[pymodule_export]
     use crate::grasp_set::{PyGrasps, restored_grasps};
+    #[pymodule_export]
+    use crate::live_page::PyLivePage;
     #[pymodule_export]
     use crate::moveit_problem::PyMoveItProblem;
     #[pymodule_export]

@@ -7,8 +7,8 @@ use cranny_plan::AuditSettings;
 use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_view::{
-    Animation, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings, ShownPath,
-    StandardView, ViewError,
+    Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
+    ShownPath, StandardView, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -98,27 +98,30 @@ pub fn moving_picture<'py>(
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
 pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<Option<String>> {
-    let html = py.detach(|| -> PyResult<_> {
-        let shown = &scenario.scenario;
-        let exact = scenario.exact_problem(Margins::default())?;
-        let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
-        let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
-            let timed = timed_in(shown, plan)?;
-            let problem = &plan.task.problem;
-            let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
-            let grip = plan.file.grip(problem).map_err(fault)?;
-            PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, grip)
-                .map_err(fault)
-        };
-        let plans = plan.map(of_plan).transpose()?;
-        let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
-        let page = PageData::of(shown, plans.as_slice(), cell, &statuses, PageSettings::default());
-        Ok(page.and_then(|page| page.html()))
-    });
+    let html = py.detach(|| page_of(scenario, plan).map(|(page, _)| page.html()));
     match html? {
         Err(ViewError::NoPage) => Ok(None),
         html => html.map(Some).map_err(fault),
     }
+}
+
+/// What the viewer's page shows of a scenario, and what postures are judged in.
+pub fn page_of(scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<(PageData, PageCells)> {
+    let shown = &scenario.scenario;
+    let exact = scenario.exact_problem(Margins::default())?;
+    let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
+    let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
+        let timed = timed_in(shown, plan)?;
+        let problem = &plan.task.problem;
+        let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
+        let grip = plan.file.grip(problem).map_err(fault)?;
+        PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, grip).map_err(fault)
+    };
+    let plans = plan.map(of_plan).transpose()?;
+    let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
+    let page =
+        PageData::of(shown, plans.as_slice(), cell, &statuses, PageSettings::default()).map_err(fault)?;
+    Ok((page, PageCells::of(cell.clone(), plans.as_slice())))
 }
 
 fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {

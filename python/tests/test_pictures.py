@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import threading
+import urllib.request
 from pathlib import Path
+from typing import Any
 
 import cranny
+import numpy as np
 import pytest
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -39,3 +44,35 @@ def test_the_object_of_a_plan_that_carries_it_home_is_seen_in_the_hand(scenario:
     carried, standing = scenario.show(plan, **show), scenario.show(**show)
     assert carried.png() != standing.png()
     assert carried.html().startswith(("<iframe", "<img"))
+
+
+def _asked(url: str) -> Any:
+    with urllib.request.urlopen(url, timeout=30) as answer:
+        return json.load(answer)
+
+
+def test_a_live_page_hears_postures_and_plans_as_they_come(scenario: cranny.Scenario) -> None:
+    plan = cranny.plan(scenario)
+    with cranny.show(scenario, live=True, open_browser=False) as page:
+        first = _asked(f"{page.url}page.json")
+        assert (first["name"], first["plans"], first["feed"], first["is_live"]) == (scenario.id, [], 0, True)
+        page.pose(plan.path[1])
+        news = _asked(f"{page.url}news?after=0")
+        assert (news["changes"], news["page"]) == (1, 0)
+        np.testing.assert_array_equal(news["q"], plan.path[1])
+        threading.Timer(0.3, lambda: page.plan(plan)).start()
+        news = _asked(f"{page.url}news?after=1")
+        assert (news["changes"], news["page"], news["q"]) == (2, 1, None)
+        second = _asked(f"{page.url}page.json")
+        assert len(second["plans"]) == 1 and second["feed"] == 1
+        with pytest.raises(ValueError, match="q"):
+            page.pose([0.0])
+    with pytest.raises(ValueError, match="closed"):
+        page.pose(None)
+    page.close()
+    with pytest.raises(OSError):
+        _asked(f"{page.url}page.json")
+
+
+def test_a_scenario_that_is_shown_is_a_view(scenario: cranny.Scenario) -> None:
+    assert isinstance(cranny.show(scenario), cranny.View)

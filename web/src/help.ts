@@ -14,6 +14,7 @@ const MOTION: [string, string][] = [
 const VIEW: [string, string][] = [
   ...STANDARD_VIEWS.map(({ key, name }): [string, string] => [key, `${name} view`]),
   ["l", "Copy a link to this view"],
+  ["r", "Record the motion as a video"],
   ["m", "Light or dark"],
   ["h", "Hide or show the panel"],
   ["?", "These keys"],

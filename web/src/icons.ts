@@ -8,6 +8,7 @@ const DRAWINGS = {
   help: '<path d="M9 9a3 3 0 1 1 4.2 2.8c-.8.4-1.2 1-1.2 1.9v.3"/><circle cx="12" cy="17.5" r=".6" fill="currentColor"/>',
   panel:
     '<path d="M4 7h9m4 0h3M4 17h3m4 0h9M4 12h3m4 0h9"/><circle cx="15" cy="7" r="2"/><circle cx="9" cy="12" r="2"/><circle cx="9" cy="17" r="2"/>',
+  record: '<circle cx="12" cy="12" r="8"/><circle cx="12" cy="12" r="3.5" fill="currentColor"/>',
   close: '<path d="m6 6 12 12M18 6 6 18"/>',
   view: '<path d="m12 3.5 7.5 4.2v8.6L12 20.5l-7.5-4.2V7.7zM12 12l7.5-4.3M12 12v8.5M12 12 4.5 7.7"/>',
 } as const;

@@ -42,6 +42,8 @@ export interface Inspection {
   readonly shownGrasps: number;
   /** Where a grasp (by place in the list) is seen, in points of the canvas. */
   graspOnScreen(place: number): { x: number; y: number };
+  /** Where the gripper frame is seen. */
+  gripperOnScreen(): { x: number; y: number };
 }
 
 declare global {
@@ -100,6 +102,11 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
     },
     get shownGrasps() {
       return view.state.layers.grasps ? scene.grasps.shown : 0;
+    },
+    gripperOnScreen() {
+      const [px, py, pz] = scene.posture.worldFromGripper ?? [0, 0, 0];
+      const { x, y } = stage.lens([px, py, pz]);
+      return { x, y };
     },
     graspOnScreen(place: number) {
       const { x, y } = stage.lens(scene.grasps.middle(place));

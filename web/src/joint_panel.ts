@@ -1,8 +1,10 @@
 import { button, element, section } from "./element.ts";
 import { jointValue, millimetres, words } from "./figures.ts";
+import { HandDrag } from "./hand_drag.ts";
 import type { Kinematics, Variable } from "./kinematics.ts";
 import type { LiveVerdict, Standing } from "./live_verdict.ts";
 import type { SceneView } from "./scene_view.ts";
+import type { Stage } from "./stage.ts";
 import type { View } from "./view_state.ts";
 
 /** Of a joint without limits: once around, or a metre. */
@@ -18,7 +20,10 @@ export class JointPanel {
   private readonly verdict = element("div", { class: "verdict", role: "status" });
   private readonly reset: HTMLButtonElement;
 
-  constructor(view: View, scene: SceneView, kinematics: Kinematics, live: LiveVerdict) {
+  constructor(
+    view: View,
+    { scene, stage, kinematics, live }: { scene: SceneView; stage: Stage; kinematics: Kinematics; live: LiveVerdict },
+  ) {
     this.sliders = kinematics.variables.map((variable, index) => {
       const most = UNBOUNDED[variable.kind];
       const input = element("input", {
@@ -55,7 +60,15 @@ export class JointPanel {
         value,
       ),
     );
-    this.element = section("Joints", false, this.verdict, element("div", { class: "rows" }, ...rows), this.reset);
+    const drag = new HandDrag(view, scene, stage, kinematics);
+    this.element = section(
+      "Joints",
+      false,
+      this.verdict,
+      drag.element,
+      element("div", { class: "rows" }, ...rows),
+      this.reset,
+    );
     const show = (): void => {
       const { q } = scene.posture;
       this.sliders.forEach(({ input, value, variable }, index) => {

@@ -11,6 +11,7 @@ export interface KeyActions {
   look(view: StandardView): void;
   stepGrasp(by: number): void;
   copyLink(): void;
+  record(): void;
   toggleTheme(): void;
   togglePanel(): void;
   toggleHelp(): void;
@@ -40,6 +41,7 @@ export function listenToKeys(
     ",": () => actions.stepGrasp(-1),
     ".": () => actions.stepGrasp(1),
     l: () => actions.copyLink(),
+    r: () => actions.record(),
     m: () => actions.toggleTheme(),
     h: () => actions.togglePanel(),
     "?": () => actions.toggleHelp(),

@@ -15,6 +15,7 @@ import { LayerPanel } from "./layer_panel.ts";
 import { LinkKeeper } from "./link_keeper.ts";
 import { LiveVerdict } from "./live_verdict.ts";
 import type { PageData } from "./page_data.ts";
+import { followFeed } from "./page_feed.ts";
 import { Player } from "./player.ts";
 import { PlanPanel } from "./plan_panel.ts";
 import { Recording } from "./recording.ts";
@@ -25,6 +26,7 @@ import { Theme } from "./theme.ts";
 import { TimeLine } from "./time_line.ts";
 import { ClearanceCurve, type ShownPlan, Trajectory } from "./trajectory.ts";
 import { TreePanel } from "./tree_panel.ts";
+import { Film } from "./film.ts";
 import { fromHash } from "./view_link.ts";
 import { INITIAL, type Layer, View, type ViewState } from "./view_state.ts";
 
@@ -66,8 +68,9 @@ export function openPage(host: HTMLElement, data: PageData): void {
   parts.push(new LayerPanel(view, available).element);
   if (data.grasps.length > 0) parts.push(new GraspPanel(view, data.grasps, plans, reasons).element);
   if (scene.trees.size > 0) parts.push(new TreePanel(view, scene, stage).element);
-  if (kinematics.variables.length > 0) parts.push(new JointPanel(view, scene, kinematics, live).element);
+  if (kinematics.variables.length > 0) parts.push(new JointPanel(view, { scene, stage, kinematics, live }).element);
   shell.panel.append(...parts);
+  const film = new Film(view, stage, player, data.name);
   const tip = new GraspTip(stage, scene, view, data.grasps, plans);
   const help = new Help();
   shell.viewport.append(tip.element);
@@ -86,8 +89,9 @@ export function openPage(host: HTMLElement, data: PageData): void {
     toggleTheme: () => theme.toggle(),
     togglePanel: () => shell.togglePanel(),
     toggleHelp: () => help.toggle(),
+    record: () => void film.record().then((said) => shell.say(said)),
   };
-  shell.addTools(actions, theme);
+  shell.addTools(actions, theme, player.canPlay);
   listenToKeys(view, player, plans.length, available, actions);
 
   // 5. The first look. Without a chosen eye, the view follows the size of the window.
@@ -112,6 +116,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
       requestAnimationFrame((now_ms) => {
         openInspection(stage, scene, view, live, now_ms);
         if (player.canPlay && !isStill) view.set({ isPlaying: true });
+        if (data.feed !== undefined) void followFeed(data.feed, view);
       });
     }
     isFirst = false;

@@ -40,6 +40,8 @@ export interface PageData {
   recording?: Recording;
   /** Whether the server behind this page answers `POST verdict`. False in a page that is one file. */
   is_live: boolean;
+  /** The number of this page, where the server may show another in its place. */
+  feed?: number;
 }
 
 export interface Robot {

@@ -64,8 +64,15 @@ export class Shell {
   }
 
   addTools(
-    actions: { look(view: StandardView): void; copyLink(): void; toggleTheme(): void; toggleHelp(): void },
+    actions: {
+      look(view: StandardView): void;
+      copyLink(): void;
+      record(): void;
+      toggleTheme(): void;
+      toggleHelp(): void;
+    },
     theme: Theme,
+    canPlay: boolean,
   ): void {
     const views = element("div", { class: "group", role: "group", "aria-label": "Views" });
     for (const view of STANDARD_VIEWS) {
@@ -79,6 +86,7 @@ export class Shell {
       "div",
       { class: "group" },
       button("Copy link (l)", icon("link"), () => actions.copyLink()),
+      ...(canPlay ? [button("Record a video (r)", icon("record"), () => actions.record())] : []),
       mode,
       button("Keys (?)", icon("help"), () => actions.toggleHelp()),
       this.toggle,

@@ -42,6 +42,7 @@ export class Stage {
   constructor(host: HTMLElement) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "high-performance" });
     this.renderer.info.autoReset = false;
+    this.renderer.setClearAlpha(0);
     this.isSlow = drawsInSoftware(this.renderer);
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.autoUpdate = false;
@@ -94,7 +95,13 @@ export class Stage {
   }
 
   setBackground(colour: string): void {
-    this.renderer.setClearColor(new Color(colour), 0);
+    this.renderer.setClearColor(new Color(colour), this.renderer.getClearAlpha());
+    this.invalidate();
+  }
+
+  /** Whether the background is part of the picture, or what lies behind the canvas. */
+  setOpaque(isOpaque: boolean): void {
+    this.renderer.setClearAlpha(isOpaque ? 1 : 0);
     this.invalidate();
   }
 

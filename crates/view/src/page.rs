@@ -26,6 +26,8 @@ pub struct PageData {
     #[serde(skip_serializing_if = "Option::is_none")]
     recording: Option<RecordingRows>,
     is_live: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    feed: Option<u64>,
 }
 
 /// How much a page is told.
@@ -73,6 +75,7 @@ impl PageData {
             scene: PageScene::of(scene, &scenario.robot),
             recording: None,
             is_live: false,
+            feed: None,
         })
     }
 
@@ -92,15 +95,22 @@ impl PageData {
             recording: scene.motion.as_ref().map(RecordingRows::of),
             scene: PageScene::of_bodies(&scene),
             is_live: false,
+            feed: None,
         }
     }
 
-    /// The document. Whoever serves it says whether questions are answered.
+    /// The document, of a page that nobody serves.
     ///
     /// # Errors
     /// [`ViewError::PageData`] for a number that JSON cannot hold.
-    pub fn to_json(&self, is_live: bool) -> Result<Vec<u8>, ViewError> {
-        let page = Self { is_live, ..self.clone() };
+    pub fn to_json(&self) -> Result<Vec<u8>, ViewError> {
+        self.served(false, None)
+    }
+
+    /// The document as a server gives it: whether it answers questions, and the number of the page where others may follow
+    /// it.
+    pub(crate) fn served(&self, is_live: bool, feed: Option<u64>) -> Result<Vec<u8>, ViewError> {
+        let page = Self { is_live, feed, ..self.clone() };
         serde_json::to_vec(&page).map_err(|reason| ViewError::PageData { reason })
     }
 }

@@ -8,12 +8,13 @@ use hyper::{Method, Request, Response, StatusCode};
 use serde::Serialize;
 use tokio::time::timeout;
 
+use crate::page_feed::PageFeed;
 use crate::page_token::PageToken;
 use crate::{PageCells, PageLimits, page_bundle, verdict};
 
 /// What all answers of a server share.
 pub(crate) struct Served {
-    pub page: Bytes,
+    pub feed: PageFeed,
     /// None of a page on which nothing can be asked.
     pub cells: Option<PageCells>,
     pub token: PageToken,
@@ -98,7 +99,14 @@ impl Served {
                 }
                 answer
             }
-            (&Method::GET | &Method::HEAD, "/page.json") => told(StatusCode::OK, JSON, self.page.clone()),
+            (&Method::GET | &Method::HEAD, "/page.json") => told(StatusCode::OK, JSON, self.feed.page()),
+            (&Method::GET, "/news") => {
+                let query = request.uri().query().unwrap_or_default();
+                match query.strip_prefix("after=").and_then(|after| after.parse().ok()) {
+                    Some(after) => json(StatusCode::OK, &self.feed.news(after).await),
+                    None => told(StatusCode::BAD_REQUEST, TEXT, "after how many changes? news?after=0"),
+                }
+            }
             (&Method::GET | &Method::HEAD, path) if path != "/verdict" => match page_bundle::asset(path) {
                 Some(asset) => told(StatusCode::OK, asset.kind, asset.bytes.into_owned()),
                 None => told(StatusCode::NOT_FOUND, TEXT, "there is no such file"),

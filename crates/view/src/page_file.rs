@@ -30,7 +30,7 @@ impl PageData {
         let html = page_bundle::single()?;
         let (before, after) = html.split_once(PLACE).ok_or(ViewError::NoPage)?;
         let before = before.replacen(HEAD, &format!("{HEAD}{POLICY}"), 1);
-        let data = STANDARD.encode(packed(&self.to_json(false)?));
+        let data = STANDARD.encode(packed(&self.to_json()?));
         Ok([&before, PLACE, &data, after].concat())
     }
 

@@ -16,7 +16,7 @@ use tokio::time::{sleep, timeout};
 use crate::page_answer::Served;
 use crate::page_limits::PageLimits;
 use crate::page_token::PageToken;
-use crate::{PageCells, PageData, ViewError, page_bundle};
+use crate::{PageCells, PageData, PageFeed, ViewError, page_bundle};
 
 /// Serves one page to this machine alone, and there to who knows its address: the page's own files, which are part
 /// of the program, its data, and verdicts on configurations.
@@ -74,10 +74,24 @@ impl PageServer {
         stop: impl Future<Output = ()> + Send + 'static,
         ready: impl FnOnce(),
     ) -> Result<(), ViewError> {
+        let feed = PageFeed::still(page, cells.is_some())?;
+        self.serve_feed(feed, cells, stop, ready)
+    }
+
+    /// [`Self::serve`] of a page that can be changed meanwhile.
+    ///
+    /// # Errors
+    /// [`ViewError::Server`].
+    pub fn serve_feed(
+        self,
+        feed: PageFeed,
+        cells: Option<PageCells>,
+        stop: impl Future<Output = ()> + Send + 'static,
+        ready: impl FnOnce(),
+    ) -> Result<(), ViewError> {
         let Self { listener, address, token, limits } = self;
         let hosts = hosts(address.port());
-        let page = page.to_json(cells.is_some())?.into();
-        let served = Arc::new(Served { page, cells, token, limits, hosts });
+        let served = Arc::new(Served { feed, cells, token, limits, hosts });
         let fault = |reason| ViewError::Server { reason };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(fault)?;
         runtime.block_on(async {

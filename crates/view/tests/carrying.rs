@@ -60,7 +60,7 @@ impl Carried {
     fn page(&self, plan: PagePlan) -> Value {
         let cell = self.problem.cell().unwrap();
         let page = PageData::of(&self.scenario, &[plan], cell, &[], PageSettings::default()).unwrap();
-        serde_json::from_slice(&page.to_json(false).unwrap()).unwrap()
+        serde_json::from_slice(&page.to_json().unwrap()).unwrap()
     }
 }
 

@@ -45,7 +45,7 @@ fn page(scenario: &Scenario, plans: &[PagePlan]) -> Value {
     let statuses = ik_statuses(&problem, &scenario.ik).expect("grasps");
     let cell = cell(&problem);
     let page = PageData::of(scenario, plans, cell, &statuses, PageSettings::default()).expect("a page");
-    serde_json::from_slice(&page.to_json(false).expect("finite numbers")).expect("JSON")
+    serde_json::from_slice(&page.to_json().expect("finite numbers")).expect("JSON")
 }
 
 fn bytes(row: &Value) -> Vec<u8> {

@@ -371,6 +371,16 @@ fn a_malformed_question_is_told_what_is_wrong() {
 }
 
 #[test]
+fn news_is_asked_for_after_a_number_of_changes() {
+    let server = Running::start();
+    for path in ["/news", "/news?after=x", "/news?before=1"] {
+        let (status, _, body) = server.get(path, &server.host());
+        assert_eq!(status, 400, "{path}");
+        assert!(body.contains("news?after=0"), "{body}");
+    }
+}
+
+#[test]
 fn other_methods_are_refused() {
     let server = Running::start();
     for (method, path) in [("POST", "/page.json"), ("DELETE", "/"), ("PUT", "/verdict"), ("GET", "/verdict")]

@@ -40,7 +40,7 @@ fn recording(instants: usize) -> BodyRecording {
 }
 
 fn page(recording: &BodyRecording) -> Value {
-    serde_json::from_slice(&PageData::of_recording(recording).to_json(false).expect("finite")).expect("JSON")
+    serde_json::from_slice(&PageData::of_recording(recording).to_json().expect("finite")).expect("JSON")
 }
 
 #[test]

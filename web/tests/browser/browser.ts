@@ -41,12 +41,16 @@ const TYPES: Record<string, string> = { html: "text/html", js: "text/javascript"
 export async function serve(
   data: PageData,
   judge?: (q: number[]) => Verdict,
+  news?: (after: number) => Promise<unknown>,
 ): Promise<{ address: string; close(): Promise<void> }> {
   const server: Server = createServer((request, response) => {
     const path = new URL(request.url ?? "/", "http://localhost").pathname;
     response.setHeader("content-security-policy", POLICY);
     if (path === "/page.json") {
       response.setHeader("content-type", "application/json").end(JSON.stringify(data));
+    } else if (path === "/news" && news) {
+      const after = Number(new URL(request.url ?? "/", "http://localhost").searchParams.get("after"));
+      void news(after).then((told) => response.end(JSON.stringify(told)));
     } else if (path === "/verdict" && judge) {
       let body = "";
       request.on("data", (part) => (body += part));

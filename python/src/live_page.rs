@@ -1,0 +1,125 @@
+//! `LivePage`: the viewer in a browser, told from a script what to show.
+
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::thread::JoinHandle;
+
+use cranny_view::{PageFeed, PageLimits, PageServer, ViewError};
+use pyo3::prelude::*;
+use tokio::sync::oneshot;
+
+use crate::array::configuration;
+use crate::fault::{bad_value, fault};
+use crate::picture::page_of;
+use crate::plan::PyPlan;
+use crate::scenario::PyScenario;
+
+/// The viewer's page of a scenario, served to this machine until it is closed (`close`, `with`, or when it is forgotten).
+/// Who has opened `url` sees at once what `pose` and `plan` are told.
+#[pyclass(name = "LivePage", module = "cranny", frozen)]
+pub struct PyLivePage {
+    scenario: Arc<Py<PyScenario>>,
+    feed: PageFeed,
+    url: String,
+    server: Mutex<Option<Server>>,
+}
+
+struct Server {
+    stop: oneshot::Sender<()>,
+    thread: JoinHandle<Result<(), ViewError>>,
+}
+
+#[pymethods]
+impl PyLivePage {
+    #[new]
+    #[pyo3(signature = (scenario, plan=None, *, port=0))]
+    fn new(py: Python<'_>, scenario: Py<PyScenario>, plan: Option<&PyPlan>, port: u16) -> PyResult<Self> {
+        let shown = scenario.get();
+        let (page, cells) = py.detach(|| page_of(shown, plan))?;
+        PageServer::check_page().map_err(fault)?;
+        let feed = PageFeed::new(&page, true).map_err(fault)?;
+        let server = PageServer::bind(port, PageLimits::default()).map_err(fault)?;
+        let url = server.url();
+        let (stop, told) = oneshot::channel();
+        let (tell_ready, ready) = mpsc::channel();
+        let of_thread = feed.clone();
+        let thread = std::thread::spawn(move || {
+            let stopped = async {
+                let _ = told.await;
+            };
+            server.serve_feed(of_thread, Some(cells), stopped, || {
+                let _ = tell_ready.send(());
+            })
+        });
+        // A server that cannot begin ends, and says why where it is closed.
+        let _ = py.detach(move || ready.recv());
+        Ok(Self {
+            scenario: Arc::new(scenario),
+            feed,
+            url,
+            server: Mutex::new(Some(Server { stop, thread })),
+        })
+    }
+
+    /// Where the page is: whoever knows this address on this machine can read it.
+    #[getter]
+    fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Shows the robot at a configuration (dof,), m or rad; None: as the plan has it.
+    #[pyo3(signature = (q))]
+    fn pose(&self, q: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        self.check_open()?;
+        let robot = &self.scenario.get().scenario.robot;
+        let q = q.map(|q| configuration(q, "q", robot)).transpose()?;
+        self.feed.pose(q);
+        Ok(())
+    }
+
+    /// Shows a plan; None: the scenario alone. Postures are judged as with the plan that the page began with.
+    #[pyo3(signature = (plan))]
+    fn plan(&self, py: Python<'_>, plan: Option<&PyPlan>) -> PyResult<()> {
+        self.check_open()?;
+        let scenario = self.scenario.get();
+        py.detach(|| {
+            let (page, _) = page_of(scenario, plan)?;
+            self.feed.show(&page, true).map_err(fault)
+        })
+    }
+
+    /// Ends the server; the page stays as it is.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let server = self.server.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(Server { stop, thread }) = server else { return Ok(()) };
+        let _ = stop.send(());
+        match py.detach(|| thread.join()) {
+            Ok(ended) => ended.map_err(fault),
+            Err(_) => Err(bad_value("the server of the page has crashed")),
+        }
+    }
+
+    fn __enter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    fn __exit__(
+        &self,
+        py: Python<'_>,
+        _kind: &Bound<'_, PyAny>,
+        _value: &Bound<'_, PyAny>,
+        _trace: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        self.close(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cranny.LivePage of '{}'>", self.scenario.get().scenario.id)
+    }
+}
+
+impl PyLivePage {
+    fn check_open(&self) -> PyResult<()> {
+        let is_open = self.server.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        if is_open { Ok(()) } else { Err(bad_value("this page is closed")) }
+    }
+}
