@@ -7,6 +7,7 @@ mod planners;
 mod search;
 mod task;
 mod timing;
+mod wall_clock;
 
 pub use error::PlanError;
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};

@@ -7,6 +7,7 @@ use crate::path::shortcut::{STOP, Shortener};
 use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
+use crate::wall_clock::now;
 use crate::{
     AuditSettings, Budget, Clearances, CostKind, Observer, Outcome, PathCost, PlanError, PlanReport, Planner,
     Problem, Reach, audit_with, search,
@@ -128,7 +129,7 @@ pub fn better(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Optimised, PlanError> {
-    let begin = Instant::now();
+    let begin = now();
     let cost = PathCost::new(problem, settings.cost, settings.score_weight)?;
     let mut best = Best {
         problem,
@@ -218,7 +219,7 @@ impl Best<'_> {
         let mut before = self.cost.measure(self.shortener.path())?;
         for worse in WORSE {
             let end = self.end.filter(|_| !self.steps.is_empty());
-            let is_over = || end.is_some_and(|end| Instant::now() >= end);
+            let is_over = || end.is_some_and(|end| now() >= end);
             if !self.shortener.shorten(ATTEMPTS_PER_BLOCK, &is_over) {
                 break;
             }
@@ -294,7 +295,7 @@ impl Best<'_> {
 
     /// Whether time is over; the first path is shortened in any case.
     fn is_over(&self) -> bool {
-        !self.steps.is_empty() && self.end.is_some_and(|end| Instant::now() >= end)
+        !self.steps.is_empty() && self.end.is_some_and(|end| now() >= end)
     }
 
     /// Step 5.

@@ -1,5 +1,5 @@
+use crate::wall_clock::now;
 use std::ops::Range;
-use std::time::Instant;
 
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::Grasp;
@@ -77,7 +77,7 @@ pub fn shortcut(
     path: &[Vec<f64>],
     settings: ShortcutSettings,
 ) -> Result<Shortened, PlanError> {
-    let begin = Instant::now();
+    let begin = now();
     let cost = PathCost::new(problem, CostKind::L2, 0.0)?;
     let mut shortener = Shortener::new(problem, &cost, STOP)?;
     shortener.take(path, settings.seed);

@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_collision::{Body, Cell, Scratch};
 use cranny_robot::{Jacobian, LinkFrames, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_shape::{Solid, closest_points};
@@ -13,6 +11,7 @@ use crate::search::approach_sphere::ApproachSphere;
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Ranges};
 
 /// Grasp-RRT (Vahrenkamp, Asfour & Dillmann 2012, "Simultaneous Grasp and Motion Planning", the planner for one arm): one
@@ -168,7 +167,7 @@ impl Approaches<'_> {
             }
             // 1.
             let sample = self.search.sample();
-            let begin = Instant::now();
+            let begin = now();
             let nearest = self.tree.nearest(&sample).unwrap_or(root);
             self.search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
             let size_m = self.settings.step_m;
@@ -248,7 +247,7 @@ impl Approaches<'_> {
 
     /// A new node at the end of an edge from `parent`, if that is proven.
     fn grow(&mut self, parent: usize, q: &[f64]) -> Option<usize> {
-        let begin = Instant::now();
+        let begin = now();
         self.search.statistics.collision_checks += 1;
         let is_free = self.cell.is_free(q, &mut self.scratch)
             && self.cell.motion_is_free(self.tree.q(parent), q, &mut self.scratch).is_proven();

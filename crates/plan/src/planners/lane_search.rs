@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_collision::{Cell, Scratch};
 use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
@@ -11,6 +9,7 @@ use crate::search::clock::Clock;
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::goal_pool::GoalPool;
+use crate::wall_clock::now;
 use crate::{GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem, Reach, Statistics};
 
 /// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
@@ -414,7 +413,7 @@ impl<'a> LaneSearch<'a> {
 
     /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
     fn proven_path(&mut self, ends: [usize; 2]) -> Option<Path> {
-        let begin = Instant::now();
+        let begin = now();
         let mut refuted = None;
         'sides: for (side, end) in ends.into_iter().enumerate() {
             for node in self.sides[side].turns_to_root(end) {

@@ -1,3 +1,4 @@
+use crate::wall_clock::now;
 use std::time::Instant;
 
 /// Seconds of the pieces of one iteration in so many, the first included: to look at the clock takes a tenth of what is
@@ -21,13 +22,13 @@ impl Laps {
 
     /// A piece begins.
     pub fn begin(&mut self) {
-        self.last = self.is_timed.then(Instant::now);
+        self.last = self.is_timed.then(now);
     }
 
     /// Seconds of the piece that ends, and the next one begins.
     pub fn lap_s(&mut self) -> f64 {
         let Some(begin) = self.last else { return 0.0 };
-        let end = Instant::now();
+        let end = now();
         self.last = Some(end);
         end.duration_since(begin).as_secs_f64()
     }

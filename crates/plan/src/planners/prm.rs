@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use crate::path::step::RELEASED_STEP_M;
@@ -7,6 +5,7 @@ use crate::search::connector::{Connector, Path, connect};
 use crate::search::growth::{Grower, Growth};
 use crate::search::roadmap::{Roadmap, RoadmapFile};
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Unobserved};
 
 /// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
@@ -118,7 +117,7 @@ impl<'a> Graph<'a> {
 
     /// Adds a node that is free.
     fn add(&mut self, q: &[f64], search: &mut Search) -> usize {
-        let begin = Instant::now();
+        let begin = now();
         let near = self.roadmap.nearest(q, self.neighbours);
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let node = self.roadmap.add(q);

@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use crate::path::joint_metric::JointMetric;
@@ -8,6 +6,7 @@ use crate::search::connector::{Connector, Path, connect};
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 
 /// RRT (`LaValle` 1998; with goal bias: `LaValle` & Kuffner 2001, §5.3) to the goals of all grasps at once.
@@ -90,7 +89,7 @@ impl Connector for Tree<'_> {
 
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
         let (target, goal) = self.goals.target(self.p_goal, search);
-        let begin = Instant::now();
+        let begin = now();
         let nearest = self.nodes.nearest(&target)?;
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let from = self.nodes.q(nearest).to_vec();

@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_robot::distance;
 use serde::{Deserialize, Serialize};
 
@@ -9,6 +7,7 @@ use crate::search::connector::{Connector, Path, connect};
 use crate::search::growth::{Grower, Growth};
 use crate::search::near_set::NearSet;
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Rrt};
 
 /// RRT* with the k nearest (Karaman & Frazzoli 2011, Algorithm 6 and §3.3.3) to the goals of all grasps at once: its paths
@@ -106,7 +105,7 @@ impl Tree<'_> {
     /// Steps 1 and 2.
     fn extend(&mut self, search: &mut Search) -> Option<()> {
         let (target, goal) = self.goals.target(self.settings.p_goal, search);
-        let begin = Instant::now();
+        let begin = now();
         let nearest = self.index.nearest(&target)?;
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let from = self.nodes[nearest].q.clone();
@@ -115,7 +114,7 @@ impl Tree<'_> {
             return None;
         }
         let (q, is_target) = self.grower.step(&from, &target, search)?;
-        let begin = Instant::now();
+        let begin = now();
         let near = self.near.nearest(&q, rewired(self.nodes.len(), q.len()));
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let parent = self.best_parent(nearest, &near, &q, search);

@@ -1,11 +1,10 @@
-use std::time::Instant;
-
 use crate::Problem;
 use crate::path::joint_metric::JointMetric;
 use crate::search::connector::{Connector, Path};
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 
 /// A tree from the start and a forest from goals that grow towards each other by turns: RRT-Connect (Kuffner & `LaValle`
 /// 2000), and with burs RBT-Connect (Lačević, Osmanković & Ademović 2016).
@@ -59,7 +58,7 @@ impl<'a> Bidirectional<'a> {
     }
 
     fn nearest(&mut self, side: usize, q: &[f64], search: &mut Search) -> usize {
-        let begin = Instant::now();
+        let begin = now();
         let nearest = self.sides[side].nearest(q).unwrap_or(0);
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         nearest

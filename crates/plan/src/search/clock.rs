@@ -1,5 +1,6 @@
 use std::time::Instant;
 
+use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome};
 
 /// Tells a search when to end: the only clock that a planner has.
@@ -14,7 +15,7 @@ pub struct Clock {
 impl Clock {
     /// Starts now.
     pub fn new(budget: &Budget) -> Self {
-        let begin = Instant::now();
+        let begin = now();
         Self { begin, deadline: begin.checked_add(budget.time), iterations: budget.iterations, calls: 0 }
     }
 
@@ -39,6 +40,6 @@ impl Clock {
         if observer.should_stop() {
             return Some(Outcome::Cancelled);
         }
-        self.deadline.filter(|deadline| Instant::now() >= *deadline).map(|_| Outcome::BudgetExhausted)
+        self.deadline.filter(|deadline| now() >= *deadline).map(|_| Outcome::BudgetExhausted)
     }
 }

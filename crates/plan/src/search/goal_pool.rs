@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
@@ -7,6 +5,7 @@ use cranny_spatial::{Pose, Stream};
 
 use crate::search::grasp_source::GraspSource;
 use crate::task::grasp_poses::poses;
+use crate::wall_clock::now;
 use crate::{FailureReason, GraspFailure, Observer, PlanError, Problem, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is checked: so many cost
@@ -128,7 +127,7 @@ impl<'a> GoalPool<'a> {
         statistics: &mut Statistics,
         observer: &mut dyn Observer,
     ) -> Vec<(usize, Vec<f64>)> {
-        let begin = Instant::now();
+        let begin = now();
         self.waited = 0;
         // 1.
         self.open_poses(random, scratch, observer);

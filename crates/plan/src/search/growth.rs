@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_collision::Bubble;
 use cranny_robot::{Robot, between};
 
@@ -7,6 +5,7 @@ use crate::path::step::Stepper;
 use crate::search::baseline_check::BaselineCheck;
 use crate::search::forest::Forest;
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Observer, Problem};
 
 /// How a tree grows from one of its nodes.
@@ -81,7 +80,7 @@ impl<'a> Grower<'a> {
         let bur = match self.growth {
             Growth::Step { .. } => None,
             Growth::Bur { spines, critical_m, .. } => {
-                let begin = Instant::now();
+                let begin = now();
                 let bubble = self.check.bubble(q, critical_m);
                 search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
                 let spines = if explores { spines } else { 1 };
@@ -99,7 +98,7 @@ impl<'a> Grower<'a> {
     pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
         let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
         let (to, frames) = (self.stepper.q(), self.stepper.frames());
-        let begin = Instant::now();
+        let begin = now();
         let is_free = self.check.edge_to_frames_is_free(q, to, frames);
         search.statistics.collision_checks += 1;
         search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
@@ -108,7 +107,7 @@ impl<'a> Grower<'a> {
 
     /// Whether the whole edge between two configurations is free.
     pub fn edge(&mut self, from: &[f64], to: &[f64], search: &mut Search) -> bool {
-        let begin = Instant::now();
+        let begin = now();
         search.statistics.collision_checks += 1;
         let is_free = self.check.edge_is_free(from, to);
         search.statistics.collision_time_s += begin.elapsed().as_secs_f64();
@@ -144,7 +143,7 @@ impl<'a> Grower<'a> {
 
     /// The end of a spine towards `target`, and whether that is the target.
     fn spine(&mut self, q: &[f64], bubble: &Bubble, target: &[f64], search: &mut Search) -> (Vec<f64>, bool) {
-        let begin = Instant::now();
+        let begin = now();
         let share = self.check.free_share(bubble, target);
         search.statistics.collision_checks += 1;
         search.statistics.collision_time_s += begin.elapsed().as_secs_f64();

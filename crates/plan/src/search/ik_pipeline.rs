@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_grasp::GraspSet;
 use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::Pose;
@@ -10,6 +8,7 @@ use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Problem};
 
 /// What goes by [`IkRrt`](crate::IkRrt) and its kin.
@@ -131,7 +130,7 @@ impl Pipeline<'_> {
 
     /// The next configuration for the grasp of `solutions` that is free.
     fn next_goal(&mut self, solutions: &mut IkSearch, search: &mut Search) -> Option<Vec<f64>> {
-        let begin = Instant::now();
+        let begin = now();
         let attempts_before = solutions.attempts();
         let (robot, start) = (search.problem.robot(), search.problem.start());
         let Self { check, settings, .. } = self;
@@ -206,7 +205,7 @@ impl Pipeline<'_> {
         target: &[f64],
         search: &mut Search,
     ) -> Option<usize> {
-        let begin = Instant::now();
+        let begin = now();
         let mut node = tree.nearest(target)?;
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let mut is_there = tree.q(node) == target;

@@ -1,5 +1,3 @@
-use std::time::Instant;
-
 use cranny_grasp::GraspSet;
 use cranny_robot::{Jacobian, LinkFrames, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::{Pose, PoseDifference};
@@ -10,6 +8,7 @@ use crate::search::forest::Forest;
 use crate::search::goal_meter::GoalMeter;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
+use crate::wall_clock::now;
 use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Problem};
 
 /// How a planner picks a grasp to go for.
@@ -113,7 +112,7 @@ impl<'a> JacobianTree<'a> {
     /// Growth from the nearest node towards a random configuration.
     fn explore(&mut self, search: &mut Search) -> Option<usize> {
         let sample = search.sample();
-        let begin = Instant::now();
+        let begin = now();
         let nearest = self.nodes.nearest(&sample)?;
         search.statistics.nearest_time_s += begin.elapsed().as_secs_f64();
         let from = self.nodes.q(nearest).to_vec();

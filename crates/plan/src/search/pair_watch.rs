@@ -1,8 +1,7 @@
-use std::time::Instant;
-
 use cranny_collision::{Cell, Scratch, UncheckedReason};
 use cranny_spatial::Pose;
 
+use crate::wall_clock::now;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
 
 /// Runs a planner. If a node of its search shows a pair of links free that was not checked because it touched in
@@ -18,7 +17,7 @@ pub fn search(
     observer: &mut dyn Observer,
 ) -> Result<PlanReport, PlanError> {
     planner.check()?;
-    let begin = Instant::now();
+    let begin = now();
     while let Some(cell) = problem.cell() {
         if !cell.unchecked().iter().any(|unchecked| unchecked.reason == UncheckedReason::AlwaysTouching) {
             break;
