@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from cranny._cranny import ResultsFile, planner_names, run_campaign
-from cranny.own_planner import PlannerFunction, registered
+from cranny.own_planner import PlannerFunction, end_if_read_for_planner, registered
 
 if TYPE_CHECKING:
     import numpy as np
@@ -150,11 +150,13 @@ def run(
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
     `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
     all of them or not at all. Trials that ended in one of the outcomes `again` ("crashed", "killed", …) are run again.
+    In the process of a planner of one's own, its script is run up to the first call of this function.
     With `shard`, (3, 8), only the third of eight parts is run, which `cranny bench merge` joins.
     A mapping of `planners` gives them
     names. `heard` is called whenever trials have ended, with the numbers of those that ended, that are to be run, and
     that were solved.
     """
+    end_if_read_for_planner()
     for what, given in (("scenarios", scenarios), ("planners", planners)):
         if isinstance(given, str):
             raise TypeError(f"{what}: a list is expected, not the string {given!r}")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -108,6 +109,32 @@ class OwnPlanner:
             file = folder / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:12]}.py"
             file.write_text(text, encoding="utf-8")
         return [sys.executable, "-m", "cranny.worker", str(file.resolve()), name]
+
+
+class ScriptEnds(BaseException):
+    """A script that is read for its planner has come to where it runs a campaign: what it defines is known by then."""
+
+
+_is_read_for_planner = False
+
+
+@contextmanager
+def reading_for_planner() -> Iterator[None]:
+    """While a script is run for the planner that it defines, it runs no campaign: the one that asks would begin anew in
+    each of its trials."""
+    global _is_read_for_planner
+    _is_read_for_planner = True
+    try:
+        with suppress(ScriptEnds):
+            yield
+    finally:
+        _is_read_for_planner = False
+
+
+def end_if_read_for_planner() -> None:
+    """Ends a script that is read for its planner."""
+    if _is_read_for_planner:
+        raise ScriptEnds
 
 
 _registered: dict[str, OwnPlanner] = {}

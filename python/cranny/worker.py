@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from cranny._cranny import serve_trials
-from cranny.own_planner import PlannerFunction, answer
+from cranny.own_planner import PlannerFunction, answer, reading_for_planner
 
 MODULE = "__cranny_planner__"
 """What the module of a planner is called in its process: not `__main__`, so that a script does not run itself."""
@@ -27,7 +27,8 @@ def load(file: Path, function: str) -> PlannerFunction:
     module = importlib.util.module_from_spec(specification)
     sys.modules[MODULE] = module
     sys.path.insert(0, str(file.parent))
-    specification.loader.exec_module(module)
+    with reading_for_planner():
+        specification.loader.exec_module(module)
     found: PlannerFunction | None = getattr(module, function, None)
     if found is None:
         raise SystemExit(f"{file}: there is no function `{function}`")

@@ -4,7 +4,7 @@ use cranny_collision::{Body, Part};
 use cranny_shape::{Outline, Solid, TriangleSoup};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict as _, PyTuple};
+use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
 
 use crate::array::{copied, matrices, pose_or_translation, triangles, vector};
 use crate::fault::{bad_value, fault};
@@ -22,7 +22,7 @@ pub struct PyBody {
 impl PyBody {
     /// A box of full lengths `size` (3,) along x, y, z, in metres, its middle at `pose`.
     #[staticmethod]
-    #[pyo3(signature = (name, size, pose=None))]
+    #[pyo3(signature = (name, size, *, pose=None))]
     pub fn r#box<'py>(
         py: Python<'py>,
         name: String,
@@ -30,26 +30,26 @@ impl PyBody {
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let solid = Solid::cuboid(vector(size, "size")? * 0.5).map_err(fault)?;
-        let made = Self::made(py, "box", (&name, copied(size)?, posed(pose)?))?;
+        let made = Self::made(py, "box", (&name, copied(size)?), None, pose)?;
         Self::of(name, solid, pose, made)
     }
 
     /// A ball of `radius` (m), its middle at `pose`.
     #[staticmethod]
-    #[pyo3(signature = (name, radius, pose=None))]
+    #[pyo3(signature = (name, radius, *, pose=None))]
     fn sphere<'py>(
         py: Python<'py>,
         name: String,
         radius: f64,
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let made = Self::made(py, "sphere", (&name, radius, posed(pose)?))?;
+        let made = Self::made(py, "sphere", (&name, radius), None, pose)?;
         Self::of(name, Solid::sphere(radius).map_err(fault)?, pose, made)
     }
 
     /// A cylinder of `radius` and full `length` (m) along the z of `pose`, its middle there.
     #[staticmethod]
-    #[pyo3(signature = (name, radius, length, pose=None))]
+    #[pyo3(signature = (name, radius, *, length, pose=None))]
     fn cylinder<'py>(
         py: Python<'py>,
         name: String,
@@ -57,13 +57,13 @@ impl PyBody {
         length: f64,
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let made = Self::made(py, "cylinder", (&name, radius, length, posed(pose)?))?;
+        let made = Self::made(py, "cylinder", (&name, radius), Some(length), pose)?;
         Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
     /// A capsule of `radius` (m) along the z of `pose`; `length` (m) is that of its cylindrical part.
     #[staticmethod]
-    #[pyo3(signature = (name, radius, length, pose=None))]
+    #[pyo3(signature = (name, radius, *, length, pose=None))]
     fn capsule<'py>(
         py: Python<'py>,
         name: String,
@@ -71,14 +71,14 @@ impl PyBody {
         length: f64,
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let made = Self::made(py, "capsule", (&name, radius, length, posed(pose)?))?;
+        let made = Self::made(py, "capsule", (&name, radius), Some(length), pose)?;
         Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
     /// What a closed mesh encloses: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of
     /// arrays (V, 3) in metres and (F, 3) of indices. `hull`: its convex hull, which need not be closed.
     #[staticmethod]
-    #[pyo3(signature = (name, mesh, pose=None, *, hull=false))]
+    #[pyo3(signature = (name, mesh, *, pose=None, hull=false))]
     fn mesh<'py>(
         name: String,
         mesh: &Bound<'py, PyAny>,
@@ -89,8 +89,9 @@ impl PyBody {
         let soup = triangles(mesh)?;
         let solid = if hull { Solid::hull(&soup.vertices) } else { Solid::mesh(&soup) };
         let keywords = [("hull", hull)].into_py_dict(py)?;
+        keywords.set_item("pose", posed(pose)?)?;
         let constructor = partial(&py.get_type::<Self>().getattr("mesh")?, &keywords)?;
-        let made = Made::by(constructor, (&name, arrays(py, &soup)?, posed(pose)?))?;
+        let made = Made::by(constructor, (&name, arrays(py, &soup)?))?;
         Self::of(name, solid.map_err(fault)?, pose, made)
     }
 
@@ -101,7 +102,10 @@ impl PyBody {
         if !height.is_finite() {
             return Err(bad_value(format!("height is {height}, but must be finite")));
         }
-        Ok(Self { body: Body::floor(height), made: Self::made(py, "floor", (height,))? })
+        Ok(Self {
+            body: Body::floor(height),
+            made: Made::by(py.get_type::<Self>().getattr("floor")?, (height,))?,
+        })
     }
 
     /// Its name.
@@ -174,8 +178,15 @@ impl PyBody {
         py: Python<'py>,
         constructor: &str,
         arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
+        length: Option<f64>,
+        pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Made> {
-        Made::by(py.get_type::<Self>().getattr(constructor)?, arguments)
+        let keywords = PyDict::new(py);
+        keywords.set_item("pose", posed(pose)?)?;
+        if let Some(length) = length {
+            keywords.set_item("length", length)?;
+        }
+        Made::by(partial(&py.get_type::<Self>().getattr(constructor)?, &keywords)?, arguments)
     }
 }
 

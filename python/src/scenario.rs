@@ -233,7 +233,7 @@ impl PyScenario {
 
     /// The same scenario with a box of full lengths `size` (3,) in metres more, its middle at `pose`, (4, 4) or
     /// (3,).
-    #[pyo3(signature = (name, size, pose=None))]
+    #[pyo3(signature = (name, size, *, pose=None))]
     fn with_box<'py>(
         slf: &Bound<'py, Self>,
         name: String,

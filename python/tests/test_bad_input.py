@@ -76,7 +76,7 @@ def test_what_is_no_pose_is_refused(scenario: cranny.Scenario, pose: Any, messag
     with pytest.raises(ValueError, match=message):
         scenario.robot.ik(pose)
     with pytest.raises(ValueError, match="pose"):
-        cranny.Body.box("b", [1.0, 1.0, 1.0], pose)
+        cranny.Body.box("b", [1.0, 1.0, 1.0], pose=pose)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_what_is_no_pose_is_refused(scenario: cranny.Scenario, pose: Any, messag
         lambda s: cranny.Body.box("b", [1.0, 1.0]),
         lambda s: cranny.Body.sphere("b", NAN),
         lambda s: cranny.Body.floor(float("inf")),
-        lambda s: cranny.Body.box("b", [1.0, 1.0, 1.0], [1e9, 0.0, 0.0]).name and s.with_box("b", [1, 1, 1], [1e9, 0, 0]),
+        lambda s: cranny.Body.box("b", [1.0, 1.0, 1.0], pose=[1e9, 0.0, 0.0]).name and s.with_box("b", [1, 1, 1], pose=[1e9, 0, 0]),
         lambda s: cranny.Body.mesh("b", ([[0.0, 0.0, 0.0]], [[0, 1, 2]])),
         lambda s: cranny.Body.mesh("b", (np.zeros((3, 3)), [[0, 1, 0.5]])),
         lambda s: cranny.Body.mesh("b", (np.zeros((3, 2)), [[0, 1, 2]])),
@@ -291,11 +291,11 @@ def test_nothing_that_a_caller_passes_crashes_the_interpreter(
         lambda a, b: cell.motion(a, b),
         lambda a, b: cell.least_clearance(a, b),
         lambda a, b: cranny.Cell(a, b),
-        lambda a, b: cranny.Cell(robot, [cranny.Body.box("b", a, b)]).is_free(scenario.start),
-        lambda a, b: cranny.Cell(robot, [cranny.Body.cylinder("b", a, b)]).clearance(scenario.start),
+        lambda a, b: cranny.Cell(robot, [cranny.Body.box("b", a, pose=b)]).is_free(scenario.start),
+        lambda a, b: cranny.Cell(robot, [cranny.Body.cylinder("b", a, length=b)]).clearance(scenario.start),
         lambda a, b: cranny.Cell(robot, [cranny.Body.mesh("b", (a, b), hull=True)]).is_free(scenario.start),
-        lambda a, b: cranny.Body.mesh("b", a, b),
-        lambda a, b: cranny.Body.capsule(a, b, b),
+        lambda a, b: cranny.Body.mesh("b", a, pose=b),
+        lambda a, b: cranny.Body.capsule(a, b, length=b),
         lambda a, b: cranny.Grasps(a, b),
         lambda a, b: grasps.nearest(a),
         lambda a, b: grasps.covered_by(a, threshold=b),

@@ -201,3 +201,17 @@ def test_an_interrupt_ends_a_campaign_and_its_workers(tmp_path: Path) -> None:
         [sys.executable, "-c", STOPPED, str(tmp_path / "r.db")], capture_output=True, text=True, timeout=60
     )
     assert told.stdout.split() == ["stopped"], told
+
+
+def test_a_script_that_runs_its_own_campaign_does_not_begin_anew_in_each_trial(tmp_path: Path) -> None:
+    """Guards plain scripts without `if __name__ == "__main__"`: their planners hung until the limit."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import cranny\n"
+        "@cranny.planner('given-up')\n"
+        "def given_up(problem, budget, seed):\n    return None\n"
+        "results = cranny.bench.run(['021'], [given_up], output='results.db', runs=2, time_limit_s=30)\n"
+        "print(list(results.trials['outcome']))\n"
+    )
+    run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+    assert run.stdout.strip() == "['gave-up', 'gave-up']", run.stderr

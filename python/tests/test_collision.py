@@ -198,10 +198,10 @@ def test_verdicts_among_primitives_agree_with_coal(name: str) -> None:
     tilted[:3, :3] = [[0.8, -0.6, 0.0], [0.48, 0.64, -0.6], [0.36, 0.48, 0.8]]
     tilted[:3, 3] = [0.5, 0.4, 0.6]
     bodies = [
-        cranny.Body.box("block", [0.3, 0.5, 0.2], tilted),
-        cranny.Body.sphere("ball", 0.15, [-0.5, 0.3, 0.7]),
-        cranny.Body.cylinder("post", 0.08, 1.2, [0.4, -0.5, 0.6]),
-        cranny.Body.capsule("rail", 0.05, 0.8, [-0.4, -0.6, 0.5]),
+        cranny.Body.box("block", [0.3, 0.5, 0.2], pose=tilted),
+        cranny.Body.sphere("ball", 0.15, pose=[-0.5, 0.3, 0.7]),
+        cranny.Body.cylinder("post", 0.08, length=1.2, pose=[0.4, -0.5, 0.6]),
+        cranny.Body.capsule("rail", 0.05, length=0.8, pose=[-0.4, -0.6, 0.5]),
         cranny.Body.floor(-0.2),
     ]
     cell = cranny.Cell(robot, bodies)

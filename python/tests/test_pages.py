@@ -12,8 +12,9 @@ PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", *sorted((ROOT / "doc
 
 
 def script(page: Path) -> str:
-    """All blocks of Python of a page, as one program."""
-    return "\n".join(re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S))
+    """All blocks of Python of a page, as one program, but those that a comment leaves out."""
+    blocks = re.findall(r"^(<!-- not run: [^\n]*\n)?```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    return "\n".join(block for left_out, block in blocks if not left_out)
 
 
 def test_some_pages_have_python() -> None:

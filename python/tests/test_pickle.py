@@ -41,8 +41,8 @@ def test_a_scenario_and_its_cell_reach_other_processes(scenario: cranny.Scenario
 def test_an_altered_scenario_keeps_every_alteration(scenario: cranny.Scenario) -> None:
     shift = np.array([0.0, 0.05, 0.0])
     start = scenario.start
-    altered = scenario.with_box("crate", [0.1, 0.2, 0.3], [0.9, -0.6, 0.2])
-    altered = altered.with_body(cranny.Body.capsule("post", 0.03, 0.4, [0.0, 1.5, 0.2])).with_object_moved(shift)
+    altered = scenario.with_box("crate", [0.1, 0.2, 0.3], pose=[0.9, -0.6, 0.2])
+    altered = altered.with_body(cranny.Body.capsule("post", 0.03, length=0.4, pose=[0.0, 1.5, 0.2])).with_object_moved(shift)
     start[0] += 0.1
     altered = altered.with_start(start).without_body("floor").with_grasps(altered.grasps).with_criterion("paper")
     # What a caller does with an array afterwards is none of the scenario's business.
@@ -87,8 +87,8 @@ def test_grasps_samples_robots_and_bodies_are_the_same(scenario: cranny.Scenario
     faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     for body in (
         cranny.Body.box("a", [1.0, 2.0, 3.0]),
-        cranny.Body.sphere("b", 0.1, [1.0, 0.0, 0.0]),
-        cranny.Body.cylinder("c", 0.1, 0.2, np.eye(4)),
+        cranny.Body.sphere("b", 0.1, pose=[1.0, 0.0, 0.0]),
+        cranny.Body.cylinder("c", 0.1, length=0.2, pose=np.eye(4)),
         cranny.Body.mesh("d", (corners, faces)),
         cranny.Body.mesh("e", (corners, faces), hull=True),
         cranny.Body.floor(-0.1),

@@ -30,7 +30,7 @@ def test_a_built_in_scenario_gives_its_robot_world_start_and_grasps(scenario: cr
 
 def test_a_box_in_the_way_is_seen_and_saved(scenario: cranny.Scenario, tmp_path: Path) -> None:
     place = scenario.robot.fk(scenario.start)[:3, 3]
-    blocked = scenario.with_box("crate", [0.1, 0.2, 0.3], place)
+    blocked = scenario.with_box("crate", [0.1, 0.2, 0.3], pose=place)
     assert not blocked.cell().is_free(scenario.start) and scenario.cell().is_free(scenario.start)
     contact = blocked.cell().first_contact(scenario.start)
     assert contact is not None and contact.second == "crate" and contact.depth_m > 0.0 and contact.point.shape == (3,)
@@ -83,7 +83,7 @@ def test_start_and_grasps_can_be_others(scenario: cranny.Scenario, tmp_path: Pat
 def test_a_mesh_of_trimesh_is_a_body_and_can_be_grasped(scenario: cranny.Scenario) -> None:
     trimesh = package("trimesh")
     can = trimesh.creation.cylinder(radius=0.03, height=0.12)
-    body = cranny.Body.mesh("can", can, [0.2, 0.3, 0.4])
+    body = cranny.Body.mesh("can", can, pose=[0.2, 0.3, 0.4])
     vertices, faces = body.triangles()
     assert trimesh.Trimesh(vertices, faces).volume == pytest.approx(can.volume)
     grasps = cranny.sample_grasps(can, count=50, seed=3)
@@ -101,7 +101,7 @@ def test_a_mesh_of_trimesh_is_a_body_and_can_be_grasped(scenario: cranny.Scenari
 def test_a_cell_of_ones_own_bodies_knows_contacts_and_motions() -> None:
     robot = cranny.Robot.panda_mobile()
     start = cranny.Scenario("021").start
-    wall = cranny.Body.box("wall", [0.05, 4.0, 3.0], [0.9, 0.0, 1.0])
+    wall = cranny.Body.box("wall", [0.05, 4.0, 3.0], pose=[0.9, 0.0, 1.0])
     cell = cranny.Cell(robot, [wall, cranny.Body.floor(-0.05)])
     beyond = start.copy()
     beyond[1] = 1.0
@@ -140,8 +140,8 @@ def test_batches_give_what_their_rows_give(cell: cranny.Cell, scenario: cranny.S
 
 def test_a_scenario_is_made_of_a_robot_and_bodies_and_survives_a_pickle() -> None:
     robot = cranny.Robot.panda_mobile()
-    board = cranny.Body.box("board", [0.4, 0.8, 0.02], [0.9, 0, 0.55])
-    can = cranny.Body.cylinder("can", 0.03, 0.12, [0.8, 0, 0.62])
+    board = cranny.Body.box("board", [0.4, 0.8, 0.02], pose=[0.9, 0, 0.55])
+    can = cranny.Body.cylinder("can", 0.03, length=0.12, pose=[0.8, 0, 0.62])
     scene = cranny.Scenario.of(robot, [board, can, cranny.Body.floor(-0.05)], target="can")
     assert (scene.id, len(scene.world), len(scene.grasps)) == ("scene", 3, 0)
     assert scene.target is not None and scene.target.name == "can"
@@ -158,7 +158,7 @@ def test_a_scenario_is_made_of_a_robot_and_bodies_and_survives_a_pickle() -> Non
 
 def test_a_configuration_or_a_pose_is_a_goal_too() -> None:
     robot = cranny.Robot.panda_mobile()
-    post = cranny.Body.box("post", [0.1, 0.1, 1.5], [0.4, 0, 0.75])
+    post = cranny.Body.box("post", [0.1, 0.1, 1.5], pose=[0.4, 0, 0.75])
     begin, end = np.array(cranny.Scenario("021").start), np.array(cranny.Scenario("021").start)
     begin[0], end[0] = -0.9, 0.9
     scene = cranny.Scenario.of(robot, [post], start=begin, name="post")
@@ -177,7 +177,7 @@ def test_a_configuration_or_a_pose_is_a_goal_too() -> None:
 
 
 def test_what_makes_no_scenario_is_refused_by_name() -> None:
-    robot, box = cranny.Robot.panda_mobile(), cranny.Body.box("box", [0.1, 0.1, 0.1], [2, 0, 0])
+    robot, box = cranny.Robot.panda_mobile(), cranny.Body.box("box", [0.1, 0.1, 0.1], pose=[2, 0, 0])
     with pytest.raises(ValueError, match="two bodies are called 'box'"):
         cranny.Scenario.of(robot, [box, box])
     with pytest.raises(ValueError, match="target: no body is called 'can'"):
