@@ -31,6 +31,8 @@ Tasks:
                  web (the viewer's page in a browser), Python, pages
   test --long    the same, with the tests that have a longer form in it, the site, a report's LaTeX
                  compiled by pdflatex, a planner from a crate outside, and checked arithmetic
+  test --step STEP…
+                 these steps alone, of both; a name that is none lists them
   site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,
                  target/site/book; builds mdBook where it is not installed
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
@@ -60,12 +62,12 @@ Examples:
 Exit codes: 0 done, 1 a check failed, 2 not runnable as asked";
 
 /// What the command line asks for.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 enum Task {
     Help,
     Tidy { generated: tidy::Generated },
     Test { is_long: bool },
-    Site,
+    Steps { names: Vec<String> },
 }
 
 /// The task that `words` name, or what is wrong with them.
@@ -78,7 +80,10 @@ fn task_of(words: &[&str]) -> Result<Task, String> {
         ["tidy", "--write"] => Ok(Task::Tidy { generated: tidy::Generated::Write }),
         ["test"] => Ok(Task::Test { is_long: false }),
         ["test", "--long"] => Ok(Task::Test { is_long: true }),
-        ["site"] => Ok(Task::Site),
+        ["test", "--step", names @ ..] if !names.is_empty() => {
+            Ok(Task::Steps { names: names.iter().map(|name| (*name).to_owned()).collect() })
+        }
+        ["site"] => Ok(Task::Steps { names: vec!["site".to_owned()] }),
         ["tidy" | "test" | "site", rest @ ..] => {
             Err(format!("`{}` does not take `{}`", words[0], rest.join(" ")))
         }
@@ -96,7 +101,7 @@ fn main() -> ExitCode {
         }
         Ok(Task::Tidy { generated }) => tidy::run(generated),
         Ok(Task::Test { is_long }) => test::run(is_long),
-        Ok(Task::Site) => test::build_site(),
+        Ok(Task::Steps { names }) => test::run_steps(&names.iter().map(String::as_str).collect::<Vec<_>>()),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };
     match outcome {
@@ -119,7 +124,8 @@ mod tests {
         assert_eq!(task_of(&["test", "--long"]), Ok(Task::Test { is_long: true }));
         assert_eq!(task_of(&["tidy"]), Ok(Task::Tidy { generated: tidy::Generated::Compare }));
         assert_eq!(task_of(&["tidy", "--write"]), Ok(Task::Tidy { generated: tidy::Generated::Write }));
-        assert_eq!(task_of(&["site"]), Ok(Task::Site));
+        let site = Ok(Task::Steps { names: vec!["site".to_owned()] });
+        assert_eq!((task_of(&["site"]), task_of(&["test", "--step", "site"])), (site.clone(), site));
         assert_eq!(task_of(&["help"]), Ok(Task::Help));
         assert_eq!(task_of(&["tidy", "--help"]), Ok(Task::Help));
     }

@@ -45,7 +45,7 @@ const STEPS: [Step; 9] = [
 
 /// The steps of a long run alone: what seldom breaks, or whose tools few have.
 const LONG_STEPS: [Step; 4] = [
-    SITE,
+    Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
     Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
     Step {
@@ -55,17 +55,25 @@ const LONG_STEPS: [Step; 4] = [
     },
 ];
 
-const SITE: Step = Step { name: "site", needs: site::readiness, action: site::check };
-
-/// Builds the site alone; whether that succeeds.
+/// Runs the steps of these names, of a long run too; whether they passed.
 ///
 /// # Errors
-/// If there is no workspace here.
-pub fn build_site() -> Result<bool, String> {
+/// For a name that no step has, and as [`run`].
+pub fn run_steps(names: &[&str]) -> Result<bool, String> {
+    let all = [&STEPS[..], &LONG_STEPS].concat();
+    let find = |name: &&str| {
+        let step = all.iter().find(|step| step.name == *name).copied();
+        step.ok_or_else(|| {
+            let known: Vec<&str> = all.iter().map(|step| step.name).collect();
+            format!("there is no step `{name}` (there are: {})", listed(&known))
+        })
+    };
+    let steps = names.iter().map(find).collect::<Result<Vec<_>, _>>()?;
     let (root, _) = member::read_workspace()?;
     let python = python_tools::prepare(&root).ok();
-    let here = Surroundings { root, data: None, python, all_required: true, is_long: false };
-    Ok(step::run_all(&[SITE], &here).failed.is_none())
+    let all_required = true;
+    let here = Surroundings { root, data: released_data::folder()?, python, all_required, is_long: false };
+    Ok(step::run_all(&steps, &here).failed.is_none())
 }
 
 /// Whether all steps passed.
