@@ -17,10 +17,11 @@ use crate::text;
 #[command(after_help = "Examples:
   cranny bench status campaign          the folder of `bench slurm`
   cranny bench status part-*.db         parts of a campaign, run with --shard
-  cranny bench status results.db --json
+  cranny bench status part-*.db --json
 
 Each task keeps a small file that says how far it is, so that results are not opened while another machine writes them;
-where there is none the results are asked. Exit 0: every trial has ended; exit 1: not yet.")]
+where there is none the results are asked, which do not say how many trials there are to be. Exit 0: every trial has
+ended; exit 1: not yet, or nobody knows.")]
 pub struct StatusArguments {
     /// The folder of `bench slurm`, or files of results
     #[arg(value_name = "FOLDER|RESULTS", required = true, num_args = 1..)]

@@ -4,7 +4,7 @@ use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::Problem;
 use cranny_robot::Robot;
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, mesh_repairs};
+use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, model_notes};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -58,7 +58,7 @@ impl PlanTask {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
         let opened = MoveItProblem::open(scene, request, &options)?;
         note_all(&opened.deviations, output)?;
-        note_all(&mesh_repairs(&opened.robot, &opened.world), output)?;
+        note_all(&model_notes(&opened.robot, &opened.world), output)?;
         let margins = Margins { grasp_margin_m: 0.0, ..arguments.margins.or(margins) };
         let mut problem = opened.problem(margins)?;
         if arguments.strict_pairs {

@@ -2,8 +2,11 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
+use cranny_collision::World;
 use cranny_robot::Robot;
-use cranny_scenario::{BUILTIN_ROBOTS, RecipeRobot, ScenarioError, check_free_folder, write_whole_folder};
+use cranny_scenario::{
+    BUILTIN_ROBOTS, RecipeRobot, ScenarioError, check_free_folder, model_notes, write_whole_folder,
+};
 use cranny_setup::{Base, Choice, RobotFindings, RobotSetup, SetupOptions};
 use serde::Serialize;
 
@@ -14,6 +17,7 @@ use crate::file_kind::FileKind;
 use crate::output_file;
 use crate::progress;
 use crate::robot_picture;
+use crate::task::note_all;
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -219,6 +223,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         page
     };
     text::answer(&added, page, output)?;
+    note_all(&model_notes(&setup.robot, &World::default()), output)?;
     Ok(Answer::Done)
 }
 

@@ -9,7 +9,7 @@ use cranny_collision::Margins;
 use cranny_scenario::{
     BUILTIN_ROBOTS, Credits, Family, OpenOptions, Recipe, RecipeRobot, Rejections, Scenario, ScenarioError,
     SchemaFile, SetMaker, SetProgress, SetReport, SetSettings, TemplateRobot, check, check_free_folder,
-    mesh_repairs, pack, unpack, write_set, write_sweep, write_template, write_whole_folder,
+    model_notes, pack, unpack, write_set, write_sweep, write_template, write_whole_folder,
 };
 use serde::Serialize;
 use strum::VariantArray as _;
@@ -315,10 +315,11 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     let mut notes = Vec::new();
     if problems.is_empty() {
         let scenario = Scenario::open(id, &OpenOptions::default())?;
-        notes = mesh_repairs(&scenario.robot, &scenario.world);
+        notes = model_notes(&scenario.robot, &scenario.world);
         let problem = scenario.problem(Margins::default())?;
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
+        problems.extend(scenario.misplaced_grasps());
         if let Some(cell) = problem.cell() {
             let mut scratch = cell.scratch();
             let is_free = |grasp: &cranny_grasp::Grasp| {
@@ -326,7 +327,7 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
                     .iter()
                     .any(|pose| cell.hand_is_free(pose, &mut scratch))
             };
-            if !scenario.grasps.grasps().iter().any(is_free) {
+            if scenario.has_grasp_set && !scenario.grasps.grasps().iter().any(is_free) {
                 let count = scenario.grasps.len();
                 problems.push(format!("the hand collides at every one of the {count} grasps"));
             }

@@ -1,8 +1,9 @@
 use std::fmt::Display;
+use std::path::PathBuf;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, mesh_repairs};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, model_notes};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -19,28 +20,30 @@ pub struct Task {
 #[derive(Clone, Debug, Default)]
 pub struct Demand {
     pub criterion: Option<Criterion>,
+    pub robot: Option<PathBuf>,
     pub grasps: GivenGrasps,
     pub margins: Margins,
 }
 
 impl Demand {
-    /// What a plan was made for. A file of grasps that it names need not be here.
+    /// What a plan was made for. Of a file of grasps that is not here any more, the scenario's own stand in.
     pub fn of_plan(plan: &PlanFile) -> Self {
         let grasps = match plan.given_grasps() {
-            GivenGrasps::None => GivenGrasps::None,
-            GivenGrasps::Own | GivenGrasps::File(_) => GivenGrasps::Own,
+            GivenGrasps::File(file) if !file.is_file() => GivenGrasps::Own,
+            given => given,
         };
-        Self { criterion: Some(plan.criterion), grasps, margins: plan.margins }
+        let robot = plan.robot.clone().map(PathBuf::from);
+        Self { criterion: Some(plan.criterion), robot, grasps, margins: plan.margins }
     }
 }
 
 impl Task {
     /// What the flags say; where they are silent what is demanded otherwise.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
-        let Demand { criterion, grasps, margins } = otherwise;
+        let Demand { criterion, robot, grasps, margins } = otherwise;
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
-            robot: arguments.robot.clone(),
+            robot: arguments.robot.clone().or(robot),
             geometry: arguments.geometry.map(Into::into),
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
@@ -54,10 +57,11 @@ impl Task {
     }
 }
 
-/// A scenario; the user is told what had to be repaired in its meshes.
+/// A scenario; the user is told what was repaired in its meshes, and what is doubtful.
 pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<Scenario, Failure> {
     let scenario = Scenario::open(id, options)?;
-    note_all(&mesh_repairs(&scenario.robot, &scenario.world), output)?;
+    note_all(&model_notes(&scenario.robot, &scenario.world), output)?;
+    note_all(scenario.misplaced_grasps().as_slice(), output)?;
     Ok(scenario)
 }
 

@@ -224,3 +224,27 @@ fn a_delivered_path_of_an_arm_with_full_turns_does_not_wind() {
         println!("{id}: {solved} of {seeds}");
     }
 }
+
+/// Guards proofs about robots whose URDF says how links look and not what they collide with.
+#[test]
+fn links_that_are_seen_and_not_checked_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/tutorial/arm.urdf");
+    let urdf = std::fs::read_to_string(urdf).expect("a URDF").replace("collision>", "visual>");
+    let unseen = urdf.replacen("<visual>", "<collision>", 1).replacen("</visual>", "</collision>", 1);
+    for (name, text, is_fault) in [("none", &urdf, true), ("most", &unseen, false)] {
+        std::fs::write(folder.join(format!("{name}.urdf")), text).expect("written");
+        let added = cranny(folder, ["robot", "add", &format!("{name}.urdf"), "--bare"]);
+        let said = String::from_utf8_lossy(&added.stderr);
+        assert!(said.contains("link 'lower_arm' has a <visual> and no <collision>"), "{said}");
+        let checked = cranny(folder, ["robot", "check", name]);
+        assert_eq!(
+            checked.status.code() == Some(0),
+            !is_fault,
+            "{}",
+            String::from_utf8_lossy(&checked.stdout)
+        );
+        assert!(String::from_utf8_lossy(&checked.stdout).contains("not checked"));
+    }
+}

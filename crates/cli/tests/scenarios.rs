@@ -125,3 +125,30 @@ fn families_are_swept_and_drawn() {
     refused(path, &["scenario", "generate", "--family", "gap", "--count", "2", "--from=-1"], &["gap", "-1"]);
     refused(path, &["scenario", "generate", "--family", "table", "--count", "4", "--seed", "7"], &["exists"]);
 }
+
+/// Guards a silent answer 25 cm beside the object, after its pose was changed and its grasps were not.
+#[test]
+fn grasps_of_another_place_than_the_target_are_told() {
+    let folder = folder();
+    let run = |words: &[&str]| cranny(folder.path(), words);
+    assert_eq!(run(&["scenario", "new", "moved"]).status.code(), Some(0));
+    let file = folder.path().join("moved/scenario.yaml");
+    let text = std::fs::read_to_string(&file).expect("read");
+    std::fs::write(&file, text.replace("[0.8, 0, 0.67]", "[0.95, 0.2, 0.67]")).expect("written");
+    let checked = run(&["scenario", "check", "moved"]);
+    assert_eq!(checked.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&checked.stdout).contains("none of the 3 grasps is at can"));
+    let planned = run(&["plan", "moved"]);
+    assert!(String::from_utf8_lossy(&planned.stderr).contains("note: none of the 3 grasps is at can"));
+    assert_eq!(
+        run(&["grasps", "sample", "moved", "-o", "moved/grasps.csv", "--count", "5"]).status.code(),
+        Some(0)
+    );
+    assert_eq!(run(&["scenario", "check", "moved"]).status.code(), Some(0));
+    std::fs::remove_file(folder.path().join("moved/grasps.csv")).expect("removed");
+    assert_eq!(
+        run(&["scenario", "check", "moved"]).status.code(),
+        Some(0),
+        "planners make grasps of their own"
+    );
+}

@@ -2,6 +2,7 @@
 
 mod alteration;
 mod catalogue;
+mod doubts;
 mod error;
 mod family;
 mod files;
@@ -16,6 +17,7 @@ mod scenario;
 mod schema;
 
 pub use catalogue::{CatalogueEntry, catalogue};
+pub use doubts::model_notes;
 pub use error::ScenarioError;
 pub use family::error::FamilyError;
 pub use family::kind::{Family, Placement};

@@ -51,6 +51,7 @@ impl RobotFindings {
         let joints = robot.joint_names().iter().zip(robot.limits()).map(joint).collect();
         let contacts = SelfContact::sample(robot);
         let mut findings = vec![tip(robot), hand(robot), rates(robot)];
+        findings.extend(geometry(robot));
         findings.extend(pairs(robot, &contacts));
         findings.push(start(robot)?);
         Ok(Self { joints, findings })
@@ -68,6 +69,16 @@ fn finding(what: &'static str, found: String, consequence: impl Into<String>, is
 
 fn name(robot: &Robot, link: usize) -> &str {
     &robot.links()[link].name
+}
+
+/// Links that are seen and not checked.
+fn geometry(robot: &Robot) -> Option<Finding> {
+    let shaped = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
+    let is_unseen = |link: &&cranny_robot::Link| link.collisions.is_empty() && !link.visuals.is_empty();
+    let unseen: Vec<&str> = robot.links().iter().filter(is_unseen).map(|link| link.name.as_str()).collect();
+    let names = unseen.join(", ");
+    let consequence = "what has a <visual> and no <collision> touches nothing in any check or proof";
+    (!unseen.is_empty()).then(|| finding("not checked", names, consequence, shaped == 0))
 }
 
 fn tip(robot: &Robot) -> Finding {
