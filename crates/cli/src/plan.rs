@@ -321,7 +321,10 @@ fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {
-        line("to see it", "plan again with -o FILE, then `cranny view` that file".to_owned());
+        line(
+            "to see it",
+            "plan again with -o FILE, then `cranny view` the scenario with that file".to_owned(),
+        );
     }
     if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
         line("trajectory", timed(timing, seconds));

@@ -320,6 +320,7 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        notes.extend(scenario.odd_places());
         if let Some(cell) = problem.cell() {
             let mut scratch = cell.scratch();
             let is_free = |grasp: &cranny_grasp::Grasp| {
@@ -435,13 +436,22 @@ fn watched(
     progress.finish_and_clear();
     let SetReport { written, rejected, missing } = report?;
     let stopped = stop.load(Ordering::Relaxed);
+    if written.is_empty() {
+        // It holds an empty list, and would be in the way of the next try.
+        std::fs::remove_dir_all(folder)?;
+    }
     let set = Set { folder, written: written.len(), rejected, missing, stopped };
     let page = || {
+        let made = match set.written {
+            0 => "no scenario, and nothing is written; another --scale, or another `start` in the robot's robot.yaml, may \
+                  help"
+                .to_owned(),
+            1 => format!("1 scenario in {}, listed in index.csv", folder.display()),
+            count => format!("{count} scenarios in {}, listed in index.csv", folder.display()),
+        };
         format!(
-            "{} scenarios in {}, listed in index.csv\nrejected draws: {} where things overlap, {} where the robot \
+            "{made}\nrejected draws: {} where things overlap, {} where the robot \
              touches something at the start, {} without a free grasp, {} where the arm comes to none\n{}",
-            set.written,
-            folder.display(),
             rejected.things_overlap,
             rejected.start_collides,
             rejected.no_free_grasp,

@@ -1,7 +1,8 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{Audit, AuditSettings, audit_with};
+use cranny_plan::{Audit, AuditSettings, Criterion, audit_with};
 use cranny_scenario::{PlanFile, read_waypoints};
+use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
@@ -31,17 +32,29 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         Some(audit) => audit,
         None => audit_with(&problem, &path, settings)?,
     };
-    text::answer(&audit, || page(&audit, path.len()), output)?;
+    let answered = Answered { criterion: problem.criterion(), audit: &audit };
+    text::answer(&answered, || page(&answered, path.len()), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
 
 /// More lines nobody reads.
 const MOST_SHOWN: usize = 1000;
 
-fn page(audit: &Audit, way_points: usize) -> String {
+/// What `verify --json` prints; the keys stay.
+#[derive(Serialize)]
+struct Answered<'a> {
+    criterion: Criterion,
+    #[serde(flatten)]
+    audit: &'a Audit,
+}
+
+fn page(answered: &Answered, way_points: usize) -> String {
+    let Answered { criterion, audit } = *answered;
     let word = if audit.valid { "valid" } else { "NOT valid" };
+    let by =
+        if criterion == Criterion::Paper { " under the paper's criterion, which proves nothing" } else { "" };
     let but_for = text::but_for(&audit.not_checked);
-    let mut page = format!("{word}{but_for}: {way_points} way points\n");
+    let mut page = format!("{word}{by}{but_for}: {way_points} way points\n");
     for violation in audit.violations.iter().take(MOST_SHOWN) {
         let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
     }
@@ -64,7 +77,7 @@ fn page(audit: &Audit, way_points: usize) -> String {
     for pair in &audit.not_checked {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
-    if let Some(clearance) = audit.clearance_m {
+    if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
     }
     page

@@ -350,3 +350,29 @@ fn the_licences_of_others_go_with_the_program() {
         assert!(text.contains(word), "no '{word}'");
     }
 }
+
+#[test]
+fn a_plan_without_a_path_is_told_by_its_outcome() {
+    let folder = folder();
+    let searched = cranny(folder.path(), &["plan", "045", "--iterations", "1", "-o", "none.plan.json"]);
+    assert_eq!(searched.status.code(), Some(1));
+    let judged = cranny(folder.path(), &["verify", "045", "none.plan.json"]);
+    assert_eq!(judged.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&judged.stderr);
+    assert!(
+        said.contains("none.plan.json: the plan has no path; its search ended as budget-exhausted"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_verdict_says_by_which_criterion() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "021", "--criterion", "paper", "--planner", "j-plus-rrt"]);
+    assert_eq!(planned.status.code(), Some(0));
+    let judged = cranny(folder.path(), &["verify", "021", "021.plan.json"]);
+    let said = String::from_utf8_lossy(&judged.stdout);
+    assert!(said.starts_with("valid under the paper's criterion, which proves nothing: "), "{said}");
+    let judged = cranny(folder.path(), &["verify", "021", "021.plan.json", "--json"]);
+    assert_eq!(json(&judged)["criterion"], "paper");
+}

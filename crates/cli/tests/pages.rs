@@ -215,3 +215,15 @@ fn commands_are_read_from_blocks_and_tables() {
         ]
     );
 }
+
+#[test]
+fn every_setting_of_every_planner_is_on_its_page() {
+    let page = std::fs::read_to_string(Path::new(ROOT).join("docs/planners.md")).expect("the page");
+    let registry = cranny_plan::Registry::default();
+    for name in registry.names() {
+        let settings = registry.planner(name).expect("a planner").settings();
+        for setting in settings.as_object().expect("settings").keys() {
+            assert!(page.contains(&format!("`{setting}`")), "{name}: {setting}");
+        }
+    }
+}

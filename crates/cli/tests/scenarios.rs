@@ -138,6 +138,17 @@ fn grasps_of_another_place_than_the_target_are_told() {
     let checked = run(&["scenario", "check", "moved"]);
     assert_eq!(checked.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&checked.stdout).contains("none of the 3 grasps is at can"));
+    for (height, odd) in
+        [("0.60", "can reaches into board"), ("0.80", "can rests on nothing: the nearest body is")]
+    {
+        std::fs::write(&file, text.replace("[0.8, 0, 0.67]", &format!("[0.8, 0, {height}]")))
+            .expect("written");
+        assert!(
+            String::from_utf8_lossy(&run(&["scenario", "check", "moved"]).stdout).contains(odd),
+            "{height}"
+        );
+    }
+    std::fs::write(&file, text.replace("[0.8, 0, 0.67]", "[0.95, 0.2, 0.67]")).expect("written");
     let planned = run(&["plan", "moved"]);
     assert!(String::from_utf8_lossy(&planned.stderr).contains("note: none of the 3 grasps is at can"));
     assert_eq!(

@@ -1,5 +1,7 @@
-use cranny_collision::World;
+use cranny_collision::{Body, Part, World};
 use cranny_robot::{Link, Robot};
+use cranny_shape::separation;
+use cranny_spatial::{Point, Pose};
 
 use crate::{Scenario, mesh_repairs};
 
@@ -20,14 +22,46 @@ pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     mesh_repairs(robot, world).into_iter().chain(unseen).collect()
 }
 
+/// A target may lie so deep in what it rests on, and so high above it, in metres: settled objects do by a few tenths.
+const LOOSE_M: f64 = 2e-3;
+
 impl Scenario {
+    /// What is odd about where the target is: deep in something, or in the air.
+    pub fn odd_places(&self) -> Vec<String> {
+        let Some(index) = self.target else { return Vec::new() };
+        let bodies = self.world.bodies();
+        let target = &bodies[index];
+        let lift = Pose::translation(0.0, 0.0, LOOSE_M);
+        let gap_m = |lift: &Pose, other: &Body| {
+            let pairs = target.parts.iter().flat_map(|own| other.parts.iter().map(move |part| (own, part)));
+            let upper_m = pairs.map(|(own, part)| {
+                let (a, b) = (lift * own.world_from_solid, part.world_from_solid);
+                separation(&own.solid, &a, &part.solid, &b, f64::INFINITY).upper_m
+            });
+            upper_m.fold(f64::INFINITY, f64::min)
+        };
+        let others = || bodies.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, body)| body);
+        let deep = others().filter(|other| gap_m(&lift, other) <= 0.0);
+        let mut odd: Vec<String> =
+            deep.map(|other| format!("{} reaches into {}", target.name, other.name)).collect();
+        let nearest_m = others().map(|other| gap_m(&Pose::identity(), other)).fold(f64::INFINITY, f64::min);
+        if nearest_m.is_finite() && nearest_m > LOOSE_M {
+            odd.push(format!(
+                "{} rests on nothing: the nearest body is {:.0} mm away",
+                target.name,
+                nearest_m * 1e3
+            ));
+        }
+        odd
+    }
+
     /// What is wrong with the set of grasps, if it is of another place than the target: none of them has anything of it
     /// between the pads.
     pub fn misplaced_grasps(&self) -> Option<String> {
         let target = &self.world.bodies()[self.target?];
         let distance_m = |grasp: &cranny_grasp::Grasp| {
-            let point = cranny_spatial::Point::from(grasp.world_from_gripper.translation.vector);
-            let to_part = |part: &cranny_collision::Part| {
+            let point = Point::from(grasp.world_from_gripper.translation.vector);
+            let to_part = |part: &Part| {
                 let world_from_solid = &part.world_from_solid;
                 part.solid.aabb().distance_to(&world_from_solid.inverse_transform_point(&point))
             };

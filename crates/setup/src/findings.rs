@@ -100,7 +100,7 @@ fn hand(robot: &Robot) -> Finding {
     let joints: Vec<String> = description
         .fingers
         .iter()
-        .map(|(joint, range)| format!("{joint} {} open, {} closed", range.open, range.closed))
+        .map(|(joint, range)| format!("{joint} {:.4} open, {:.4} closed", range.open, range.closed))
         .collect();
     let how = if joints.is_empty() { "closed by no joint".to_owned() } else { joints.join(", ") };
     let found = format!("{links}; {how}; {:.1} mm open", description.opening_m * 1000.0);

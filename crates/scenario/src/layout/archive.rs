@@ -79,7 +79,7 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         if matches!(reason, ScenarioError::Unwritable { .. }) {
             reason
         } else {
-            let problem = "the scenario does not open by itself, without the files around it";
+            let problem = "the scenario does not open by itself (what it names must lie in its folder)";
             fault(folder, format!("{problem}: {reason}"))
         }
     })?;

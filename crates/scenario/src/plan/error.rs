@@ -16,6 +16,14 @@ pub enum PlanFileError {
         /// How many there are.
         actual: usize,
     },
+    /// A plan of a search that found nothing.
+    #[error("{}: the plan has no path; its search ended as {outcome}", path.display())]
+    NoPath {
+        /// The plan file.
+        path: PathBuf,
+        /// How its search ended.
+        outcome: &'static str,
+    },
     /// A file's ending says nothing about how to read it.
     #[error("{}: cannot tell what this file is (known endings: .plan.json, .csv, .try)", path.display())]
     WaypointFormat {

@@ -69,10 +69,14 @@ impl PlanFile {
     /// The way points of the plan, which was read from `path`.
     ///
     /// # Errors
-    /// [`PlanFileError::Waypoint`] unless each has `joints` values, [`ScenarioError::Empty`] if there is none.
+    /// [`PlanFileError::Waypoint`] unless each has `joints` values, [`PlanFileError::NoPath`] if there is none.
     pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
         self.check_waypoints(path, joints)?;
-        some(path, self.waypoints)
+        if self.waypoints.is_empty() {
+            let outcome = self.outcome.name();
+            return Err(PlanFileError::NoPath { path: path.to_owned(), outcome }.into());
+        }
+        Ok(self.waypoints)
     }
 
     fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {
