@@ -1,7 +1,8 @@
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use cranny_plan::{Audit, AuditSettings, Criterion, audit_with};
-use cranny_scenario::{PlanFile, read_waypoints};
+use cranny_scenario::{GivenGrasps, PlanFile, read_waypoints};
 use serde::Serialize;
 
 use crate::Answer;
@@ -15,6 +16,15 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let file = arguments.plan();
     let plan = read_plan(file)?;
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
+    // What flags say goes before it.
+    let brought = demand.clone();
+    let robot = brought.robot.filter(|_| arguments.task.robot.is_none() && arguments.moveit.is_empty());
+    let grasps = match brought.grasps {
+        GivenGrasps::File(file) if arguments.task.grasps.is_none() && arguments.moveit.is_empty() => {
+            Some(file)
+        }
+        _ => None,
+    };
     let PlanTask { source, problem, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     if let Some(plan) = &plan {
@@ -32,7 +42,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         Some(audit) => audit,
         None => audit_with(&problem, &path, settings)?,
     };
-    let answered = Answered { criterion: problem.criterion(), audit: &audit };
+    let answered = Answered { criterion: problem.criterion(), robot, grasps, audit: &audit };
     text::answer(&answered, || page(&answered, path.len()), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
@@ -44,17 +54,30 @@ const MOST_SHOWN: usize = 1000;
 #[derive(Serialize)]
 struct Answered<'a> {
     criterion: Criterion,
+    /// What the plan file brought along in place of the scenario's own, for which nobody but it vouches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robot: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grasps: Option<PathBuf>,
     #[serde(flatten)]
     audit: &'a Audit,
 }
 
 fn page(answered: &Answered, way_points: usize) -> String {
-    let Answered { criterion, audit } = *answered;
+    let Answered { criterion, robot, grasps, audit } = answered;
     let word = if audit.valid { "valid" } else { "NOT valid" };
-    let by =
-        if criterion == Criterion::Paper { " under the paper's criterion, which proves nothing" } else { "" };
+    let by = if *criterion == Criterion::Paper {
+        " under the paper's criterion, which proves nothing"
+    } else {
+        ""
+    };
     let but_for = text::but_for(&audit.not_checked);
     let mut page = format!("{word}{by}{but_for}: {way_points} way points\n");
+    for (what, file) in [("robot", robot), ("grasps", grasps)] {
+        if let Some(file) = file {
+            let _ = writeln!(page, "  {what:<12}{}, which the plan names", file.display());
+        }
+    }
     for violation in audit.violations.iter().take(MOST_SHOWN) {
         let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
     }

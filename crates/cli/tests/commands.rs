@@ -376,3 +376,20 @@ fn a_verdict_says_by_which_criterion() {
     let judged = cranny(folder.path(), &["verify", "021", "021.plan.json", "--json"]);
     assert_eq!(json(&judged)["criterion"], "paper");
 }
+
+#[test]
+fn a_verdict_names_the_robot_and_the_grasps_that_the_plan_brought_along() {
+    let folder = folder();
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenario/scenarios/021/grasps.csv");
+    std::fs::copy(own, folder.path().join("given.csv")).expect("copied");
+    for [flag, file] in [["--robot", "ur5e-mobile"], ["--grasps", "given.csv"]] {
+        assert_eq!(cranny(folder.path(), &["plan", "021", flag, file]).status.code(), Some(0), "{file}");
+        let judged = cranny(folder.path(), &["verify", "021", "021.plan.json"]);
+        let said = String::from_utf8_lossy(&judged.stdout);
+        assert_eq!(judged.status.code(), Some(0), "{said}");
+        let line = format!("  {:<12}{file}, which the plan names", &flag[2..]);
+        assert!(said.contains(&line), "{said}");
+    }
+    let mine = cranny(folder.path(), &["verify", "021", "021.plan.json", "--grasps", "given.csv"]);
+    assert!(!String::from_utf8_lossy(&mine.stdout).contains("which the plan names"), "flags go before it");
+}

@@ -9,15 +9,17 @@ use crate::{Scenario, mesh_repairs};
 /// widest two-finger hands open.
 const FARTHEST_GRASP_M: f64 = 0.1;
 
-/// What whoever opens a robot among bodies should know of them: meshes that had to be repaired, and links that are seen
-/// and not checked, because the URDF says how they look and not what they collide with.
+/// The links that are seen and not checked: the URDF says how they look and not what they collide with.
+pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
+    let is_seen_only = |link: &&Link| link.collisions.is_empty() && !link.visuals.is_empty();
+    robot.links().iter().filter(is_seen_only).map(|link| link.name.as_str())
+}
+
+/// What whoever opens a robot among bodies should know of them: meshes that had to be repaired, and
+/// [`seen_only_links`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
-    let is_unseen = |link: &&Link| link.collisions.is_empty() && !link.visuals.is_empty();
-    let unseen = robot.links().iter().filter(is_unseen).map(|link| {
-        format!(
-            "link '{}' has a <visual> and no <collision>: no proof keeps it from touching anything",
-            link.name
-        )
+    let unseen = seen_only_links(robot).map(|link| {
+        format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
     });
     mesh_repairs(robot, world).into_iter().chain(unseen).collect()
 }

@@ -17,7 +17,7 @@ mod scenario;
 mod schema;
 
 pub use catalogue::{CatalogueEntry, catalogue};
-pub use doubts::model_notes;
+pub use doubts::{model_notes, seen_only_links};
 pub use error::ScenarioError;
 pub use family::error::FamilyError;
 pub use family::kind::{Family, Placement};

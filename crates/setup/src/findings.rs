@@ -74,8 +74,7 @@ fn name(robot: &Robot, link: usize) -> &str {
 /// Links that are seen and not checked.
 fn geometry(robot: &Robot) -> Option<Finding> {
     let shaped = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
-    let is_unseen = |link: &&cranny_robot::Link| link.collisions.is_empty() && !link.visuals.is_empty();
-    let unseen: Vec<&str> = robot.links().iter().filter(is_unseen).map(|link| link.name.as_str()).collect();
+    let unseen: Vec<&str> = cranny_scenario::seen_only_links(robot).collect();
     let names = unseen.join(", ");
     let consequence = "what has a <visual> and no <collision> touches nothing in any check or proof";
     (!unseen.is_empty()).then(|| finding("not checked", names, consequence, shaped == 0))
