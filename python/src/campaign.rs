@@ -86,7 +86,7 @@ pub fn run_campaign(
         measure_clearance,
         demand: PathDemand {
             carry: carry.map(|word| one_of("carry", word)).transpose()?,
-            margins: Margins { margin_m, grasp_margin_m },
+            margins: Margins { margin_m, grasp_margin_m, ..Margins::default() },
             without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,
         },
         exceptions: Vec::new(),

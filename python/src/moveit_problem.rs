@@ -92,7 +92,7 @@ impl PyMoveItProblem {
         keywords.set_item("margin_m", margin_m)?;
         let cell = slf
             .get()
-            .problem(Margins { margin_m, grasp_margin_m: 0.0 })?
+            .problem(Margins { margin_m, grasp_margin_m: 0.0, ..Margins::default() })?
             .cell()
             .ok_or_else(|| bad_value("the problem has no exact cell"))?
             .clone();

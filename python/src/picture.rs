@@ -114,8 +114,9 @@ pub fn page_of(scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<(PageDa
         let timed = timed_in(shown, plan)?;
         let problem = &plan.task.problem;
         let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
-        let grip = plan.file.grip(problem).map_err(fault)?;
-        PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, grip).map_err(fault)
+        let cells = plan.file.task_cells(problem).map_err(fault)?;
+        PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells)
+            .map_err(fault)
     };
     let plans = plan.map(of_plan).transpose()?;
     let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;

@@ -97,7 +97,7 @@ pub fn plan(
     clear_m: f64,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
-    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
     if strict_pairs {
         task.problem = task.problem.checking_all_pairs();
     }
@@ -156,7 +156,7 @@ pub fn verify_path(
     strict_pairs: bool,
     any_end: bool,
 ) -> PyResult<PyVerification> {
-    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m })?;
+    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
     if strict_pairs {
         task.problem = task.problem.checking_all_pairs();
     }

@@ -136,6 +136,7 @@ impl PyScenario {
             grasps: grasps.map(|grasps| grasps.get().set.clone()).unwrap_or_default(),
             has_grasp_set: grasps.is_some() || target.is_none(),
             ik: Vec::new(),
+            places: Vec::new(),
             export: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;
@@ -219,7 +220,7 @@ impl PyScenario {
     /// Under the "paper" criterion too, it is the exact one.
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
-        let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m })?;
+        let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
         let keywords = [("margin_m", margin_m), ("grasp_margin_m", grasp_margin_m)].into_py_dict(slf.py())?;
         let cell = problem.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?.clone();
         Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })

@@ -30,7 +30,7 @@ impl PySamples {
 
     /// Those of the way to the grasp, and of the way on if there is one, each from 0 on.
     pub fn of_ways(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Self>, PlanError> {
-        let ways = std::iter::once(trajectory.reach()).chain(trajectory.onward());
+        let ways = trajectory.legs().iter();
         ways.map(|way: &Trajectory| Ok(Self::collected(way.joint_names(), way.samples(rate_hz)?))).collect()
     }
 

@@ -41,8 +41,15 @@ export function ofPlan(index: number): string {
   return PLANS[index % PLANS.length];
 }
 
-/** What a plan does with the object in its hand: its colour lighter as long as it is lifted, then darker; as in pictures. */
-const IN_HAND: Record<string, [string, number]> = { "lift-off": ["#ffffff", 0.6], carry: ["#201838", 0.6] };
+/** What a plan does with the object in its hand: its colour lighter as long as it is lifted off or set down, between
+ * these darker, and a little so once it has left it; as in pictures. */
+const IN_HAND: Record<string, [string, number]> = {
+  "lift-off": ["#ffffff", 0.6],
+  carry: ["#201838", 0.6],
+  "set-down": ["#ffffff", 0.6],
+  retreat: ["#201838", 0.3],
+  return: ["#201838", 0.3],
+};
 
 export function ofMode(plan: string, mode: string): string {
   const [towards, share] = IN_HAND[mode] ?? [plan, 0];

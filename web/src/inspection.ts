@@ -20,7 +20,8 @@ export interface Inspection {
   readonly worldFromGripper: Pose;
   /** The frame of the target's first part; null without a target. */
   readonly worldFromTarget: Pose | null;
-  /** What the robot does, of a plan that carries its object away: "reach", "close", "lift-off", "carry"; else empty. */
+  /** What the robot does, of a plan that carries its object away: "reach", "close", "lift-off", "carry" and so
+   * on; else empty. */
   readonly mode: string;
   /** Draw calls of the last frame, those of shadows among them. */
   readonly drawCalls: number;

@@ -28,19 +28,21 @@ export class ModeStrip {
 
   private marksOf({ carrying, colour }: ShownPlan): typeof this.marks {
     if (!carrying) return [];
-    const { from, until } = carrying.closes_s;
-    const [reach, ...onward] = carrying.modes;
-    return [reach, { name: "close", from_s: from, until_s: until }, ...onward].map(({ name, from_s, until_s }) => {
-      const label = name === "close" ? "The hand closes" : `To the beginning of ${name}`;
+    const all = [...carrying.modes, ...carrying.stops].sort((a, b) => a.from_s - b.from_s);
+    return all.map(({ name, from_s, until_s }) => {
+      const label = HAND[name] ?? `To the beginning of ${name}`;
       const mark = button(label, element("span", {}, name), () => this.onTime(from_s + (from_s > 0 ? AFTER_S : 0)), "mode");
       mark.dataset["mode"] = name;
       mark.style.left = `${(100 * from_s) / this.duration_s}%`;
       mark.style.width = `${(100 * (until_s - from_s)) / this.duration_s}%`;
-      mark.style.setProperty("--mode", name === "close" ? "var(--ink-soft)" : ofMode(colour, name));
+      mark.style.setProperty("--mode", name in HAND ? "var(--ink-soft)" : ofMode(colour, name));
       return { name, mark };
     });
   }
 }
+
+/** What the hand does while the robot stands. */
+const HAND: Record<string, string> = { close: "The hand closes", open: "The hand opens" };
 
 /** Where something ends and the next begins, it is shown that the next does. */
 const AFTER_S = 1e-6;

@@ -149,12 +149,15 @@ export interface Carry {
   grasp: number[];
   /** How far it has closed then, from 0, open, to 1. */
   closing: number;
-  /** What the robot does, one after the other; between the first two it stands, and the hand closes evenly. */
+  /** The robot's variables where the hand opens again, of an object that is put down. */
+  placed?: number[];
+  /** What the robot does, one after the other; where the object comes into the hand, or leaves it, it stands, and the
+   * hand moves evenly. */
   modes: Mode[];
 }
 
 export interface Mode {
-  name: "reach" | "lift-off" | "carry" | string;
+  name: "reach" | "lift-off" | "carry" | "set-down" | "retreat" | "return" | string;
   from_s: number;
   until_s: number;
 }

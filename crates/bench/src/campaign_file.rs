@@ -119,6 +119,7 @@ impl Campaign {
         let margins = Margins {
             margin_m: checked(entry.margin_m, 0.0, checked_margin)?,
             grasp_margin_m: checked(entry.grasp_margin_m, 0.0, checked_margin)?,
+            ..Margins::default()
         };
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in

@@ -194,7 +194,7 @@ impl ForeignPlanner {
             .collect();
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
         let export = self.files.released.join("export");
-        let Margins { margin_m, grasp_margin_m } = PathDemand::of_settings(&trial.settings).margins;
+        let Margins { margin_m, grasp_margin_m, .. } = PathDemand::of_settings(&trial.settings).margins;
         json!({
             "protocol": 1,
             "protocols": [1, 2],

@@ -45,7 +45,7 @@ impl PathDemand {
         if self.without_grasp_set {
             all.insert(Self::GRASPS, NONE.into());
         }
-        let Margins { margin_m, grasp_margin_m } = self.margins;
+        let Margins { margin_m, grasp_margin_m, .. } = self.margins;
         for (key, value) in [(MARGIN, margin_m), (GRASP_MARGIN, grasp_margin_m)] {
             if value != 0.0 {
                 all.insert(key, value.into());
@@ -60,7 +60,11 @@ impl PathDemand {
         let metres = |key| all.get(key).and_then(Value::as_f64).unwrap_or_default();
         Self {
             carry: all.get(CARRY).and_then(Value::as_str).and_then(|name| name.parse().ok()),
-            margins: Margins { margin_m: metres(MARGIN), grasp_margin_m: metres(GRASP_MARGIN) },
+            margins: Margins {
+                margin_m: metres(MARGIN),
+                grasp_margin_m: metres(GRASP_MARGIN),
+                ..Margins::default()
+            },
             without_grasp_set: all.get(Self::GRASPS).and_then(Value::as_str) == Some(NONE),
         }
     }
@@ -80,7 +84,7 @@ mod tests {
         let settings = r#"{"planner":"reach","step":0.25}"#.to_owned();
         assert_eq!(PathDemand::default().among(settings.clone()), settings);
         assert_eq!(PathDemand::of_settings(&settings), PathDemand::default());
-        let margins = Margins { margin_m: 0.005, grasp_margin_m: 0.001 };
+        let margins = Margins { margin_m: 0.005, grasp_margin_m: 0.001, ..Margins::default() };
         for demand in [
             PathDemand { carry: Some(CarryTo::Home), ..PathDemand::default() },
             PathDemand { margins, ..PathDemand::default() },

@@ -5,10 +5,10 @@ use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_plan::{CostKind, Criterion, MAX_SAMPLE_RATE_HZ};
+use cranny_plan::{AfterPlacing, CostKind, Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
 
-use crate::number_argument::{MOST_ITERATIONS, millimetres, seconds, whole};
+use crate::number_argument::{MOST_ITERATIONS, PoseError, millimetres, pose_error, seconds, whole};
 
 /// How to answer.
 #[derive(Clone, Copy, Debug, Args)]
@@ -48,6 +48,7 @@ impl MarginArguments {
         Margins {
             margin_m: self.margin.unwrap_or(otherwise.margin_m),
             grasp_margin_m: self.grasp_margin.unwrap_or(otherwise.grasp_margin_m),
+            ..otherwise
         }
     }
 }
@@ -92,6 +93,8 @@ pub struct TaskArguments {
   cranny plan 021 --planner ik-rbt --set critical_m=0.05
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
+  cranny plan 012 --place outside --then stay
+  cranny plan 021 --robust 2,3
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
@@ -135,8 +138,20 @@ pub struct PlanArguments {
     /// that it cannot be carried away from is none
     #[arg(long, value_name = "home|out|Q|FILE", allow_hyphen_values = true, conflicts_with_all = ["optimise", "blend"])]
     pub carry: Option<String>,
-    /// With --carry out: how clear, in millimetres, at most 1000 [default: 50]
-    #[arg(long, value_name = "MM", requires = "carry", allow_negative_numbers = true)]
+    /// Demand that the target may be so far from where it is thought to be, moved and turned about its middle at once, before
+    /// the hand closes on it and in the hand from then on (the plan says how far it and all else may be anyway)
+    #[arg(long, value_name = "MM,DEG", value_parser = pose_error, conflicts_with = "moveit")]
+    pub robust: Option<PoseError>,
+    /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
+    /// hand. A grasp with which it cannot be brought there is none
+    #[arg(long, value_name = "PLACE", conflicts_with_all = ["carry", "optimise", "blend"])]
+    pub place: Option<String>,
+    /// With --place: where the robot goes once its hand has left the target
+    #[arg(long, value_enum, value_name = "WHERE", default_value_t = ThenArgument::Home, requires = "place")]
+    pub then: ThenArgument,
+    /// In millimetres, with --carry out: how clear the target is in the end, at most 1000; with --place: how far the hand
+    /// is from the target when it has left it, at most 500 [default: 50]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub clear: Option<f64>,
     /// Leave the path as the planner found it
     #[arg(long)]
@@ -241,6 +256,7 @@ pub struct IkArguments {
 pub enum CriterionArgument {
     /// Within 1 mm and 1°, real geometry, the whole path proven
     Exact,
+
     /// The released planners' own loose measure, for comparison only
     Paper,
 }
@@ -328,5 +344,23 @@ fn sample_rate(text: &str) -> Result<f64, String> {
         Ok(rate_hz)
     } else {
         Err(format!("a rate is above 0 and at most {MAX_SAMPLE_RATE_HZ} samples a second"))
+    }
+}
+
+/// Where a robot goes once it has put something down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ThenArgument {
+    /// To where it started
+    Home,
+    /// Nowhere
+    Stay,
+}
+
+impl From<ThenArgument> for AfterPlacing {
+    fn from(argument: ThenArgument) -> Self {
+        match argument {
+            ThenArgument::Home => Self::Home,
+            ThenArgument::Stay => Self::Stay,
+        }
     }
 }

@@ -49,7 +49,7 @@ pub enum Command {
     /// Show what a scenario holds: robot, obstacles, target, grasps, start
     Info(TaskArguments),
     /// Plan a motion to a grasp and write it to a plan file
-    Plan(PlanArguments),
+    Plan(Box<PlanArguments>),
     /// Judge a plan file or bare way points against a scenario
     Verify(VerifyArguments),
     /// Look for free configurations at every grasp of a scenario

@@ -29,6 +29,7 @@ mod object;
 mod output_file;
 mod page_task;
 mod plan;
+mod plan_page;
 mod plan_task;
 mod progress;
 mod recording;

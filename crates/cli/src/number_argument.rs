@@ -41,6 +41,31 @@ pub fn millimetres(text: &str) -> Result<f64, String> {
     number.map(|number| number / 1000.0).ok_or_else(|| "give millimetres, at least 0".to_owned())
 }
 
+/// How far a pose may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseError {
+    translation_m: f64,
+    rotation_rad: f64,
+}
+
+impl PoseError {
+    /// How far it moves anything that is within `lever_m` of what it turns about, in metres, at most.
+    pub fn farthest_m(self, lever_m: f64) -> f64 {
+        self.translation_m + self.rotation_rad * lever_m
+    }
+}
+
+/// Millimetres and degrees.
+pub fn pose_error(text: &str) -> Result<PoseError, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[mm, degrees]) if (0.0..=1000.0).contains(&mm) && (0.0..=180.0).contains(&degrees) => {
+            Ok(PoseError { translation_m: mm / 1e3, rotation_rad: degrees.to_radians() })
+        }
+        _ => Err("give millimetres from 0 to 1000 and degrees from 0 to 180, such as 2,3".to_owned()),
+    }
+}
+
 /// A time limit.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=MOST_SECONDS).contains(seconds));

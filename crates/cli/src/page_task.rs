@@ -91,8 +91,8 @@ impl PageTask {
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
             let verification = plan.audit(&problem, AuditSettings::default())?;
-            let grip = plan.grip(&problem)?;
-            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, grip)?;
+            let cells = plan.task_cells(&problem)?;
+            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, cells)?;
             if let Some((registry, stop)) = &trees {
                 let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
                 shown_plan.search_tree = Some(tree);

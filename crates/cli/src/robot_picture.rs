@@ -43,6 +43,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         start: recipe.start(),
         grasps: GraspSet::default(),
         ik: Vec::new(),
+        places: Vec::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;
     let frames = scenario.robot.frames_at(&scenario.start);

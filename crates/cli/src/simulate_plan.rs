@@ -50,7 +50,7 @@ impl InsteadArguments {
 
 The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
 where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
-object on (`plan --carry`). Said is how far the arm was from the plan, what it touched, and what became of the object,
+object on (`plan --carry`) or puts it down (`plan --place`). Said is how far the arm was from the plan, what it touched, and what became of the object,
 as `simulate grasps` says it.")]
 pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
@@ -128,7 +128,8 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
     }
     let executed = Executed { scenario: scenario.id, row: PlanRow::of(&run) };
-    let is_held = executed.row.outcome == GraspOutcome::Held;
+    let is_there = executed.row.placed.is_none_or(|placed| placed.is_there());
+    let is_held = executed.row.outcome == GraspOutcome::Held && is_there;
     text::answer(&executed, || executed.page(), output)?;
     Ok(if is_held { Answer::Done } else { Answer::No })
 }
@@ -169,6 +170,11 @@ impl Executed {
             millimetres(row.translation_error_m),
             degrees(row.rotation_error_rad),
         );
+        if let Some(placed) = row.placed.filter(|_| row.outcome == GraspOutcome::Held) {
+            let (off, turned) = (millimetres(placed.translation_m), degrees(placed.rotation_rad));
+            let stands = if placed.is_there() { "stands" } else { "does not stand" };
+            let _ = writeln!(page, "  put down, it {stands} where it was to be: {off}, {turned} off");
+        }
         page
     }
 }

@@ -7,6 +7,7 @@ use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, model_notes}
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
+use crate::number_argument::PoseError;
 use crate::text;
 
 /// A scenario and the problem that the flags make of it.
@@ -23,6 +24,8 @@ pub struct Demand {
     pub robot: Option<PathBuf>,
     pub grasps: GivenGrasps,
     pub margins: Margins,
+    /// How far the target may be from where it is thought to be.
+    pub robust: Option<PoseError>,
 }
 
 impl Demand {
@@ -33,14 +36,14 @@ impl Demand {
             given => given,
         };
         let robot = plan.robot.clone().map(PathBuf::from);
-        Self { criterion: Some(plan.criterion), robot, grasps, margins: plan.margins }
+        Self { criterion: Some(plan.criterion), robot, grasps, margins: plan.margins, robust: None }
     }
 }
 
 impl Task {
     /// What the flags say; where they are silent what is demanded otherwise.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
-        let Demand { criterion, robot, grasps, margins } = otherwise;
+        let Demand { criterion, robot, grasps, margins, robust } = otherwise;
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone().or(robot),
@@ -48,7 +51,15 @@ impl Task {
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        let margins = arguments.margins.or(margins);
+        let mut margins = arguments.margins.or(margins);
+        if let Some(error) = robust {
+            let target = scenario.target.and_then(|target| scenario.world.bodies()[target].ball());
+            let ball = target.ok_or_else(|| {
+                let problem = "there is no target that could be elsewhere".to_owned();
+                Failure::Flag { flag: "robust", problem }
+            })?;
+            margins.object_margin_m = error.farthest_m(ball.radius_m);
+        }
         let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();

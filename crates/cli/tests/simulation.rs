@@ -152,7 +152,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
     let planned = read("p.plan.json");
     assert_eq!((planned.grasp, planned.score), (Some(best), cranny_grasp::ScoreKind::Physics));
     assert_eq!(planned.grasps.as_deref(), Some("scored.csv"));
-    assert_eq!(planned.request().score, cranny_grasp::ScoreKind::Physics);
+    assert_eq!(planned.score, cranny_grasp::ScoreKind::Physics);
     // Nothing is made up where nobody tried.
     let refused = plan(&["--score", "physics"]);
     let error = String::from_utf8_lossy(&refused.stderr);

@@ -270,9 +270,19 @@ impl Cell {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
+        self.clearance_where(q, &|pair| !pair.is_exempt(), scratch)
+    }
+
+    /// The same over the pairs that are asked about.
+    pub(crate) fn clearance_where(
+        &self,
+        q: &[f64],
+        is_asked: &dyn Fn(&Pair) -> bool,
+        scratch: &mut Scratch,
+    ) -> f64 {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut least = f64::INFINITY;
-        for pair in self.pairs.iter().filter(|pair| !pair.is_exempt()) {
+        for pair in self.pairs.iter().filter(is_asked) {
             let is_farther = self.quick_bound(&pair, &scratch.frames, least) >= least;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use cranny_robot::Robot;
+use cranny_spatial::Pose;
 
 use crate::held_body::HeldBody;
 use crate::lane_part::LanePart;
@@ -63,5 +64,28 @@ impl Surroundings {
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
         let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
         Self { world, parts, lanes, tree }
+    }
+
+    /// The same with a body moved.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn with_body_moved(&self, moved: usize, to: &Pose) -> Result<Self, CollisionError> {
+        let mut bodies = self.world.bodies().to_vec();
+        for part in &mut bodies[moved].parts {
+            part.world_from_solid = to * part.world_from_solid;
+        }
+        let mut own = bodies[moved].parts.clone().into_iter();
+        let (mut parts, mut lanes) = (self.parts.clone(), self.lanes.to_vec());
+        for ((body, part), lane) in parts.iter_mut().zip(&mut lanes) {
+            if *body == moved
+                && let Some(new) = own.next()
+            {
+                *lane = lane.moved(&new);
+                *part = new;
+            }
+        }
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        Ok(Self { world: World::new(bodies)?, parts, lanes: lanes.into(), tree })
     }
 }

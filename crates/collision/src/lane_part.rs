@@ -1,4 +1,6 @@
-use cranny_shape::{Ball, Outline, Solid};
+use std::sync::Arc;
+
+use cranny_shape::{Ball, CoarseHull, Outline, Solid};
 use cranny_spatial::{LaneVector, Pose, Vector};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -16,6 +18,8 @@ pub(crate) struct LanePart {
     pub solid: LaneSolid,
     /// Its hull; none for what is not convex or has no end.
     pub hull: Option<LaneHull>,
+    /// What that is made of, wherever the solid is.
+    coarse: Option<Arc<CoarseHull>>,
     /// What is known of it at first glance.
     pub around: LaneAround,
     /// Whether the distance is that to the solid; else it is that to a box around it.
@@ -85,10 +89,20 @@ impl LaneAabb {
 }
 
 impl LanePart {
-    pub fn of(Part { world_from_solid, solid }: &Part) -> Self {
+    pub fn of(part: &Part) -> Self {
+        Self::with_coarse_hull(part, LaneHull::coarse(&part.solid).map(Arc::new))
+    }
+
+    /// The same solid elsewhere.
+    pub fn moved(&self, part: &Part) -> Self {
+        Self::with_coarse_hull(part, self.coarse.clone())
+    }
+
+    fn with_coarse_hull(Part { world_from_solid, solid }: &Part, coarse: Option<Arc<CoarseHull>>) -> Self {
         Self {
             solid: LaneSolid::of(world_from_solid, solid),
-            hull: LaneHull::coarse(solid).map(|coarse| LaneHull::of(world_from_solid, solid, &coarse)),
+            hull: coarse.as_deref().map(|coarse| LaneHull::of(world_from_solid, solid, coarse)),
+            coarse,
             around: LaneAround::of(world_from_solid, solid),
             is_exact: solid.outline() != Outline::Other,
             slack_m: rounding_m(world_from_solid, solid),

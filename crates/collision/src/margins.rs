@@ -11,11 +11,20 @@ pub struct Margins {
     /// Instead of that between the hand and what it grasps, and what carries that, in metres, ≥ 0. Default 0: fingers
     /// must come close to what they grasp.
     pub grasp_margin_m: f64,
+    /// Besides these, between the object to be grasped, or that is held, and all that it may not touch, in metres, ≥ 0: so
+    /// far it may be from where it is thought to be. Default 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub object_margin_m: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(margin_m: &f64) -> bool {
+    *margin_m == 0.0
 }
 
 impl Margins {
     pub(crate) fn check(&self) -> Result<(), CollisionError> {
-        for value in [self.margin_m, self.grasp_margin_m] {
+        for value in [self.margin_m, self.grasp_margin_m, self.object_margin_m] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(CollisionError::Margin { value });
             }
@@ -26,5 +35,10 @@ impl Margins {
     /// The least distance that counts as free, in metres.
     pub(crate) fn required_m(&self, is_grasp: bool) -> f64 {
         CONTACT_M.max(if is_grasp { self.grasp_margin_m } else { self.margin_m })
+    }
+
+    /// The least distance that counts as free for what is held, in metres.
+    pub fn of_held_m(&self) -> f64 {
+        self.required_m(false) + self.object_margin_m
     }
 }

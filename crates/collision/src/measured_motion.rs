@@ -3,6 +3,8 @@ use cranny_spatial::{CONTACT_M, ROUNDING_M};
 use crate::cell::{Cell, Scratch};
 use crate::contact::Contact;
 use crate::motion::travel_of;
+use crate::pair_group::PairGroup;
+use crate::pairs::Pair;
 
 /// How exactly [`Cell::measure_motion`] measures.
 #[derive(Clone, Copy, Debug)]
@@ -11,11 +13,13 @@ pub struct Measuring {
     pub below_m: f64,
     /// How far what is found may lie below the truth, as a share of it, from 0 to below 1; at least 10 µm. Default: 0.
     pub share: f64,
+    /// Which pairs are measured. Default: all.
+    pub group: Option<PairGroup>,
 }
 
 impl Default for Measuring {
     fn default() -> Self {
-        Self { below_m: f64::INFINITY, share: 0.0 }
+        Self { below_m: f64::INFINITY, share: 0.0, group: None }
     }
 }
 
@@ -71,9 +75,13 @@ impl Cell {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
-        let mut least = self.clearance(a, scratch).min(self.clearance(b, scratch)).min(measuring.below_m);
+        let is_asked = |pair: &Pair| {
+            !pair.is_exempt() && measuring.group.is_none_or(|group| self.group_of(pair) == group)
+        };
+        let mut least = self.clearance_where(a, &is_asked, scratch);
+        least = least.min(self.clearance_where(b, &is_asked, scratch)).min(measuring.below_m);
         let mut contradiction = None;
-        let all: Vec<u32> = self.all_pairs().filter(|pair| !self.pairs.get(*pair).is_exempt()).collect();
+        let all: Vec<u32> = self.all_pairs().filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
         let tolerance_m = |least: f64| {
             let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };

@@ -59,12 +59,21 @@ struct Moving {
 /// What is demanded of a part of the world.
 #[derive(Clone, Copy, Debug)]
 struct PartRule {
-    /// The hand may come as near as its margin says.
-    is_grasped: bool,
+    /// Of what is to be grasped, or carries that: the hand may come as near as its margin says.
+    grasped: Option<Grasped>,
     /// Nothing: it is no obstacle, but what is held.
     is_held: bool,
     /// Nothing of what is held.
     is_spared: bool,
+}
+
+/// What a part of the world has to do with the grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grasped {
+    /// It is what is to be grasped.
+    Target,
+    /// It carries that.
+    Support,
 }
 
 /// What is held, and what it may touch.
@@ -109,7 +118,10 @@ impl Pairs {
         let rule = |part: usize| {
             let body = parts[part].0;
             PartRule {
-                is_grasped: grasp_bodies.contains(&body),
+                grasped: match grasp_bodies.iter().rposition(|grasped| *grasped == body) {
+                    Some(last) if last + 1 == grasp_bodies.len() => Some(Grasped::Target),
+                    other => other.map(|_| Grasped::Support),
+                },
                 is_held: held.is_some_and(|held| held.body == body),
                 is_spared: held.is_some_and(|held| held.spared.contains(&part)),
             }
@@ -117,7 +129,11 @@ impl Pairs {
         let link_pair = |(first, second): (usize, usize)| {
             let shared_joints = shared_joints(robot, bodies[first].link, bodies[second].link);
             let second = Other::Link { body: second, shared_joints };
-            Pair { first, second, required_m: margins.required_m(false) }
+            let is_of_held = |index: usize| held.is_some_and(|held| held.link == bodies[index].link);
+            let is_object =
+                is_of_held(first) || matches!(second, Other::Link { body, .. } if is_of_held(body));
+            let required_m = if is_object { margins.of_held_m() } else { margins.required_m(false) };
+            Pair { first, second, required_m }
         };
         let mut pairs = Self {
             moving: moving
@@ -130,8 +146,8 @@ impl Pairs {
         };
         pairs.greatest_m = [false, true].map(|is_of_hand| {
             let required =
-                pairs.parts.iter().map(|(_, rule)| margins.required_m(is_of_hand && rule.is_grasped));
-            required.fold(0.0, f64::max)
+                pairs.parts.iter().map(|(_, rule)| margins.required_m(is_of_hand && rule.grasped.is_some()));
+            required.fold(0.0, f64::max) + margins.object_margin_m
         });
         pairs
     }
@@ -181,7 +197,12 @@ impl Pairs {
         let required_m = if rule.is_held || (rule.is_spared && is_held) {
             NOTHING_M
         } else {
-            self.margins.required_m(is_of_hand && rule.is_grasped)
+            let object_m = if rule.grasped == Some(Grasped::Target) || is_held {
+                self.margins.object_margin_m
+            } else {
+                0.0
+            };
+            self.margins.required_m(is_of_hand && rule.grasped.is_some()) + object_m
         };
         Pair { first: body, second: Other::Part(part), required_m }
     }

@@ -1,5 +1,6 @@
 use crate::cell::{Cell, Scratch};
 use crate::motion::Demand;
+use crate::pair_group::PairGroup;
 use crate::{Measuring, Motion};
 
 /// What is measured lies so much lower than the truth, in metres, where its share is less.
@@ -32,9 +33,30 @@ impl Cell {
             if beyond_m <= 0.0 || self.prove(&edge[0], &edge[1], scratch, demand) != Motion::Proven {
                 // 3.
                 let ends = [&edge[0][..], &edge[1]];
-                least_m = self.measure_motion(ends, Measuring { below_m: least_m, share }, scratch).seen_m;
+                least_m = self
+                    .measure_motion(ends, Measuring { below_m: least_m, share, group: None }, scratch)
+                    .seen_m;
             }
         }
         kept_m(least_m).max(0.0)
+    }
+
+    /// The same over a group of pairs alone: slower, and infinite where it has none.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn group_clearance(
+        &self,
+        path: &[Vec<f64>],
+        group: PairGroup,
+        share: f64,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let mut below_m = f64::INFINITY;
+        for edge in path.windows(2).rev() {
+            let measuring = Measuring { below_m, share, group: Some(group) };
+            below_m = self.measure_motion([&edge[0], &edge[1]], measuring, scratch).seen_m;
+        }
+        if below_m.is_finite() { (below_m * (1.0 - share) - TOLERANCE_M).max(0.0) } else { below_m }
     }
 }

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use cranny_shape::{Solid, closest_points, overlap};
 use cranny_spatial::{Point, Pose, Vector};
 
@@ -13,10 +15,7 @@ use crate::world::{Body, Part};
 /// only be less: so whoever does not come closer along that direction does not come closer at all.
 #[derive(Clone, Debug)]
 pub struct Resting {
-    /// The convex solids of the body, in its frame.
-    solids: Vec<(Pose, Solid)>,
-    /// The corners of its meshes, in its frame.
-    corners: Vec<Point>,
+    extent: Extent,
     /// A part that the body touches, each.
     contacts: Vec<RestingContact>,
 }
@@ -53,35 +52,59 @@ impl Cell {
     /// If the world has no body of that index.
     pub fn resting(&self, body: usize, clear_m: f64) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
-        let unusable = || CollisionError::Hold { name: thing.name.clone() };
-        let held_from_world = thing.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
-        let mut resting = Resting { solids: Vec::new(), corners: Vec::new(), contacts: Vec::new() };
-        for part in &thing.parts {
-            let held_from_part = held_from_world * part.world_from_solid;
-            if part.solid.support_point(&Vector::x()).is_some() {
-                resting.solids.push((held_from_part, part.solid.clone()));
-            } else {
-                let (points, _) = part.solid.bounding_points().ok_or_else(unusable)?;
-                resting.corners.extend(points.iter().map(|point| held_from_part * point));
-            }
-        }
-        let world_from_held = held_from_world.inverse();
+        let extent = Extent::of(thing)?;
+        // As it is held from: so bits agree.
+        let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
+        let placed: Vec<(Pose, &Solid)> =
+            thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
+        self.resting_of(body, &extent, (&world_from_held, &placed), clear_m)
+    }
+
+    /// How a body of the world would rest with its first solid elsewhere, as [`Self::resting`].
+    ///
+    /// # Errors
+    /// [`CollisionError::Hollow`].
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn resting_at(
+        &self,
+        body: usize,
+        extent: &Extent,
+        world_from_held: &Pose,
+        clear_m: f64,
+    ) -> Result<Resting, CollisionError> {
+        let thing: &Body = &self.world().bodies()[body];
+        let moved = moved_to(thing, world_from_held);
+        let placed: Vec<(Pose, &Solid)> =
+            thing.parts.iter().map(|part| (moved * part.world_from_solid, &part.solid)).collect();
+        self.resting_of(body, extent, (world_from_held, &placed), clear_m)
+    }
+
+    fn resting_of(
+        &self,
+        body: usize,
+        extent: &Extent,
+        (world_from_held, placed): (&Pose, &[(Pose, &Solid)]),
+        clear_m: f64,
+    ) -> Result<Resting, CollisionError> {
+        let thing: &Body = &self.world().bodies()[body];
+        let mut resting = Resting { extent: extent.clone(), contacts: Vec::new() };
         for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
         {
-            let placed = || thing.parts.iter().map(|own| (own.world_from_solid, &own.solid));
-            let gap =
-                group_separation(placed(), &std::iter::once((part.world_from_solid, &part.solid)), clear_m);
+            let of_part = std::iter::once((part.world_from_solid, &part.solid));
+            let gap = group_separation(placed.iter().copied(), &of_part, clear_m);
             if gap.lower_m >= clear_m {
                 continue;
             }
-            let depths = placed().filter_map(|(pose, solid)| {
-                overlap(solid, &pose, &part.solid, &part.world_from_solid).map(|overlap| overlap.depth_m)
+            let depths = placed.iter().filter_map(|(pose, solid)| {
+                overlap(solid, pose, &part.solid, &part.world_from_solid).map(|overlap| overlap.depth_m)
             });
             let depth_m = depths.fold(0.0, f64::max);
             let signed_m = if gap.upper_m > 0.0 { gap.lower_m } else { -depth_m };
-            let along = directions(thing, part).into_iter().filter_map(|direction| {
+            let along = directions(placed, part).into_iter().filter_map(|direction| {
                 let top_m = reach_along(part, &direction)?;
-                let separation_m = resting.lowest_along(&world_from_held, &direction) - top_m;
+                let separation_m = extent.lowest_along(world_from_held, &direction) - top_m;
                 Some(RestingContact { part: index, body: *other, direction, top_m, separation_m })
             });
             let best = along.max_by(|a, b| a.separation_m.total_cmp(&b.separation_m));
@@ -176,11 +199,43 @@ impl Resting {
     }
 
     fn separation_m(&self, contact: &RestingContact, world_from_held: &Pose) -> f64 {
-        self.lowest_along(world_from_held, &contact.direction) - contact.top_m
+        self.extent.lowest_along(world_from_held, &contact.direction) - contact.top_m
+    }
+}
+
+/// How far a body of the world reaches along any direction (its support mapping), in the frame of its first solid.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    /// Its convex solids.
+    solids: Vec<(Pose, Solid)>,
+    /// The corners of its meshes.
+    corners: Arc<[Point]>,
+}
+
+impl Extent {
+    /// Of a body.
+    ///
+    /// # Errors
+    /// [`CollisionError::Hold`] for one that has no end.
+    pub fn of(body: &Body) -> Result<Self, CollisionError> {
+        let unusable = || CollisionError::Hold { name: body.name.clone() };
+        let held_from_world = body.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
+        let (mut solids, mut corners) = (Vec::new(), Vec::new());
+        for part in &body.parts {
+            let held_from_part = held_from_world * part.world_from_solid;
+            if part.solid.support_point(&Vector::x()).is_some() {
+                solids.push((held_from_part, part.solid.clone()));
+            } else {
+                let (points, _) = part.solid.bounding_points().ok_or_else(unusable)?;
+                corners.extend(points.iter().map(|point| held_from_part * point));
+            }
+        }
+        Ok(Self { solids, corners: corners.into() })
     }
 
-    /// How far the body reaches back along a direction.
-    fn lowest_along(&self, world_from_held: &Pose, direction: &Vector) -> f64 {
+    /// How far the body, its first solid at a pose, reaches back along a direction, a unit vector: the least value of any of
+    /// its points along it, in metres.
+    pub fn lowest_along(&self, world_from_held: &Pose, direction: &Vector) -> f64 {
         let own = world_from_held.rotation.inverse() * direction;
         let of_corners = self.corners.iter().map(|corner| own.dot(&corner.coords));
         let of_solids = self.solids.iter().filter_map(|(held_from_solid, solid)| {
@@ -190,6 +245,12 @@ impl Resting {
         let lowest = of_corners.chain(of_solids).fold(f64::INFINITY, f64::min);
         lowest + direction.dot(&world_from_held.translation.vector)
     }
+}
+
+/// What moves a body so that its first solid comes to a pose.
+pub(crate) fn moved_to(body: &Body, world_from_held: &Pose) -> Pose {
+    let now = body.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
+    world_from_held * now.inverse()
 }
 
 /// How far a part reaches along a direction, in metres; `None` where it has no end.
@@ -211,13 +272,13 @@ fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
 
 /// Directions along which a part and a body may be separate: the axes of the part, upwards, and between their nearest
 /// points.
-fn directions(thing: &Body, part: &Part) -> Vec<Vector> {
+fn directions(placed: &[(Pose, &Solid)], part: &Part) -> Vec<Vector> {
     let axes = [Vector::x(), Vector::y(), Vector::z()].map(|axis| part.world_from_solid.rotation * axis);
     let mut directions: Vec<Vector> = axes.iter().flat_map(|axis| [*axis, -axis]).collect();
     directions.push(Vector::z());
-    let nearest = thing.parts.iter().filter_map(|own| {
-        closest_points(&part.solid, &part.world_from_solid, &own.solid, &own.world_from_solid)
-    });
+    let nearest = placed
+        .iter()
+        .filter_map(|(pose, solid)| closest_points(&part.solid, &part.world_from_solid, solid, pose));
     directions.extend(nearest.filter_map(|[from, to]| (to - from).try_normalize(1e-9)));
     directions
 }

@@ -1,5 +1,5 @@
-use cranny_shape::Solid;
-use cranny_spatial::{FARTHEST_M, Pose};
+use cranny_shape::{Ball, Solid};
+use cranny_spatial::{FARTHEST_M, Point, Pose, Vector};
 
 use crate::CollisionError;
 
@@ -30,6 +30,25 @@ impl Body {
     /// The floor: everything below `height_m` in the planning frame.
     pub fn floor(height_m: f64) -> Self {
         Self::new("floor", Pose::translation(0.0, 0.0, height_m), Solid::half_space())
+    }
+}
+
+impl Body {
+    /// A ball around it, in the planning frame; `None` for what has no end, or no solid.
+    pub fn ball(&self) -> Option<Ball> {
+        let balls: Vec<Ball> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let Ball { center, radius_m } = part.solid.ball();
+                Ball { center: part.world_from_solid * center, radius_m: *radius_m }
+            })
+            .collect();
+        let sum = balls.iter().fold(Vector::zeros(), |sum, ball| sum + ball.center.coords);
+        let center = Point::from(sum / balls.len() as f64);
+        let radius_m =
+            balls.iter().map(|ball| (ball.center - center).norm() + ball.radius_m).reduce(f64::max)?;
+        radius_m.is_finite().then_some(Ball { center, radius_m })
     }
 }
 

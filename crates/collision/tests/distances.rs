@@ -76,7 +76,7 @@ proptest! {
         let (robot, mut random) = (arm(), Stream::new(seed, 0));
         let mut bodies = random_blocks(6, &mut random);
         bodies.push(Body::floor(0.26));
-        let margins = Margins { margin_m: 0.01, grasp_margin_m };
+        let margins = Margins { margin_m: 0.01, grasp_margin_m, ..Margins::default() };
         let cell = Cell::for_grasp(robot.clone(), World::new(bodies).unwrap(), 0, margins).unwrap();
         let (mut scratch, mut frames) = (cell.scratch(), robot.frames());
         let q = robot.random_configuration(&mut random);

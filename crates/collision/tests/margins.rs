@@ -58,7 +58,7 @@ fn the_grasp_margin_holds_between_the_hand_and_what_it_grasps_only() {
     let target = world.body_index("object").expect("it is there");
     let table = world.body_index("table").expect("it is there");
     // Both margins exceed every distance, so that every pair is listed with what is demanded of it.
-    let margins = Margins { margin_m: 10.0, grasp_margin_m: 9.0 };
+    let margins = Margins { margin_m: 10.0, grasp_margin_m: 9.0, ..Margins::default() };
     let cell = Cell::for_grasp(robot.clone(), world.clone(), target, margins).expect("good margins");
     assert_eq!(robot.hand_links(), hand(&robot));
     let contacts = cell.contacts(&[0.0; 4], &mut cell.scratch());

@@ -26,6 +26,22 @@ pub enum PlanError {
         /// What it lacks.
         needs: &'static str,
     },
+    /// A place is named that the problem does not have.
+    #[error(
+        "there is no place '{name}' to put the target down (there are: {known}; `places` of a scenario.yaml)"
+    )]
+    UnknownPlace {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// An object cannot be asked to be put down there.
+    #[error("{problem}")]
+    Place {
+        /// What is wrong.
+        problem: String,
+    },
     /// A problem lacks what a grasp is measured by.
     #[error("without a set of grasps, the problem needs {needs}")]
     NoGraspMeasure {
@@ -48,7 +64,9 @@ pub enum PlanError {
         planner: &'static str,
     },
     /// The segments of a path are no task.
-    #[error("a task is a reach, or a reach, a lift-off and a carry")]
+    #[error(
+        "a task is a reach; or a reach, a lift-off and a carry; or these, a set-down, a retreat and a return or none"
+    )]
     Segments,
     /// There is nothing to reach for.
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]

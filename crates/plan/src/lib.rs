@@ -15,7 +15,7 @@ pub use path::audit::{Audit, AuditSettings, Clearances, audit, audit_with, path_
 pub use path::joint_metric::JointMetric;
 pub use path::path_cost::{CostKind, PathCost};
 pub use path::shortcut::{ShortcutSettings, Shortened, shortcut};
-pub use path::task_audit::{TaskPath, audit_task};
+pub use path::task_audit::{PlacePath, TaskPath, audit_task};
 pub use path::violation::{GoalError, JointOffset, Place, Violation};
 pub use planners::grasp_reach::GraspReach;
 pub use planners::grasp_rrt::GraspRrt;
@@ -50,6 +50,8 @@ pub use task::ik_annotation::{
 };
 pub use task::not_checked::{NotChecked, NotCheckedReason};
 pub use task::own_grasp::OwnGrasp;
+pub use task::place::{Placed, Placement, Placer};
+pub use task::place_settings::{AfterPlacing, PlaceGoal, PlaceSettings, PlaceSpot};
 pub use task::problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
 pub use timing::trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};

@@ -123,6 +123,14 @@ pub enum ScenarioError {
         /// The names that there are.
         known: String,
     },
+    /// What a file says of a place is none.
+    #[error("{at}: {problem}")]
+    Place {
+        /// Where.
+        at: Location,
+        /// What is wrong, with a hint.
+        problem: String,
+    },
     /// The start leaves a joint out.
     #[error("{at}: the start gives no value for joint '{joint}'")]
     MissingJoint {

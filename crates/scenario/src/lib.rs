@@ -49,6 +49,7 @@ pub use obstacle::Obstacle;
 pub use plan::betterment::{PlanOptimisation, PlanShortening};
 pub use plan::error::PlanFileError;
 pub use plan::file::{PlanBudget, PlanFile, PlanSource};
+pub use plan::place::PlanPlace;
 pub use plan::segment::PlanSegment;
 pub use plan::timing::PlanTiming;
 pub use plan::trajectory_csv::write_trajectory_csv;

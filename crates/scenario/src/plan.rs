@@ -3,6 +3,7 @@
 pub(crate) mod betterment;
 pub(crate) mod error;
 pub(crate) mod file;
+pub(crate) mod place;
 pub(crate) mod reading;
 pub(crate) mod segment;
 pub(crate) mod timing;

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
-use cranny_plan::{Criterion, Goal, Problem};
+use cranny_plan::{Criterion, Goal, PlaceGoal, Problem};
 use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
@@ -41,6 +41,8 @@ pub struct Scenario {
     pub has_grasp_set: bool,
     /// Configurations that reach a grasp, as known from the files; often none.
     pub ik: Vec<Vec<f64>>,
+    /// Where the target can be put down.
+    pub places: Vec<PlaceGoal>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,
@@ -94,7 +96,7 @@ impl Scenario {
     /// for what has no grasp to measure ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a margin
     /// that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
-        let problem = self.problem_with_grasp_set(margins)?;
+        let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
         if self.has_grasp_set {
             return Ok(problem);
         }
@@ -135,7 +137,8 @@ impl Scenario {
         for part in bodies.iter_mut().flat_map(|body| &mut body.parts) {
             part.world_from_solid = lower * part.world_from_solid;
         }
-        Ok(Self { world: World::new(bodies)?, grasps: self.grasps.moved(&lower), ..self })
+        let places = self.places.iter().map(|place| place.seen_from(&lower)).collect();
+        Ok(Self { world: World::new(bodies)?, grasps: self.grasps.moved(&lower), places, ..self })
     }
 
     /// Checks that the start, which stands in `file`, has one value per joint.

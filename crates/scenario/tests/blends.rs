@@ -9,7 +9,7 @@ use cranny_scenario::{OpenOptions, Scenario};
 fn a_blended_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
     for (id, margin_m) in [("021", 0.0), ("023", 0.0), ("023", 0.005), ("025", 0.0)] {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
-        let demands = Margins { margin_m, grasp_margin_m: 0.0 };
+        let demands = Margins { margin_m, grasp_margin_m: 0.0, ..Margins::default() };
         let problem = scenario.problem(demands).expect("a problem");
         let cell = problem.cell().expect("exact is the default");
         let limits = MotionLimits::of(problem.robot(), TimingMethod::TimeOptimal).expect("limits");

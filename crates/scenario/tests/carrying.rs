@@ -26,7 +26,7 @@ fn audit_of(plan: &PlanFile, problem: &Problem) -> Audit {
 
 #[test]
 fn the_target_of_every_scenario_can_be_carried_home() {
-    let wide = Margins { margin_m: 0.005, grasp_margin_m: 0.001 };
+    let wide = Margins { margin_m: 0.005, grasp_margin_m: 0.001, ..Margins::default() };
     for family in 1..=4 {
         for level in 1..=5 {
             let id = format!("0{family}{level}");
@@ -63,7 +63,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     assert!(sound.valid, "{:?}", sound.violations);
     assert_eq!(plan.carry_to, Some(vec![problem.start().to_vec()]));
     // Its request is the one that it was made by.
-    let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
+    let again = solve(&problem, &plan.request(&problem).unwrap(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
     // What it says of the hand and of its end is looked at.
     let kinds = |plan: &PlanFile| -> Vec<&str> {

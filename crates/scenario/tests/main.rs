@@ -22,6 +22,7 @@ mod moveit;
 mod objects;
 mod other_robots;
 mod own_layout;
+mod placing;
 mod quicker;
 mod released_layout;
 mod round_trip;

@@ -44,12 +44,12 @@ fn everything_that_a_file_says_stands_in_the_planning_frame() {
 fn the_files_criterion_holds_unless_another_is_asked_for() {
     let scenario = Scenario::open(&corner(), &OpenOptions::default()).unwrap();
     assert_eq!(scenario.problem(Margins::default()).unwrap().criterion(), Criterion::Paper);
-    let demanding = Margins { margin_m: 0.005, grasp_margin_m: 0.0 };
+    let demanding = Margins { margin_m: 0.005, grasp_margin_m: 0.0, ..Margins::default() };
     assert!(matches!(scenario.problem(demanding), Err(ScenarioError::MarginUnderPaper)));
     let options = OpenOptions { criterion: Some(Criterion::Exact), ..OpenOptions::default() };
     let scenario = Scenario::open(&corner(), &options).unwrap();
     let problem = scenario.problem(demanding).unwrap();
     assert_eq!((problem.criterion(), problem.target()), (Criterion::Exact, Some(3)));
-    let negative = Margins { margin_m: -0.005, grasp_margin_m: 0.0 };
+    let negative = Margins { margin_m: -0.005, grasp_margin_m: 0.0, ..Margins::default() };
     assert!(scenario.problem(negative).unwrap_err().to_string().contains("-0.005"));
 }

@@ -23,6 +23,13 @@ pub(crate) const BLOCKED_M: f64 = 0.001;
 /// Between two moments of a recording, in seconds.
 const RECORDED_EVERY_S: f64 = 0.02;
 
+/// What is done with a hand for so long, in seconds; `advance` hears of each step before it is made, with the time at its
+/// end.
+pub(crate) struct Move<'f, 'a> {
+    pub duration_s: f64,
+    pub advance: &'f mut dyn FnMut(&mut GraspTrial<'a>, f64),
+}
+
 /// A grasp under test.
 pub(crate) struct GraspTrial<'a> {
     pub test: &'a GraspTest,
@@ -32,6 +39,8 @@ pub(crate) struct GraspTrial<'a> {
     steps: u32,
     /// Of these, before the hand began to close.
     steps_open: u32,
+    /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
+    opens_from: Option<(u32, f64)>,
     recording: Option<Recording>,
     /// What the recording has, besides object and hand.
     recorded: Vec<RigidBodyHandle>,
@@ -66,6 +75,7 @@ impl<'a> GraspTrial<'a> {
             object,
             steps: 0,
             steps_open: 0,
+            opens_from: None,
             recording: None,
             recorded: Vec::new(),
         };
@@ -98,10 +108,11 @@ impl<'a> GraspTrial<'a> {
             return self.ended(outcome, (0.0, 0.0), 0.0, 0.0);
         }
         let course = self.test.course;
-        self.grasp(course.duration_s(), &mut |trial, time_s| {
+        let mut advance = |trial: &mut Self, time_s: f64| {
             let next = course.world_from_hand(world_from_hand, time_s);
             trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
-        })
+        };
+        self.grasp(Move { duration_s: course.duration_s(), advance: &mut advance }, None)
     }
 
     /// How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
@@ -122,9 +133,8 @@ impl<'a> GraspTrial<'a> {
         fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
     }
 
-    /// Closes the hand and, if it holds anything, has it moved for so long; `advance` hears of each step before it is
-    /// made, with the time at its end since the hand closed.
-    pub fn grasp(mut self, duration_s: f64, advance: &mut dyn FnMut(&mut Self, f64)) -> GraspRun {
+    /// Closes the hand and, if it holds anything, has it moved; if it then holds it yet, it may open and move on.
+    pub fn grasp(mut self, held: Move<'_, 'a>, released: Option<Move<'_, 'a>>) -> GraspRun {
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
             self.world.gravity = engine::vector(&Vector::zeros());
@@ -134,7 +144,7 @@ impl<'a> GraspTrial<'a> {
         let pressed_n = self.close();
         self.world.gravity = gravity;
         if let Some(contact_force_n) = pressed_n {
-            return self.carry(duration_s, contact_force_n, advance);
+            return self.carry(held, released, contact_force_n);
         }
         let error = self.error(&world_from_resting, &self.world_from_object());
         let is_there = self.is_held(error);
@@ -171,7 +181,13 @@ impl<'a> GraspTrial<'a> {
     }
 
     fn step(&mut self) {
-        let driven_m = self.test.course.closing_speed * self.closing_s();
+        let speed = self.test.course.closing_speed;
+        let driven_m = match self.opens_from {
+            None => speed * self.closing_s(),
+            Some((step, closed_m)) => {
+                (closed_m - speed * f64::from(self.steps - step) * self.test.physics.step_s).max(0.0)
+            }
+        };
         self.gripper.drive(&mut self.world, driven_m);
         engine::step(&mut self.world);
         self.steps += 1;
@@ -218,9 +234,9 @@ impl<'a> GraspTrial<'a> {
     /// Moves the hand with what it has closed on.
     fn carry(
         mut self,
-        duration_s: f64,
+        Move { duration_s, advance }: Move<'_, 'a>,
+        released: Option<Move<'_, 'a>>,
         contact_force_n: f64,
-        advance: &mut dyn FnMut(&mut Self, f64),
     ) -> GraspRun {
         let closed_from_object = self.hand_from_object();
         let mut held_s = None;
@@ -246,7 +262,20 @@ impl<'a> GraspTrial<'a> {
             GraspOutcome::Slipped
         };
         let held_s = held_s.unwrap_or(duration_s);
+        if let Some(released) = released.filter(|_| outcome == GraspOutcome::Held) {
+            self.release(released);
+        }
         self.ended(outcome, error, held_s, contact_force_n)
+    }
+
+    /// Opens the hand, and moves it on meanwhile.
+    fn release(&mut self, Move { duration_s, advance }: Move<'_, 'a>) {
+        let stroke_m = self.test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
+        self.opens_from = Some((self.steps, self.gripper.closed(&self.world).0 * stroke_m));
+        for step in 1..=whole_steps(duration_s, self.test.physics.step_s) {
+            advance(self, f64::from(step) * self.test.physics.step_s);
+            self.step();
+        }
     }
 
     /// How far the centre of mass is from where it should be, in metres, and how far the object is turned, in radians.

@@ -37,7 +37,7 @@ pub use crate::grasp_test::GraspTest;
 pub use crate::physics::Physics;
 pub use crate::piece::{Piece, PieceShape};
 pub use crate::plan_row::PlanRow;
-pub use crate::plan_run::{PlanContact, PlanRun, TrackingError};
+pub use crate::plan_run::{PlacedError, PlanContact, PlanRun, TrackingError};
 pub use crate::plan_test::PlanTest;
 pub use crate::recording::{RecordedBody, Recording};
 pub use crate::settling::{ChiSquared, SettledPose, Settling, settle};

@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use crate::{GraspOutcome, PlanContact, PlanRun, TrackingError};
+use crate::{GraspOutcome, PlacedError, PlanContact, PlanRun, TrackingError};
 
 /// What came of an executed plan, without what was recorded. The names of the fields are those of files.
 #[derive(Clone, Debug, Serialize)]
@@ -21,6 +21,9 @@ pub struct PlanRow {
     pub lift_m: f64,
     /// See [`PlanRun::rose_m`].
     pub rose_m: f64,
+    /// See [`PlanRun`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub placed: Option<PlacedError>,
     /// See [`crate::GraspRun`], as all that follows.
     pub translation_error_m: f64,
     /// How far the object is turned in the hand.
@@ -50,6 +53,7 @@ impl PlanRow {
             pushed_m: run.pushed_m,
             lift_m: run.lift_m,
             rose_m: run.rose_m(),
+            placed: run.placed,
             translation_error_m: grasp.translation_error_m,
             rotation_error_rad: grasp.rotation_error_rad,
             held_s: grasp.held_s,

@@ -1,4 +1,4 @@
-use cranny_spatial::Pose;
+use cranny_spatial::{Point, Pose};
 use serde::Serialize;
 
 use crate::GraspRun;
@@ -20,8 +20,38 @@ pub struct PlanRun {
     pub lift_m: f64,
     /// Where the object was before anything moved, in the planning frame.
     pub world_from_resting: Pose,
+    /// How far the object is in the end from where it was to be put down, of a plan that puts it down.
+    pub placed: Option<PlacedError>,
     /// Closing and lifting.
     pub grasp: GraspRun,
+}
+
+/// How far an object stands from where it was to be put down.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlacedError {
+    /// Of its centre of mass, in metres.
+    pub translation_m: f64,
+    /// How far it is turned, in radians.
+    pub rotation_rad: f64,
+}
+
+impl PlacedError {
+    /// What counts as standing where it was to be, in metres and radians.
+    pub const MOST_M: f64 = 0.01;
+    /// See [`Self::MOST_M`].
+    pub const MOST_RAD: f64 = std::f64::consts::PI / 18.0;
+
+    pub(crate) fn between(planned: &Pose, actual: &Pose, center: &Point) -> Self {
+        Self {
+            translation_m: (actual * center - planned * center).norm(),
+            rotation_rad: planned.rotation.angle_to(&actual.rotation),
+        }
+    }
+
+    /// Whether it stands where it was to be.
+    pub fn is_there(&self) -> bool {
+        self.translation_m <= Self::MOST_M && self.rotation_rad <= Self::MOST_RAD
+    }
 }
 
 impl PlanRun {

@@ -1,17 +1,18 @@
+use std::cell::RefCell;
 use std::sync::Arc;
 
-use cranny_plan::Trajectory;
+use cranny_plan::{Trajectory, TrajectorySample};
 use cranny_robot::{IkSettings, IkSolver, LinkFrames, Robot};
-use cranny_solve::TaskTrajectory;
+use cranny_solve::{CLOSING_S, TaskTrajectory};
 use cranny_spatial::{Pose, PoseDifference};
 use rapier3d_f64::prelude::ColliderHandle;
 
 use crate::arm::{Arm, ArmModel};
 use crate::course::smooth_share;
 use crate::grasp_test::whole_steps;
-use crate::grasp_trial::GraspTrial;
+use crate::grasp_trial::{GraspTrial, Move};
 use crate::gripper::Gripper;
-use crate::plan_run::{PlanContact, PlanRun, TrackingError};
+use crate::plan_run::{PlacedError, PlanContact, PlanRun, TrackingError};
 use crate::{Disturbance, DriveSettings, GraspTest, RecordedBody, SimError};
 
 /// A robot that does what a plan says: its joints follow the timed path, the hand closes, and the arm lifts straight up
@@ -38,8 +39,8 @@ impl PlanTest {
         Ok(Self { test, robot, arm })
     }
 
-    /// Follows a path to the grasp, closes the hand, and follows it on; a path that ends at the grasp is followed by a lift
-    /// straight up, by `lift_m`.
+    /// Follows a path to the grasp, closes the hand, and follows it on, and opens the hand where it puts the object down; a
+    /// path that ends at the grasp is followed by a lift straight up, by `lift_m`.
     ///
     /// # Errors
     /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
@@ -47,7 +48,7 @@ impl PlanTest {
     /// # Panics
     /// If the path is not one of the robot's joints.
     pub fn run(&self, path: &TaskTrajectory, lift_m: f64, is_recorded: bool) -> Result<PlanRun, SimError> {
-        let (reach, onward) = (path.reach(), path.onward());
+        let (reach, onward, off) = (path.reach(), path.legs().get(1), path.legs().get(2));
         let lift_m = if onward.is_some() { 0.0 } else { lift_m };
         for (figure, value, range, most) in [
             ("lift", lift_m, "from 0 to 1 m", 1.0),
@@ -66,18 +67,33 @@ impl PlanTest {
         let resting = executed.trial.test.object.center;
         let pushed_m = (executed.trial.world_from_object() * resting - world_from_resting * resting).norm();
         let lift = Lift::new(&self.robot, &end, lift_m);
-        let Execution { trial, arm, mut contacts, began_steps, .. } = executed;
+        let Execution { trial, arm, contacts, began_steps, .. } = executed;
+        let contacts = RefCell::new(contacts);
         let moving_s = onward.map_or(self.test.course.lift_s, Trajectory::duration_s);
-        let grasp = trial.grasp(moving_s + RESTING_S, &mut |trial, time_s| {
-            let (q, velocity) = match onward {
-                None => lift.at(time_s, moving_s),
-                Some(onward) => {
-                    let sample = onward.sample(time_s);
-                    (sample.position, sample.velocity)
-                }
-            };
+        let aim = |trial: &mut GraspTrial<'_>, (q, velocity): (Vec<f64>, Vec<f64>)| {
             arm.aim(&q, &velocity, &mut trial.world);
-            touched(self, trial, &arm, began_steps, true, &mut contacts);
+            touched(self, trial, &arm, began_steps, true, &mut contacts.borrow_mut());
+        };
+        let of_sample = |sample: TrajectorySample| (sample.position, sample.velocity);
+        let mut carry = |trial: &mut GraspTrial<'_>, time_s: f64| {
+            let at = onward.map(|onward| of_sample(onward.sample(time_s)));
+            aim(trial, at.unwrap_or_else(|| lift.at(time_s, moving_s)));
+        };
+        // Where it is put down, the hand opens before it goes.
+        let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| {
+            let Some(off) = off else { return };
+            aim(trial, of_sample(off.sample((time_s - CLOSING_S).max(0.0))));
+        };
+        let held = Move { duration_s: moving_s + RESTING_S, advance: &mut carry };
+        let leaving_s = off.map(|off| CLOSING_S + off.duration_s() + RESTING_S);
+        let leaving = leaving_s.map(|duration_s| Move { duration_s, advance: &mut leave });
+        let grasp = trial.grasp(held, leaving);
+        let contacts = contacts.into_inner();
+        let world_from_tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
+        let placed = onward.filter(|_| off.is_some()).map(|onward| {
+            let down = onward.sample(onward.duration_s()).position;
+            let planned = world_from_tip(&down) * world_from_tip(&end).inverse() * world_from_resting;
+            PlacedError::between(&planned, &grasp.world_from_object, &resting)
         });
         Ok(PlanRun {
             reach_s: reach.duration_s(),
@@ -87,6 +103,7 @@ impl PlanTest {
             pushed_m,
             lift_m: lift.lift_m,
             world_from_resting,
+            placed,
             grasp,
         })
     }

@@ -74,7 +74,7 @@ fn way(below_m: f64) -> [Vec<f64>; 2] {
 
 fn timed(robot: &Robot, way: &[Vec<f64>; 2]) -> TaskTrajectory {
     let limits = MotionLimits::of(robot, TimingMethod::TimeOptimal).unwrap();
-    TaskTrajectory::new(Trajectory::along(way, &limits).unwrap(), None)
+    TaskTrajectory::of_reach(Trajectory::along(way, &limits).unwrap())
 }
 
 fn run(robot: &Arc<Robot>, test: GraspTest, way: &[Vec<f64>; 2]) -> PlanRun {

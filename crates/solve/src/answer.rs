@@ -4,8 +4,8 @@ use cranny_plan::{
     Statistics,
 };
 
-use crate::TaskTrajectory;
 use crate::segment::{Mode, Segment, joined};
+use crate::{Robustness, TaskTrajectory};
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub struct Answer {
     pub timed: Option<Timed>,
     /// Why a path of this robot gets no time; `None` where it does, or nobody asked.
     pub untimed: Option<String>,
+    /// How far things may be from where the path has them, if it holds and that was asked.
+    pub robustness: Option<Robustness>,
     /// How the path was shortened, if it was.
     pub shortening: Option<Shortening>,
     /// How it became better after the first search, if anybody tried.

@@ -36,6 +36,8 @@ pub struct Request {
     pub timing: Option<Timing>,
     /// What is judged of the path.
     pub audit: AuditSettings,
+    /// Whether it is worked out how far things may be from where a path that holds has them: some milliseconds an edge.
+    pub robustness: bool,
 }
 
 /// How a path gets its time.
@@ -57,7 +59,8 @@ const FARTHEST_CLEAR_M: f64 = 1.0;
 fn check_end(end: &CarryEnd, problem: &Problem) -> Result<(), SolveError> {
     let refuse = |problem| Err(SolveError::Request { field: "carry", problem });
     match end {
-        CarryEnd::Home => Ok(()),
+        // What is wrong with a place is found out where the object is known.
+        CarryEnd::Home | CarryEnd::Place(_) => Ok(()),
         CarryEnd::Out { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
         CarryEnd::Out { clear_m } => {
             refuse(format!("{clear_m} m is no clearance; give 0 to {FARTHEST_CLEAR_M} m"))
@@ -86,7 +89,7 @@ impl Request {
     /// demanded of a robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         let planner = self.planner_for(problem)?;
-        self.scored(problem)?;
+        self.asked(problem)?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
         let is_paper = problem.criterion() == Criterion::Paper;
         match self.goal_threshold {
@@ -151,8 +154,16 @@ impl Request {
         Ok(())
     }
 
-    /// The problem, its grasps with the score that counts.
-    pub(crate) fn scored(&self, problem: &Problem) -> Result<Problem, SolveError> {
+    /// The problem, its grasps with the score that counts, under `paper` with the threshold.
+    pub(crate) fn asked(&self, problem: &Problem) -> Result<Problem, SolveError> {
+        let scored = self.scored(problem)?;
+        Ok(match self.goal_threshold {
+            Some(threshold) => scored.with_goal_threshold(threshold),
+            None => scored,
+        })
+    }
+
+    fn scored(&self, problem: &Problem) -> Result<Problem, SolveError> {
         if self.score == ScoreKind::default() {
             return Ok(problem.clone());
         }

@@ -10,6 +10,19 @@ pub enum Mode {
     LiftOff,
     /// Carries it on.
     Carry,
+    /// Puts it down where it then rests.
+    SetDown,
+    /// Takes the hand, open and empty, off the object.
+    Retreat,
+    /// Goes back to where it started from.
+    Return,
+}
+
+impl Mode {
+    /// Whether the object is in the closed hand meanwhile.
+    pub fn holds(self) -> bool {
+        matches!(self, Self::LiftOff | Self::Carry | Self::SetDown)
+    }
 }
 
 /// A piece of a path during which the hand holds what it holds: straight lines between way points.
@@ -28,6 +41,13 @@ pub struct Segment {
     pub waypoints: Vec<Vec<f64>>,
     /// The least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
     pub clearances_m: Vec<Option<f64>>,
+}
+
+impl Segment {
+    /// One along which the hand is open and empty.
+    pub(crate) fn empty(mode: Mode, waypoints: Vec<Vec<f64>>) -> Self {
+        Self { mode, attached: None, opening_m: None, uneven_m: None, waypoints, clearances_m: Vec::new() }
+    }
 }
 
 /// The way points of segments that follow each other: where two meet, one.

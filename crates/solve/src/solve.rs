@@ -5,15 +5,17 @@ use std::time::Instant;
 use cranny_collision::Cell;
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
-    OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Problem, Reach, ShortcutSettings, TaskPath,
-    Trajectory, Unobserved, audit_task, audit_with, better, optimise, search, shortcut,
+    OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
+    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with, better, optimise, search,
+    shortcut,
 };
 use cranny_robot::Robot;
 use cranny_spatial::other_seed;
 
 use crate::task::Task;
 use crate::{
-    Answer, Mode, Optimisation, Request, Segment, Shortening, SolveError, TaskTrajectory, Timed, Timing,
+    Answer, Mode, Optimisation, Request, Robustness, Segment, Shortening, SolveError, TaskCells,
+    TaskTrajectory, Timed, Timing,
 };
 
 /// Solves a problem as a request says.
@@ -24,7 +26,8 @@ use crate::{
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
 /// 4. A path that holds gets its time, if that is asked.
-/// 5. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
+/// 5. How far things may be from where it has them is worked out, if that is asked.
+/// 6. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
 ///    [`Robot::needless_turn`].
 ///
 /// That there is no path is an answer ([`Outcome`]), no error.
@@ -39,7 +42,7 @@ pub fn solve(
     request.check(problem)?;
     let begin = Instant::now();
     let mut answer = solve_once(problem, request, observer)?;
-    // 5.
+    // 6.
     /// More seeds find little that these do not.
     const OTHER_SEEDS: u64 = 8;
     /// A search that takes so many times the iterations of the first, and some, is not waited for. What the request
@@ -72,16 +75,13 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// Steps 1 to 4.
+/// Steps 1 to 5.
 fn solve_once(
     problem: &Problem,
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let mut problem = request.scored(problem)?;
-    if let Some(threshold) = request.goal_threshold {
-        problem = problem.with_goal_threshold(threshold);
-    }
+    let mut problem = request.asked(problem)?;
     let planner = request.planner_for(&problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
@@ -140,24 +140,25 @@ fn solve_once(
             Some(audit_segments(&problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
         }
     };
-    if let Some(audit) = &audit {
-        let mut clearances = audit.clearances_per_edge_m.iter();
-        for segment in &mut segments {
-            let edges = segment.waypoints.len().max(2) - 1;
-            segment.clearances_m = clearances.by_ref().take(edges).copied().collect();
-        }
+    let mut clearances_m = audit.iter().flat_map(|audit| &audit.clearances_per_edge_m);
+    for segment in &mut segments {
+        let edges = segment.waypoints.len().max(2) - 1;
+        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
     }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
-        Some(timing) if holds => {
-            let begin = Instant::now();
-            let cell = problem.cell().map(Arc::as_ref);
-            let trajectory = TaskTrajectory::of(timing, problem.robot(), cell, &segments)?;
-            trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() })
-        }
+        Some(timing) if holds => timed(&problem, timing, &segments)?,
         _ => None,
+    };
+    // 5.
+    let robustness = if request.robustness && holds {
+        let cells = |carrier| TaskCells::of(carrier, &segments, carry_to.as_ref());
+        let cells = carrier.as_ref().map(cells).transpose()?.flatten();
+        Robustness::of(&problem, cells.as_ref(), &segments)
+    } else {
+        None
     };
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
@@ -175,6 +176,7 @@ fn solve_once(
         audit,
         timed,
         untimed,
+        robustness,
         shortening,
         optimisation,
         statistics,
@@ -182,6 +184,14 @@ fn solve_once(
         failures,
         not_checked,
     })
+}
+
+/// Step 4 for a path that holds; `None` for a robot without the limits for it.
+fn timed(problem: &Problem, timing: Timing, segments: &[Segment]) -> Result<Option<Timed>, PlanError> {
+    let begin = Instant::now();
+    let cell = problem.cell().map(Arc::as_ref);
+    let trajectory = TaskTrajectory::of(timing, problem.robot(), cell, segments)?;
+    Ok(trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
 }
 
 /// Step 2 for a path, from which the object is carried on or not.
@@ -224,16 +234,40 @@ pub fn audit_segments(
     settings: AuditSettings,
 ) -> Result<Audit, PlanError> {
     let modes: Vec<Mode> = segments.iter().map(|segment| segment.mode).collect();
+    let placer = match (end, carrier) {
+        (Some(CarryEnd::Place(place)), Some(carrier)) => Some(Placer::new(carrier, place.clone())?),
+        _ => None,
+    };
     match (segments, &modes[..], carrier) {
         ([reach], [Mode::Reach], _) => audit_with(problem, &reach.waypoints, settings),
-        ([reach, lift_off, carry], [Mode::Reach, Mode::LiftOff, Mode::Carry], Some(carrier)) => {
+        (
+            [reach, lift_off, carry, after @ ..],
+            [Mode::Reach, Mode::LiftOff, Mode::Carry, put_down @ ..],
+            Some(carrier),
+        ) => {
             let held = [lift_off, carry].map(|segment| segment.attached.as_deref().zip(segment.opening_m));
+            let place = match (put_down, after, &placer) {
+                ([], [], None) => None,
+                (
+                    [Mode::SetDown, Mode::Retreat] | [Mode::SetDown, Mode::Retreat, Mode::Return],
+                    [set_down, retreat, back @ ..],
+                    Some(placer),
+                ) => Some(PlacePath {
+                    placer,
+                    set_down: &set_down.waypoints,
+                    retreat: &retreat.waypoints,
+                    back: back.first().map(|back| &back.waypoints[..]),
+                    held: set_down.attached.as_deref().zip(set_down.opening_m),
+                }),
+                _ => return Err(PlanError::Segments),
+            };
             let path = TaskPath {
                 reach: &reach.waypoints,
                 lift_off: &lift_off.waypoints,
                 carry: &carry.waypoints,
                 held,
                 end,
+                place,
             };
             audit_task(problem, carrier, path, settings)
         }

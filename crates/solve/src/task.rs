@@ -1,10 +1,11 @@
 use cranny_plan::{
-    Carrier, CarryEnd, FailureReason, GraspFailure, LiftOffSettings, Observer, PlanError, Problem,
+    Carrier, CarryEnd, FailureReason, GraspFailure, Grip, LiftOffSettings, Observer, PlanError, Problem,
     ShortcutSettings, shortcut,
 };
 use cranny_spatial::Pose;
 
 use crate::Segment;
+use crate::put_down::PutDown;
 use crate::segment::Mode;
 use crate::ways_out::WaysOut;
 
@@ -23,13 +24,18 @@ pub(crate) struct Task<'a> {
     pub carrier: Carrier,
     end: CarryEnd,
     ways_out: WaysOut,
+    /// Where the object is put down, if it is.
+    put_down: Option<PutDown>,
     observer: &'a mut dyn Observer,
-    /// The way on from the grasp that was taken: off what the object rests on, and to where it is to go, with the problem
-    /// that this second piece solves.
-    onward: Option<([Segment; 2], Problem)>,
+    /// The way on from the grasp that was taken: off what the object rests on, and to where it is to go, each piece with the
+    /// problem that it solves where it can be shortened.
+    onward: Option<Vec<Piece>>,
     /// With the gripper where the others failed, and why.
     failures: Vec<(Pose, FailureReason)>,
 }
+
+/// A piece of a path, and the problem that it solves where it can be shortened.
+pub(crate) type Piece = (Segment, Option<Problem>);
 
 impl<'a> Task<'a> {
     pub fn new(
@@ -40,7 +46,12 @@ impl<'a> Task<'a> {
     ) -> Result<Self, PlanError> {
         let carrier = Carrier::new(problem, carry.lift_off)?;
         let ways_out = WaysOut::new(problem, &carrier, &carry.end, seed)?;
-        Ok(Self { carrier, end: carry.end.clone(), ways_out, observer, onward: None, failures: Vec::new() })
+        let put_down = match &carry.end {
+            CarryEnd::Place(place) => Some(PutDown::new(problem, &carrier, place, seed)?),
+            _ => None,
+        };
+        let (end, onward, failures) = (carry.end.clone(), None, Vec::new());
+        Ok(Self { carrier, end, ways_out, put_down, observer, onward, failures })
     }
 
     /// Where the object is to go, home as the configuration that this is.
@@ -60,32 +71,49 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The way on from the grasp that was taken, the second piece shortened from this seed; nothing if no grasp was.
+    /// The way on from the grasp that was taken, its free pieces shortened from this seed; nothing if no grasp was.
     pub fn into_onward(self, shortened: bool) -> Result<Vec<Segment>, PlanError> {
-        let Some(([lift_off, mut carry], problem)) = self.onward else { return Ok(Vec::new()) };
-        if shortened {
-            let settings = ShortcutSettings { seed: self.ways_out.seed, ..ShortcutSettings::default() };
-            carry.waypoints = shortcut(&problem, &carry.waypoints, settings)?.path;
-        }
-        Ok(vec![lift_off, carry])
+        let settings = ShortcutSettings { seed: self.ways_out.seed, ..ShortcutSettings::default() };
+        let pieces = self.onward.into_iter().flatten().map(|(segment, problem)| match problem {
+            Some(problem) if shortened => {
+                let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
+                Ok(Segment { waypoints, ..segment })
+            }
+            _ => Ok(segment),
+        });
+        pieces.collect()
     }
 
     /// The way on from a grasp, proven.
-    fn find_onward(&mut self, reach: &[Vec<f64>]) -> Result<([Segment; 2], Problem), FailureReason> {
+    fn find_onward(&mut self, reach: &[Vec<f64>]) -> Result<Vec<Piece>, FailureReason> {
         let grasp = reach.last().ok_or(FailureReason::NotTried)?;
         let grip = self.carrier.close(grasp)?;
         let lift_off = self.carrier.lift_off(&grip, grasp)?;
-        let off = &lift_off[lift_off.len() - 1];
-        let (carry, problem) = self.ways_out.find(&grip, off, reach, self.observer)?;
-        let segment = |mode, waypoints| Segment {
-            mode,
+        let off = lift_off[lift_off.len() - 1].clone();
+        let lift_off = (self.held(&grip, Mode::LiftOff, lift_off), None);
+        let Some(put_down) = &mut self.put_down else {
+            let (carry, problem) = self.ways_out.find(&grip, &off, reach, self.observer)?;
+            return Ok(vec![lift_off, (self.held(&grip, Mode::Carry, carry), Some(problem))]);
+        };
+        let way = put_down.find(&mut self.ways_out, &grip, &off, reach, self.observer)?;
+        let mut pieces = vec![
+            lift_off,
+            (self.held(&grip, Mode::Carry, way.carry.0), Some(way.carry.1)),
+            (self.held(&grip, Mode::SetDown, way.set_down), None),
+            (Segment::empty(Mode::Retreat, way.retreat), None),
+        ];
+        pieces.extend(way.back.map(|(path, problem)| (Segment::empty(Mode::Return, path), Some(problem))));
+        Ok(pieces)
+    }
+
+    /// A piece of the path with the object in the hand.
+    fn held(&self, grip: &Grip, mode: Mode, waypoints: Vec<Vec<f64>>) -> Segment {
+        Segment {
             attached: Some(self.carrier.object().to_owned()),
             opening_m: Some(grip.opening_m),
             uneven_m: Some(grip.uneven_m),
-            waypoints,
-            clearances_m: Vec::new(),
-        };
-        Ok(([segment(Mode::LiftOff, lift_off), segment(Mode::Carry, carry)], problem))
+            ..Segment::empty(mode, waypoints)
+        }
     }
 }
 
@@ -107,6 +135,11 @@ impl Observer for Task<'_> {
     }
 
     fn accepts_grasp(&mut self, world_from_tip: &Pose) -> bool {
+        if let Some(reason) = self.put_down.as_ref().and_then(|put_down| put_down.blocked_at(world_from_tip))
+        {
+            self.failures.push((*world_from_tip, reason));
+            return false;
+        }
         let Some(ends) = self.carrier.ends(&self.end) else { return true };
         let Some([first, second]) = self.carrier.blocked_at(world_from_tip, &ends) else { return true };
         self.failures.push((*world_from_tip, FailureReason::EndBlocked { first, second }));

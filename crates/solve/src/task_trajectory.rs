@@ -3,33 +3,47 @@ use cranny_plan::{PlanError, TimingMethod, Trajectory, TrajectorySample, sample_
 use cranny_robot::Robot;
 
 use crate::segment::joined;
-use crate::{Mode, Segment, Timing};
+use crate::{Segment, Timing};
 
-/// How long a robot stands at a grasp while its hand closes, in seconds, where the files of the robot do not say it: the
+/// How long a robot stands while its hand closes or opens, in seconds, where the files of the robot do not say it: the
 /// fingers of common hands go through their whole stroke in about twice that.
 pub const CLOSING_S: f64 = 0.4;
 
-/// A path in time, and what the hand does meanwhile: the way to the grasp, a stop in which the hand closes, and the way on
-/// with what it holds; or the first alone.
+/// A path in time, and what the hand does meanwhile: legs, between which the robot stands and its hand closes or opens. The
+/// first leads to the grasp; the second, if there is one, has the object in the hand; the third, if there is one, leaves it.
 #[derive(Clone, Debug)]
 pub struct TaskTrajectory {
-    reach: Trajectory,
-    onward: Option<Onward>,
+    legs: Vec<Trajectory>,
+    /// How far the fingers are apart on each leg, in metres.
+    openings_m: Vec<f64>,
 }
 
-#[derive(Clone, Debug)]
-struct Onward {
-    trajectory: Trajectory,
-    /// How far the fingers are apart before they close, and after that, in metres.
-    openings_m: [f64; 2],
+/// What a hand does between two legs of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandMotion {
+    /// When it begins, in seconds.
+    pub from_s: f64,
+    /// When it has ended, in seconds.
+    pub until_s: f64,
+    /// How far the fingers are apart before and after, in metres.
+    pub openings_m: [f64; 2],
 }
 
 impl TaskTrajectory {
-    /// The way to a grasp, and the way on from there, if there is one, with how far the fingers are apart before they close
-    /// and after that, in metres.
-    pub fn new(reach: Trajectory, onward: Option<(Trajectory, [f64; 2])>) -> Self {
-        let onward = onward.map(|(trajectory, openings_m)| Onward { trajectory, openings_m });
-        Self { reach, onward }
+    /// One leg, on which the hand does nothing.
+    pub fn of_reach(reach: Trajectory) -> Self {
+        Self { legs: vec![reach], openings_m: vec![0.0] }
+    }
+
+    /// The same with another leg, after the fingers have moved from so far apart to so far, in metres.
+    #[must_use]
+    pub fn then(mut self, [before_m, after_m]: [f64; 2], leg: Trajectory) -> Self {
+        if let Some(last_m) = self.openings_m.last_mut() {
+            *last_m = before_m;
+        }
+        self.openings_m.push(after_m);
+        self.legs.push(leg);
+        self
     }
 
     /// Of segments that follow each other, with the stops that the changes of mode need; corners are cut in `cell`.
@@ -43,89 +57,112 @@ impl TaskTrajectory {
         cell: Option<&Cell>,
         segments: &[Segment],
     ) -> Result<Option<Self>, PlanError> {
-        let first_onward = segments.iter().position(|segment| segment.mode != Mode::Reach);
-        let (reach, onward) = segments.split_at(first_onward.unwrap_or(segments.len()));
-        let timed = |segments: &[Segment]| match &joined(segments)[..] {
-            [] => Ok(None),
-            way => timing.along(robot, cell, way),
-        };
-        let Some(reach) = timed(reach)? else { return Ok(None) };
-        let open_m = robot.hand().map(|hand| hand.description.opening_m);
-        let closed_m = onward.first().and_then(|segment| segment.opening_m);
-        let open_m = open_m.or(closed_m).unwrap_or(0.0);
-        let openings_m = [open_m, closed_m.unwrap_or(open_m)];
-        Ok(Some(Self::new(reach, timed(onward)?.map(|onward| (onward, openings_m)))))
+        let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
+        let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
+        for leg in legs_of(segments) {
+            let way = joined(leg);
+            if way.is_empty() {
+                continue;
+            }
+            let Some(trajectory) = timing.along(robot, cell, &way)? else { return Ok(None) };
+            legs.push(trajectory);
+            openings_m.push(leg[0].opening_m.or(hand_opens_m).unwrap_or(0.0));
+        }
+        Ok((!legs.is_empty()).then_some(Self { legs, openings_m }))
     }
 
     /// The way to the grasp.
     pub fn reach(&self) -> &Trajectory {
-        &self.reach
+        &self.legs[0]
     }
 
-    /// The way on from there, once the hand has closed, from its own beginning on.
-    pub fn onward(&self) -> Option<&Trajectory> {
-        self.onward.as_ref().map(|onward| &onward.trajectory)
+    /// All legs, each from its own beginning on.
+    pub fn legs(&self) -> &[Trajectory] {
+        &self.legs
     }
 
     /// How the path was given its time.
     pub fn method(&self) -> TimingMethod {
-        self.reach.method()
+        self.reach().method()
     }
 
     /// Whether a corner is cut.
     pub fn is_blended(&self) -> bool {
-        self.reach.is_blended() || self.onward().is_some_and(Trajectory::is_blended)
+        self.legs.iter().any(Trajectory::is_blended)
     }
 
     /// The names of the joints, in the order of every sample.
     pub fn joint_names(&self) -> &[String] {
-        self.reach.joint_names()
+        self.reach().joint_names()
+    }
+
+    /// What the hand does between the legs.
+    pub fn hand_motions(&self) -> Vec<HandMotion> {
+        let openings_m = self.openings_m.windows(2).map(|openings_m| [openings_m[0], openings_m[1]]);
+        let times = self.begins_s().into_iter().skip(1).map(|until_s| [until_s - CLOSING_S, until_s]);
+        let motions = times.zip(openings_m);
+        motions.map(|([from_s, until_s], openings_m)| HandMotion { from_s, until_s, openings_m }).collect()
     }
 
     /// From when to when the hand closes, in seconds, if it does.
     pub fn closing_s(&self) -> Option<[f64; 2]> {
-        let begin_s = self.reach.duration_s();
-        self.onward.as_ref().map(|_| [begin_s, begin_s + CLOSING_S])
+        self.hand_motions().first().map(|motion| [motion.from_s, motion.until_s])
+    }
+
+    /// From when to when the hand opens again, in seconds, if it does.
+    pub fn opening_s(&self) -> Option<[f64; 2]> {
+        self.hand_motions().get(1).map(|motion| [motion.from_s, motion.until_s])
     }
 
     /// How far the fingers are apart before they close, and after that, in metres, if they do.
     pub fn openings_m(&self) -> Option<[f64; 2]> {
-        self.onward.as_ref().map(|onward| onward.openings_m)
+        self.hand_motions().first().map(|motion| motion.openings_m)
     }
 
     /// Seconds from the beginning to the end.
     pub fn duration_s(&self) -> f64 {
-        match (&self.onward, self.closing_s()) {
-            (Some(onward), Some([_, closed_s])) => closed_s + onward.trajectory.duration_s(),
-            _ => self.reach.duration_s(),
-        }
+        let last = self.legs.len() - 1;
+        self.begins_s()[last] + self.legs[last].duration_s()
     }
 
-    /// When each way point of the path is passed, in seconds, as [`Trajectory::waypoint_times_s`]; the grasp when it is
-    /// reached.
+    /// When each leg begins, in seconds.
+    fn begins_s(&self) -> Vec<f64> {
+        let mut begins_s = vec![0.0];
+        for (index, leg) in self.legs[..self.legs.len() - 1].iter().enumerate() {
+            // The first begins at nothing: what is added to it must not be rounded.
+            let ends_s = if index == 0 { leg.duration_s() } else { begins_s[index] + leg.duration_s() };
+            begins_s.push(ends_s + CLOSING_S);
+        }
+        begins_s
+    }
+
+    /// When each way point of the path is passed, in seconds, as [`Trajectory::waypoint_times_s`]; where two legs meet, when
+    /// the first ends.
     pub fn waypoint_times_s(&self) -> Vec<f64> {
-        let mut times_s = self.reach.waypoint_times_s().to_vec();
-        if let (Some(onward), Some([_, closed_s])) = (&self.onward, self.closing_s()) {
-            times_s.extend(onward.trajectory.waypoint_times_s()[1..].iter().map(|time_s| closed_s + time_s));
+        let mut times_s = self.reach().waypoint_times_s().to_vec();
+        for (begin_s, leg) in self.begins_s().iter().zip(&self.legs).skip(1) {
+            times_s.extend(leg.waypoint_times_s()[1..].iter().map(|time_s| begin_s + time_s));
         }
         times_s
     }
 
     /// The robot at `time_s`, as [`Trajectory::sample`].
     pub fn sample(&self, time_s: f64) -> TrajectorySample {
-        match (&self.onward, self.closing_s()) {
-            (Some(onward), Some([_, closed_s])) if time_s >= closed_s => {
-                TrajectorySample { time_s, ..onward.trajectory.sample(time_s - closed_s) }
-            }
-            _ => self.reach.sample(time_s),
+        let begins_s = self.begins_s();
+        let leg = begins_s.iter().rposition(|begin_s| time_s >= *begin_s).unwrap_or(0);
+        if leg == 0 {
+            return self.reach().sample(time_s);
         }
+        TrajectorySample { time_s, ..self.legs[leg].sample(time_s - begins_s[leg]) }
     }
 
     /// How far the fingers are apart at `time_s`, in metres; `None` where the hand does nothing.
     pub fn opening_m(&self, time_s: f64) -> Option<f64> {
-        let ([open_m, closed_m], [begin_s, closed_s]) = self.openings_m().zip(self.closing_s())?;
-        let share = ((time_s - begin_s) / (closed_s - begin_s)).clamp(0.0, 1.0);
-        Some(open_m + share * (closed_m - open_m))
+        let motions = self.hand_motions();
+        let begun = motions.iter().rfind(|motion| time_s >= motion.from_s).or(motions.first())?;
+        let HandMotion { from_s, until_s, openings_m: [before_m, after_m] } = begun;
+        let share = ((time_s - from_s) / (until_s - from_s)).clamp(0.0, 1.0);
+        Some(before_m + share * (after_m - before_m))
     }
 
     /// Samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
@@ -138,4 +175,9 @@ impl TaskTrajectory {
     ) -> Result<impl Iterator<Item = TrajectorySample> + use<'_>, PlanError> {
         Ok(sample_times(self.duration_s(), rate_hz)?.map(|time_s| self.sample(time_s)))
     }
+}
+
+/// Segments in rows along which the hand does nothing.
+fn legs_of(segments: &[Segment]) -> impl Iterator<Item = &[Segment]> {
+    segments.chunk_by(|a, b| a.mode.holds() == b.mode.holds())
 }

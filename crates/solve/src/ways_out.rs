@@ -58,22 +58,16 @@ impl WaysOut {
         let not_carried = |_: PlanError| FailureReason::NotCarried;
         let (back, others) = match self.end {
             CarryEnd::Out { clear_m } => self.ways_to_be_out(grip, from, reach, clear_m),
+            // Where the robot started from is where all ways to a place begin that are not found directly.
+            CarryEnd::Place(_) => (grip.free_along(reach), Vec::new()),
             _ if self.is_home => (grip.free_along(reach), self.ends.clone()),
             _ => (Vec::new(), self.ends.clone()),
         };
         // The nearest to the grasp first.
         let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
-        let mut narrow = grip.carrying(from, joints).map_err(not_carried)?;
-        let planner = cranny_plan::default_planner(&narrow);
-        let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
-        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, ..Budget::default() };
-        let report = search(planner.as_ref(), &mut narrow, &budget, self.seed, &mut Stop(observer))
-            .map_err(not_carried)?;
-        if report.outcome != Outcome::Solved {
-            self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
-            return Err(FailureReason::NotCarried);
-        }
-        let mut path = report.path;
+        let narrow = grip.carrying(from, joints).map_err(not_carried)?;
+        let mut path =
+            self.search(narrow, observer).map_err(not_carried)?.ok_or(FailureReason::NotCarried)?;
         let joined = back.iter().position(|q| path.last() == Some(q)).unwrap_or(0);
         path.extend(back[..joined].iter().rev().cloned());
         let ends = match self.end {
@@ -81,10 +75,25 @@ impl WaysOut {
                 until_out(grip, &mut path, clear_m);
                 path[path.len() - 1..].to_vec()
             }
+            CarryEnd::Place(_) => path[path.len() - 1..].to_vec(),
             _ => self.ends.clone(),
         };
         let problem = grip.carrying(from, ends).map_err(not_carried)?;
         Ok((path, problem))
+    }
+
+    /// A way that solves a problem, if a search finds it that is as long as is worth it here.
+    pub fn search(
+        &mut self,
+        mut problem: Problem,
+        observer: &dyn Observer,
+    ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
+        let planner = cranny_plan::default_planner(&problem);
+        let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
+        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, ..Budget::default() };
+        let report = search(planner.as_ref(), &mut problem, &budget, self.seed, &mut Stop(observer))?;
+        self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
+        Ok((report.outcome == Outcome::Solved).then_some(report.path))
     }
 
     /// The way that led to the grasp, from where the object is out on it; where it nowhere is, random configurations in

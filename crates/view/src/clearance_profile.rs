@@ -1,13 +1,14 @@
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use cranny_collision::{Cell, Closest, Collider};
-use cranny_plan::Grip;
 use cranny_robot::Hold;
+use cranny_solve::TaskCells;
 use cranny_spatial::{Point, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{ShownPath, number_row};
+use crate::{ShownMode, ShownPath, number_row};
 
 /// How far the robot is from everything along a path, and which pair is the closest.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +28,13 @@ impl ClearanceProfile {
     /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
     /// nothing to touch.
     ///
-    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, held by `grip`;
-    /// without that nothing is said of the rest of the path. What it rests on counts from the end of the lift-off on.
-    pub fn along(path: &ShownPath, cell: &Cell, grip: Option<&Grip>, most: usize) -> Option<Self> {
-        let shown = path.carry.as_ref().map_or(path.times_s.len(), |carry| match grip {
+    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, in these cells;
+    /// without them nothing is said of the rest of the path. What it rests on counts from the end of the lift-off on, and
+    /// until it is set down.
+    pub fn along(path: &ShownPath, cell: &Cell, cells: Option<&TaskCells>, most: usize) -> Option<Self> {
+        let shown = path.carry.as_ref().map_or(path.times_s.len(), |carry| match cells {
             Some(_) => path.times_s.len(),
-            None => path.times_s.partition_point(|&time_s| time_s <= carry.modes[0].until_s),
+            None => path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0]),
         });
         let last = shown.checked_sub(1)?;
         let count = shown.min(most.max(2));
@@ -40,7 +42,7 @@ impl ClearanceProfile {
         let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
-        for Stretch { cell, places } in stretches(path, cell, grip, &places) {
+        for Stretch { cell, places } in stretches(path, cell, cells, &places) {
             let nearest = places.par_iter().map_init(
                 || cell.scratch(),
                 |scratch, &place| cell.closest(&path.configurations[place], scratch),
@@ -83,33 +85,47 @@ struct Stretch<'a, 'b> {
     places: &'b [usize],
 }
 
-/// The hand empty; while it closes, at each instant another cell; the object taken off what it rests on; and carried on.
+/// Each mode in its cell; while the hand closes or opens, at each instant another cell.
 fn stretches<'a, 'b>(
     path: &ShownPath,
     empty: &'a Cell,
-    grip: Option<&'a Grip>,
+    cells: Option<&'a TaskCells>,
     places: &'b [usize],
 ) -> Vec<Stretch<'a, 'b>> {
-    let Some((carry, grip)) = path.carry.as_ref().zip(grip) else {
+    let Some((carry, cells)) = path.carry.as_ref().zip(cells) else {
         return vec![Stretch { cell: Cow::Borrowed(empty), places }];
     };
-    let [reach, lift_off, carrying] = &carry.modes;
-    let [lifting, held] = grip.cells();
-    let until =
-        |is_before: &dyn Fn(f64) -> bool| places.partition_point(|&place| is_before(path.times_s[place]));
-    let closes = until(&|time_s| time_s <= reach.until_s);
-    let lifts = until(&|time_s| time_s < lift_off.from_s);
-    let carries = until(&|time_s| time_s < carrying.from_s);
-    let mut stretches = vec![Stretch { cell: Cow::Borrowed(empty), places: &places[..closes] }];
-    for place in places[closes..lifts].chunks(1) {
-        let closing = carry.closing_at(path.times_s[place[0]]);
-        // A hand that is less closed holds as well what the closed one holds.
-        let cell = lifting.with_hold(Hold { closing, ..grip.hold });
-        let cell = cell.map_or(Cow::Borrowed(lifting.as_ref()), Cow::Owned);
-        stretches.push(Stretch { cell, places: place });
+    let until = |from: usize, time_s: f64| {
+        from + places[from..].partition_point(|&place| path.times_s[place] < time_s)
+    };
+    let mut stretches = Vec::new();
+    let mut begin = 0;
+    for (index, ShownMode { mode, .. }) in carry.modes.iter().enumerate() {
+        let next = carry.modes.get(index + 1);
+        let holds_next = next.is_some_and(|next| next.mode.holds());
+        // Where the hand moves, the mode ends with its last instant; else the next begins with it.
+        let end = match next {
+            Some(next) if holds_next == mode.holds() => until(begin, next.from_s),
+            Some(_) => {
+                let ends_s = carry.modes[index].until_s;
+                begin + places[begin..].partition_point(|&place| path.times_s[place] <= ends_s)
+            }
+            None => places.len(),
+        };
+        let cell = cells.cell(*mode).map_or(empty, Arc::as_ref);
+        stretches.push(Stretch { cell: Cow::Borrowed(cell), places: &places[begin..end] });
+        begin = end;
+        let Some(next) = next.filter(|_| holds_next != mode.holds()) else { continue };
+        let goes_on = until(begin, next.from_s);
+        let held = cells.cell(if holds_next { next.mode } else { *mode }).map_or(empty, Arc::as_ref);
+        for place in places[begin..goes_on].chunks(1) {
+            let closing = carry.closing_at(path.times_s[place[0]]);
+            // A hand that is less closed holds as well what the closed one holds.
+            let cell = held.with_hold(Hold { closing, ..cells.grip.hold });
+            stretches.push(Stretch { cell: cell.map_or(Cow::Borrowed(held), Cow::Owned), places: place });
+        }
+        begin = goes_on;
     }
-    stretches.push(Stretch { cell: Cow::Borrowed(lifting), places: &places[lifts..carries] });
-    stretches.push(Stretch { cell: Cow::Borrowed(held), places: &places[carries..] });
     stretches
 }
 

@@ -1,8 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::Cell;
-use cranny_plan::Grip;
-use cranny_solve::Mode;
+use cranny_solve::{Mode, TaskCells};
 
 use crate::PagePlan;
 
@@ -11,13 +10,13 @@ use crate::PagePlan;
 pub struct PageCells {
     empty: Arc<Cell>,
     /// By plan.
-    grips: Vec<Option<Grip>>,
+    tasks: Vec<Option<TaskCells>>,
 }
 
 impl PageCells {
     /// The cell of the open, empty hand, and what the hand holds along plans.
     pub fn of(empty: Arc<Cell>, plans: &[PagePlan]) -> Self {
-        Self { empty, grips: plans.iter().map(|plan| plan.grip.clone()).collect() }
+        Self { empty, tasks: plans.iter().map(|plan| plan.cells.clone()).collect() }
     }
 
     /// While the hand is empty.
@@ -27,11 +26,6 @@ impl PageCells {
 
     /// While a plan does something with the object in the hand; `None` where it has none there.
     pub(crate) fn held(&self, plan: usize, mode: Mode) -> Option<&Cell> {
-        let [lifting, carrying] = self.grips.get(plan)?.as_ref()?.cells();
-        match mode {
-            Mode::Reach => None,
-            Mode::LiftOff => Some(lifting),
-            Mode::Carry => Some(carrying),
-        }
+        self.tasks.get(plan)?.as_ref()?.cell(mode).map(Arc::as_ref)
     }
 }

@@ -1,8 +1,8 @@
 use cranny_collision::Cell;
-use cranny_plan::{Audit, GraspFailure, Grip, Outcome, Trajectory, path_length};
+use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
-use cranny_solve::TaskTrajectory;
+use cranny_solve::{TaskCells, TaskTrajectory};
 use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
@@ -25,7 +25,7 @@ pub struct PagePlan {
     /// What `verify` says; `None` for a plan without a path.
     pub verification: Option<Audit>,
     /// How the hand holds the object, of a plan that carries it away.
-    pub grip: Option<Grip>,
+    pub cells: Option<TaskCells>,
     /// What stood between the robot and each grasp.
     pub failures: Vec<GraspFailure>,
     /// The trees of the search, if they were recorded.
@@ -43,7 +43,7 @@ pub(crate) fn rate_hz(duration_s: f64) -> f64 {
 
 impl PagePlan {
     /// The plan of a file, with the times of [`PlanFile::trajectory`], what `verify` says of it, and how it holds what it
-    /// carries away ([`PlanFile::grip`]).
+    /// carries away ([`PlanFile::task_cells`]).
     ///
     /// # Errors
     /// As [`ShownPath::of`].
@@ -53,7 +53,7 @@ impl PagePlan {
         robot: &Robot,
         timed: Option<&TaskTrajectory>,
         verification: Option<Audit>,
-        grip: Option<Grip>,
+        cells: Option<TaskCells>,
     ) -> Result<Self, ViewError> {
         let path_length = path_length(&plan.waypoints);
         let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
@@ -64,7 +64,7 @@ impl PagePlan {
             path_length,
             path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
             verification,
-            grip,
+            cells,
             failures: plan.failures.clone(),
             search_tree: None,
         })
@@ -90,7 +90,7 @@ impl PagePlan {
             path_length,
             path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
             verification,
-            grip: None,
+            cells: None,
             failures: Vec::new(),
             search_tree: None,
         })
@@ -126,7 +126,7 @@ impl PagePlan {
         };
         let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
         let profile =
-            path.and_then(|path| ClearanceProfile::along(path, cell, self.grip.as_ref(), most_instants));
+            path.and_then(|path| ClearanceProfile::along(path, cell, self.cells.as_ref(), most_instants));
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
@@ -179,6 +179,8 @@ struct CarryEntry {
     object: String,
     grasp: Vec<f64>,
     closing: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    placed: Option<Vec<f64>>,
     modes: Vec<ModeEntry>,
 }
 
@@ -200,6 +202,7 @@ impl CarryEntry {
             object: carry.object.clone(),
             grasp: carry.grasp.clone(),
             closing: carry.closing,
+            placed: carry.placed.clone(),
             modes: carry.modes.iter().map(mode).collect(),
         }
     }

@@ -1,9 +1,11 @@
+use std::str::FromStr as _;
+
 use cranny_robot::Robot;
-use cranny_scenario::PlanFile;
-use cranny_solve::{CLOSING_S, Mode};
+use cranny_scenario::{PlanFile, PlanSegment};
+use cranny_solve::Mode;
 
 /// What becomes of an object along a path on which it is carried away: it stands, the hand closes on it, and from then on
-/// it goes with the hand.
+/// it goes with the hand, until that opens again where it is put down, if it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShownCarry {
     /// What it is called.
@@ -12,8 +14,10 @@ pub struct ShownCarry {
     pub grasp: Vec<f64>,
     /// How far the fingers have closed then, from 0, open, to 1.
     pub closing: f64,
-    /// One after the other; between the first two the hand closes.
-    pub modes: [ShownMode; 3],
+    /// The configuration at which the hand opens again, if it does.
+    pub placed: Option<Vec<f64>>,
+    /// One after the other; where the object comes into the hand or leaves it the robot stands, and the hand moves.
+    pub modes: Vec<ShownMode>,
 }
 
 /// What a robot does from when to when.
@@ -27,44 +31,75 @@ pub struct ShownMode {
     pub until_s: f64,
 }
 
+/// When a leg of a path is at its way points, in seconds.
+pub(crate) type LegTimes = Vec<f64>;
+
 impl ShownCarry {
-    /// Of a plan whose hand begins to close at `closes_s`; `onward` is when what follows is at its way points, from 0 s, and when it ends.
-    pub(crate) fn of(
-        robot: &Robot,
-        plan: &PlanFile,
-        grasp: &[f64],
-        closes_s: f64,
-        onward: (&[f64], f64),
-    ) -> Self {
-        let lift_off = plan.segments.iter().find(|segment| segment.mode == Mode::LiftOff.name());
-        let opening_m = lift_off.and_then(|segment| segment.opening_m);
+    /// Of a plan whose legs pass their way points at `times_s`; `None` for one that carries nothing.
+    pub(crate) fn of(robot: &Robot, plan: &PlanFile, times_s: &[LegTimes]) -> Option<Self> {
+        let mode_of = |segment: &PlanSegment| Mode::from_str(&segment.mode).unwrap_or(Mode::Reach);
+        let holding = plan.segments.iter().find(|segment| mode_of(segment).holds())?;
         let open_m = robot.hand().map(|hand| hand.description.opening_m);
-        let closing = opening_m.zip(open_m).map_or(0.0, |(opening_m, open_m)| 1.0 - opening_m / open_m);
-        let edges = lift_off.map_or(0, |segment| segment.waypoints.len().saturating_sub(1));
-        let goes_on_s = closes_s + CLOSING_S;
-        let lifted_s = goes_on_s + onward.0.get(edges).copied().unwrap_or_default();
-        let mode = |mode, from_s, until_s| ShownMode { mode, from_s, until_s };
-        Self {
-            object: lift_off.and_then(|segment| segment.attached.clone()).unwrap_or_default(),
-            grasp: grasp.to_vec(),
-            closing: closing.clamp(0.0, 1.0),
-            modes: [
-                mode(Mode::Reach, 0.0, closes_s),
-                mode(Mode::LiftOff, goes_on_s, lifted_s),
-                mode(Mode::Carry, lifted_s, goes_on_s + onward.1),
-            ],
+        let closing =
+            holding.opening_m.zip(open_m).map_or(0.0, |(opening_m, open_m)| 1.0 - opening_m / open_m);
+        let mut modes: Vec<ShownMode> = Vec::new();
+        let legs = plan.segments.chunk_by(|a, b| mode_of(a).holds() == mode_of(b).holds());
+        for (leg, times_s) in legs.zip(times_s) {
+            let mut passed = 0;
+            for segment in leg {
+                let [from_s, until_s] = [passed, passed + segment.waypoints.len().saturating_sub(1)]
+                    .map(|index| times_s.get(index).or(times_s.last()).copied().unwrap_or_default());
+                passed += segment.waypoints.len().saturating_sub(1);
+                match modes.last_mut().filter(|last| last.mode == mode_of(segment)) {
+                    Some(last) => last.until_s = until_s,
+                    None => modes.push(ShownMode { mode: mode_of(segment), from_s, until_s }),
+                }
+            }
         }
+        let last_of = |mode| {
+            let of_mode = plan.segments.iter().rfind(|segment| mode_of(segment) == mode);
+            of_mode.and_then(|segment| segment.waypoints.last()).cloned()
+        };
+        Some(Self {
+            object: holding.attached.clone().unwrap_or_default(),
+            grasp: last_of(Mode::Reach).unwrap_or_default(),
+            closing: closing.clamp(0.0, 1.0),
+            placed: last_of(Mode::SetDown),
+            modes,
+        })
+    }
+
+    /// From when to when the hand closes, in seconds.
+    pub fn closes_s(&self) -> [f64; 2] {
+        self.hand_moves_s(false).unwrap_or_default()
+    }
+
+    /// From when to when it opens again, in seconds, if it does.
+    pub fn opens_s(&self) -> Option<[f64; 2]> {
+        self.hand_moves_s(true)
+    }
+
+    fn hand_moves_s(&self, opens: bool) -> Option<[f64; 2]> {
+        let is_change =
+            |modes: &&[ShownMode]| modes[0].mode.holds() == opens && modes[1].mode.holds() != opens;
+        let change = self.modes.windows(2).find(is_change)?;
+        Some([change[0].until_s, change[1].from_s])
     }
 
     /// How far the fingers have closed at an instant, from 0, open, to 1: evenly while the robot stands.
     pub fn closing_at(&self, time_s: f64) -> f64 {
-        let [reach, lift_off, _] = &self.modes;
-        let share = (time_s - reach.until_s) / (lift_off.from_s - reach.until_s);
-        self.closing * share.clamp(0.0, 1.0)
+        let share = |[from_s, until_s]: [f64; 2]| ((time_s - from_s) / (until_s - from_s)).clamp(0.0, 1.0);
+        let opened = self.opens_s().map_or(0.0, share);
+        self.closing * share(self.closes_s()) * (1.0 - opened)
     }
 
     /// Whether the hand has closed at an instant, so that the object goes with it.
     pub fn is_held_at(&self, time_s: f64) -> bool {
-        time_s >= self.modes[1].from_s
+        time_s >= self.closes_s()[1] && !self.is_placed_at(time_s)
+    }
+
+    /// Whether the hand has begun to open again, so that the object stands where it is.
+    pub fn is_placed_at(&self, time_s: f64) -> bool {
+        self.opens_s().is_some_and(|[opens_s, _]| time_s >= opens_s)
     }
 }

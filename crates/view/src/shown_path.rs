@@ -55,7 +55,7 @@ impl ShownPath {
     }
 
     /// The path of a plan in the same way: in the times of [`PlanFile::trajectory`], if it has any. Where the object is
-    /// carried away, the robot stands at the grasp for [`CLOSING_S`] while its hand closes.
+    /// carried away, the robot stands for [`CLOSING_S`] while its hand closes, or opens.
     ///
     /// # Errors
     /// As [`Self::of`].
@@ -65,21 +65,27 @@ impl ShownPath {
         timed: Option<&TaskTrajectory>,
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
-        let [reach, onward] = plan.ways();
-        let (to_grasp, from_grasp) = timed.map(|timed| (timed.reach(), timed.onward())).unzip();
-        let Some(reach) = Self::of(robot, &reach, to_grasp, rate_hz)? else { return Ok(None) };
-        let reach = Self { grasp: plan.grasp, ..reach };
-        Ok(Some(match Self::of(robot, &onward, from_grasp.flatten(), rate_hz)? {
-            Some(onward) => reach.carried(onward, robot, plan, rate_hz),
-            None => reach,
-        }))
+        let legs = plan.legs();
+        let mut timed = timed.map(TaskTrajectory::legs).unwrap_or_default().iter();
+        let mut shown: Option<Self> = None;
+        let mut times_s = Vec::new();
+        for leg in &legs {
+            let Some(leg) = Self::of(robot, leg, timed.next(), rate_hz)? else { break };
+            let begin_s = shown.as_ref().map_or(0.0, |before| before.ends_s() + CLOSING_S);
+            times_s.push(leg.waypoint_times_s.iter().map(|time_s| begin_s + time_s).collect());
+            shown = Some(match shown {
+                Some(before) => before.then(leg, rate_hz),
+                None => leg,
+            });
+        }
+        let carry = ShownCarry::of(robot, plan, &times_s).filter(|_| times_s.len() > 1);
+        Ok(shown.map(|shown| Self { grasp: plan.grasp, carry, ..shown }))
     }
 
-    /// The path to a grasp, the closing of the hand there, and the way on.
-    fn carried(mut self, onward: Self, robot: &Robot, plan: &PlanFile, rate_hz: f64) -> Self {
-        let closes_s = self.ends_s();
-        let goes_on_s = closes_s + CLOSING_S;
-        let grasp = onward.configurations[0].clone();
+    /// The path, a stop in which the hand moves, and the leg that follows.
+    fn then(mut self, leg: Self, rate_hz: f64) -> Self {
+        let stops_s = self.ends_s();
+        let goes_on_s = stops_s + CLOSING_S;
         let steps = (CLOSING_S * rate_hz).ceil().clamp(1.0, 1e5);
         #[allow(
             clippy::cast_possible_truncation,
@@ -87,14 +93,12 @@ impl ShownPath {
             reason = "between 1 and 10⁵; the last is the first of the way on"
         )]
         for step in 1..steps as u32 {
-            self.times_s.push(closes_s + CLOSING_S * f64::from(step) / steps);
-            self.configurations.push(grasp.clone());
+            self.times_s.push(stops_s + CLOSING_S * f64::from(step) / steps);
+            self.configurations.push(leg.configurations[0].clone());
         }
-        let when = (&onward.waypoint_times_s[..], onward.ends_s());
-        self.carry = Some(ShownCarry::of(robot, plan, &grasp, closes_s, when));
-        self.times_s.extend(onward.times_s.iter().map(|time_s| goes_on_s + time_s));
-        self.configurations.extend(onward.configurations);
-        self.waypoint_times_s.extend(onward.waypoint_times_s[1..].iter().map(|time_s| goes_on_s + time_s));
+        self.times_s.extend(leg.times_s.iter().map(|time_s| goes_on_s + time_s));
+        self.configurations.extend(leg.configurations);
+        self.waypoint_times_s.extend(leg.waypoint_times_s[1..].iter().map(|time_s| goes_on_s + time_s));
         self
     }
 

@@ -18,6 +18,8 @@ struct Carrying<'a> {
     /// object has moved.
     tip_from_held: Pose,
     held: usize,
+    /// By how much the object has moved once it is put down.
+    placed: Option<Pose>,
 }
 
 /// Where it is at an instant.
@@ -36,7 +38,8 @@ impl<'a> Stance<'a> {
         let held = holding.as_ref().and_then(Robot::held_link);
         let carry = carry.zip(held).map(|(shown, held)| {
             let tip_from_held = robot.frames_at(&shown.grasp).link(robot.tip()).inverse();
-            Carrying { shown, tip_from_held, held }
+            let put_down = |q: &Vec<f64>| robot.frames_at(q).link(robot.tip()) * tip_from_held;
+            Carrying { shown, tip_from_held, held, placed: shown.placed.as_ref().map(put_down) }
         });
         let robot = holding.map_or(Cow::Borrowed(robot), Cow::Owned);
         Self { frames: robot.frames(), robot, carry }
@@ -54,8 +57,10 @@ impl<'a> Stance<'a> {
             Some(parent) => frames.link(parent).inv_mul(frames.link(index)),
             None => *frames.link(index),
         };
-        let moved = |Carrying { shown, held, .. }: &Carrying| {
-            if shown.is_held_at(time_s) { *frames.link(*held) } else { Pose::identity() }
+        let moved = |Carrying { shown, held, placed, .. }: &Carrying| match placed {
+            Some(placed) if shown.is_placed_at(time_s) => *placed,
+            _ if shown.is_held_at(time_s) => *frames.link(*held),
+            _ => Pose::identity(),
         };
         Placed {
             local: robot.links().iter().enumerate().map(local).collect(),

@@ -143,7 +143,7 @@ impl Scene {
             waypoint_times_s: path.waypoint_times_s.clone(),
             configurations: path.configurations.clone(),
             gripper_path: rows.iter().map(|row| row.tip).collect(),
-            modes: path.carry.iter().flat_map(|carry| carry.modes).collect(),
+            modes: path.carry.iter().flat_map(|carry| carry.modes.clone()).collect(),
         });
         Ok(rows.into_iter().map(|row| row.carried).collect())
     }
@@ -260,8 +260,9 @@ fn way_look(mode: Mode) -> (Colour, f64) {
     let chosen = Colour::hex(CHOSEN);
     match mode {
         Mode::Reach => (chosen, PATH_RADIUS_M),
-        Mode::LiftOff => (chosen.mix(Colour::WHITE, 0.6), CARRY_RADIUS_M),
+        Mode::LiftOff | Mode::SetDown => (chosen.mix(Colour::WHITE, 0.6), CARRY_RADIUS_M),
         Mode::Carry => (chosen.mix(Colour::hex(DEEP), 0.7), CARRY_RADIUS_M),
+        Mode::Retreat | Mode::Return => (chosen.mix(Colour::hex(DEEP), 0.35), PATH_RADIUS_M),
     }
 }
 

@@ -47,14 +47,14 @@ impl Carried {
     }
 
     fn hold(&self) -> Hold {
-        self.plan.grip(&self.problem).unwrap().expect("a hand that closes").hold
+        self.plan.task_cells(&self.problem).unwrap().expect("a hand that closes").grip.hold
     }
 
     fn page_plan(&self) -> PagePlan {
         let verification = self.plan.audit(&self.problem, AuditSettings::default()).unwrap();
-        let grip = self.plan.grip(&self.problem).unwrap();
+        let cells = self.plan.task_cells(&self.problem).unwrap();
         let robot = &self.scenario.robot;
-        PagePlan::of_file("p", &self.plan, robot, Some(&self.timed), verification, grip).unwrap()
+        PagePlan::of_file("p", &self.plan, robot, Some(&self.timed), verification, cells).unwrap()
     }
 
     fn page(&self, plan: PagePlan) -> Value {
@@ -117,7 +117,7 @@ fn modes_follow_each_other_and_the_hand_closes_between_the_first_two() {
     let carried = carried();
     for timed in [Some(&carried.timed), None] {
         let path = ShownPath::of_plan(&carried.scenario.robot, &carried.plan, timed, 20.0).unwrap().unwrap();
-        let [reach, lift_off, carry] = carry_of(&path).modes;
+        let [reach, lift_off, carry] = carry_of(&path).modes[..] else { panic!("three modes") };
         assert_eq!([reach.mode, lift_off.mode, carry.mode], [Mode::Reach, Mode::LiftOff, Mode::Carry]);
         assert_eq!((reach.from_s, carry.until_s), (0.0, path.ends_s()));
         assert!((lift_off.from_s - reach.until_s - CLOSING_S).abs() < 1e-12);
@@ -188,9 +188,9 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     assert!(pairs.iter().any(|pair| pair["first"] == "box"), "{pairs:?}");
     // Where nobody knows how it is held, nothing is said of the rest.
     let (path, cell) = (carried.path(60.0), carried.problem.cell().unwrap());
-    let grip = carried.plan.grip(&carried.problem).unwrap();
-    let profile = |grip| ClearanceProfile::along(&path, cell, grip, 240).unwrap();
-    let (whole, reach) = (profile(grip.as_ref()), profile(None));
+    let cells = carried.plan.task_cells(&carried.problem).unwrap();
+    let profile = |cells| ClearanceProfile::along(&path, cell, cells, 240).unwrap();
+    let (whole, reach) = (profile(cells.as_ref()), profile(None));
     assert_eq!(whole.times_s.last(), Some(&path.ends_s()));
     assert_eq!(reach.times_s.last(), Some(&carry_of(&path).modes[0].until_s));
     assert!(whole.times_s.windows(2).all(|pair| pair[0] < pair[1]));

@@ -18,7 +18,8 @@ fn main() {
         std::process::exit(2);
     };
     let number = |text: &String| text.parse::<f64>().expect("a number of millimetres") / 1000.0;
-    let demands = Margins { margin_m: number(margin), grasp_margin_m: number(grasp_margin) };
+    let demands =
+        Margins { margin_m: number(margin), grasp_margin_m: number(grasp_margin), ..Margins::default() };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
     let (name, settings) = planner.split_once(':').unwrap_or((planner, "{}"));
     let settings = serde_json::from_str(settings).expect("settings of the planner as JSON");

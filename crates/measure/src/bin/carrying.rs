@@ -27,7 +27,11 @@ fn main() {
     match &words[..] {
         ["plans", seeds, margin, grasp_margin, scenarios @ ..] => {
             let metres = |text: &str| text.parse::<f64>().expect("a number of millimetres") / 1e3;
-            let margins = Margins { margin_m: metres(margin), grasp_margin_m: metres(grasp_margin) };
+            let margins = Margins {
+                margin_m: metres(margin),
+                grasp_margin_m: metres(grasp_margin),
+                ..Margins::default()
+            };
             plans(seeds.parse().expect("a number of seeds"), margins, scenarios);
         }
         ["grasps", scenarios @ ..] => grasps(scenarios),

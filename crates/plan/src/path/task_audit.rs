@@ -1,5 +1,8 @@
+use cranny_collision::Resting;
+
 use crate::{
-    Audit, AuditSettings, Carrier, CarryEnd, Grip, Place, PlanError, Problem, Violation, audit_with,
+    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Grip, Place, Placer, PlanError, Problem,
+    Violation, audit_with,
 };
 
 /// The pieces of a task's path, each from where the one before ends, and what is said of them.
@@ -15,6 +18,23 @@ pub struct TaskPath<'a> {
     pub held: [Option<(&'a str, f64)>; 2],
     /// Where the object is to be carried; `None`: wherever the path ends.
     pub end: Option<&'a CarryEnd>,
+    /// What follows where it is put down.
+    pub place: Option<PlacePath<'a>>,
+}
+
+/// The pieces of a path along which an object is put down, each from where the one before ends.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacePath<'a> {
+    /// Puts it down.
+    pub placer: &'a Placer,
+    /// The object in the closed hand, down to where it then rests.
+    pub set_down: &'a [Vec<f64>],
+    /// The hand open and empty, off the object.
+    pub retreat: &'a [Vec<f64>],
+    /// And on from there, if it goes on.
+    pub back: Option<&'a [Vec<f64>]>,
+    /// What the hand is said to hold in the first, and how far its fingers are apart, in metres.
+    pub held: Option<(&'a str, f64)>,
 }
 
 /// A number that is said of how far the fingers are apart is right to within this, in metres.
@@ -45,7 +65,7 @@ pub fn audit_task(
             return Ok(audit);
         }
     };
-    for (name, opening_m) in path.held.into_iter().flatten() {
+    for (name, opening_m) in path.held.into_iter().chain(path.place.map(|place| place.held)).flatten() {
         let off_m = (opening_m - grip.opening_m).abs();
         if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
             let held = (carrier.object().to_owned(), grip.opening_m);
@@ -54,6 +74,9 @@ pub fn audit_task(
     }
     lift_off(&mut audit, carrier, &grip, path, settings)?;
     carry(&mut audit, carrier, &grip, path, settings)?;
+    if let Some(placing) = path.place {
+        place(&mut audit, carrier, &grip, (path, placing), settings)?;
+    }
     audit.valid = audit.violations.is_empty();
     Ok(audit)
 }
@@ -65,30 +88,71 @@ fn lift_off(
     path: TaskPath<'_>,
     settings: AuditSettings,
 ) -> Result<(), PlanError> {
-    let (Some(grasp), Some(off)) = (path.reach.last(), path.lift_off.last()) else {
+    let (Some(_), Some(off)) = (path.reach.last(), path.lift_off.last()) else {
         return Err(PlanError::EmptyPath);
     };
     let before = path.reach.len() - 1;
-    let lifting = grip.lifting(grasp, grasp)?;
-    let anywhere = AuditSettings { at_goal: false, ..settings };
-    append(audit, audit_with(&lifting, path.lift_off, anywhere)?, before);
-    let mut scratch = lifting.exact_cell("audit")?.scratch();
-    for (edge, ends) in path.lift_off.windows(2).enumerate() {
-        if let Some((at, body)) = carrier.stays_off(grip, &ends[0], &ends[1], &mut scratch) {
-            let (first, second) = (carrier.object().to_owned(), carrier.body_name(body));
-            let place = Place { edge: before + edge, at, first, second };
-            audit.violations.push(Violation::LiftOff { place });
-        }
-    }
-    let way_point = before + path.lift_off.len() - 1;
-    let (length_m, most_m) = (carrier.length_m(grip, path.lift_off), carrier.settings().most_m);
-    if length_m > most_m + LENGTH_TOLERANCE_M {
+    let near = Near { carrier, grip, resting: carrier.resting(), path: path.lift_off, before };
+    near.judge(audit, settings, |place| Violation::LiftOff { place })?;
+    let way_point = near.last();
+    if let Some((length_m, most_m)) = near.too_long_m() {
         audit.violations.push(Violation::LongLiftOff { way_point, length_m, most_m });
     }
-    if !carrier.is_off(grip, off, &mut grip.carrying_scratch()) {
+    if !near.is_off_at(off) {
         audit.violations.push(Violation::NotOff { way_point });
     }
     Ok(())
+}
+
+/// A piece of a path along which a held object is near what it rests on, at one of its ends.
+struct Near<'a> {
+    carrier: &'a Carrier,
+    grip: &'a Grip,
+    resting: &'a Resting,
+    path: &'a [Vec<f64>],
+    /// How many edges there are before it.
+    before: usize,
+}
+
+impl Near<'_> {
+    /// Whether its edges are proven, and stay off what the object rests on.
+    fn judge(
+        &self,
+        audit: &mut Audit,
+        settings: AuditSettings,
+        comes_nearer: fn(Place) -> Violation,
+    ) -> Result<(), PlanError> {
+        let Some(first) = self.path.first() else { return Err(PlanError::EmptyPath) };
+        let lifting = self.grip.lifting(first, first)?;
+        let anywhere = AuditSettings { at_goal: false, ..settings };
+        append(audit, audit_with(&lifting, self.path, anywhere)?, self.before);
+        let mut scratch = lifting.exact_cell("audit")?.scratch();
+        for (edge, ends) in self.path.windows(2).enumerate() {
+            let ends = [&ends[0][..], &ends[1]];
+            if let Some((at, body)) = self.carrier.stays_off(self.grip, self.resting, ends, &mut scratch) {
+                let (first, second) = (self.carrier.object().to_owned(), self.carrier.body_name(body));
+                let place = Place { edge: self.before + edge, at, first, second };
+                audit.violations.push(comes_nearer(place));
+            }
+        }
+        Ok(())
+    }
+
+    /// Which way point is its last.
+    fn last(&self) -> usize {
+        self.before + self.path.len() - 1
+    }
+
+    /// How far the object goes and how far it may, in metres, where that is too far.
+    fn too_long_m(&self) -> Option<(f64, f64)> {
+        let (length_m, most_m) =
+            (self.carrier.length_m(self.grip, self.path), self.carrier.settings().most_m);
+        (length_m > most_m + LENGTH_TOLERANCE_M).then_some((length_m, most_m))
+    }
+
+    fn is_off_at(&self, q: &[f64]) -> bool {
+        self.carrier.is_off(self.grip, self.resting, q, &mut self.grip.carrying_scratch())
+    }
 }
 
 fn carry(
@@ -113,6 +177,63 @@ fn carry(
             audit.violations.push(Violation::NotOut { way_point, clearance_m, required_m: *clear_m });
         }
     }
+    Ok(())
+}
+
+/// The object put down, the hand opened and off it, and the arm where it goes then.
+fn place(
+    audit: &mut Audit,
+    carrier: &Carrier,
+    grip: &Grip,
+    (path, place): (TaskPath<'_>, PlacePath<'_>),
+    settings: AuditSettings,
+) -> Result<(), PlanError> {
+    let PlacePath { placer, set_down, retreat, back, .. } = place;
+    let (Some(above), Some(down), Some(off)) = (set_down.first(), set_down.last(), retreat.last()) else {
+        return Err(PlanError::EmptyPath);
+    };
+    let mut before = path.reach.len() + path.lift_off.len() + path.carry.len() - 3;
+    let way_point = before + set_down.len() - 1;
+    let world_from_held = placer.held_at(grip, down);
+    let placement = placer.placement_at(&world_from_held);
+    let in_hollow = || Some("it is in a hollow".to_owned());
+    if let Some(fault) = placement.as_ref().map_or_else(in_hollow, |placement| placer.fault_of(placement)) {
+        audit.violations.push(Violation::NotPlaced { way_point, fault });
+    }
+    if let Some(placement) = placement {
+        let grip = &placement.grip_near(grip)?;
+        let near = Near { carrier, grip, resting: placement.resting(), path: set_down, before };
+        near.judge(audit, settings, |place| Violation::SetDown { place })?;
+        if let Some((length_m, most_m)) = near.too_long_m() {
+            audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });
+        }
+        if !near.is_off_at(above) {
+            audit.violations.push(Violation::NotAbove { way_point: before });
+        }
+    }
+    before = way_point;
+    let placed = match placer.open(grip, down) {
+        Ok(placed) => placed,
+        Err(reason) => {
+            audit.violations.push(Violation::Grip { way_point, reason });
+            return Ok(());
+        }
+    };
+    let anywhere = AuditSettings { at_goal: false, ..settings };
+    append(audit, audit_with(&placed.leaving(down, vec![down.clone()])?, retreat, anywhere)?, before);
+    before += retreat.len() - 1;
+    let required_m = placer.settings().clear_m;
+    let clearance_m = placed.clearance_m(off, required_m, &mut placed.scratch());
+    if clearance_m < required_m {
+        audit.violations.push(Violation::NotClear { way_point: before, clearance_m, required_m });
+    }
+    let at_goal = settings.at_goal && placer.settings().then == AfterPlacing::Home;
+    // Without a way back the robot is where its hand has left the object.
+    let (goes_on, back) = (back.is_some(), back.unwrap_or(std::slice::from_ref(off)));
+    let home = placed.leaving(off, vec![carrier.problem().start().to_vec()])?;
+    let judged = audit_with(&home, back, AuditSettings { at_goal, ..settings })?;
+    let judged = if goes_on { judged } else { Audit { clearances_per_edge_m: Vec::new(), ..judged } };
+    append(audit, judged, before);
     Ok(())
 }
 

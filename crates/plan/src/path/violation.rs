@@ -119,6 +119,45 @@ pub enum Violation {
         /// How far it may go, in metres.
         most_m: f64,
     },
+    /// On its way down the object comes nearer to what it is put down on than it is then to be, or that could not be excluded.
+    SetDown {
+        /// Where.
+        place: Place,
+    },
+    /// Where its way down begins the object is not off what it is put down on.
+    #[strum(to_string = "set-down")]
+    NotAbove {
+        /// Which way point is that begin.
+        way_point: usize,
+    },
+    /// The object goes farther on its way down than it may.
+    #[strum(to_string = "set-down")]
+    LongSetDown {
+        /// Which way point is its end.
+        way_point: usize,
+        /// How far the object has gone there, in metres.
+        length_m: f64,
+        /// How far it may go, in metres.
+        most_m: f64,
+    },
+    /// The object is let go elsewhere than where it is to be put down.
+    #[strum(to_string = "goal")]
+    NotPlaced {
+        /// Which way point.
+        way_point: usize,
+        /// What is wrong, in words.
+        fault: String,
+    },
+    /// At the end of its retreat the hand is still too near to the object.
+    #[strum(to_string = "retreat")]
+    NotClear {
+        /// Which way point is that end.
+        way_point: usize,
+        /// How far the hand is from the object there, in metres.
+        clearance_m: f64,
+        /// How far it has to be, in metres.
+        required_m: f64,
+    },
     /// What is said of the object in the hand is not so.
     #[strum(to_string = "grip")]
     Hold {
@@ -196,11 +235,16 @@ impl Violation {
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
+            | Self::NotAbove { way_point }
+            | Self::LongSetDown { way_point, .. }
+            | Self::NotPlaced { way_point, .. }
+            | Self::NotClear { way_point, .. }
             | Self::NotOff { way_point } => *way_point,
             Self::Step { edge, .. } => *edge,
             Self::Contact { place, .. }
             | Self::Clearance { place, .. }
             | Self::Unresolved { place, .. }
+            | Self::SetDown { place }
             | Self::LiftOff { place } => place.edge,
         }
     }
@@ -211,6 +255,7 @@ impl Violation {
             Self::Contact { place, .. }
             | Self::Clearance { place, .. }
             | Self::Unresolved { place, .. }
+            | Self::SetDown { place }
             | Self::LiftOff { place } => Some(place),
             _ => None,
         }
@@ -230,11 +275,16 @@ impl Violation {
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
+            | Self::NotAbove { way_point }
+            | Self::LongSetDown { way_point, .. }
+            | Self::NotPlaced { way_point, .. }
+            | Self::NotClear { way_point, .. }
             | Self::NotOff { way_point } => *way_point += before,
             Self::Step { edge, .. } => *edge += before,
             Self::Contact { place, .. }
             | Self::Clearance { place, .. }
             | Self::Unresolved { place, .. }
+            | Self::SetDown { place }
             | Self::LiftOff { place } => place.edge += before,
         }
         self
@@ -311,7 +361,8 @@ impl fmt::Display for Violation {
                     mm(said.opening_m),
                 )
             }
-            Self::LiftOff { place: place @ Place { first, second, .. } } => {
+            Self::LiftOff { place: place @ Place { first, second, .. } }
+            | Self::SetDown { place: place @ Place { first, second, .. } } => {
                 write!(f, "{place}: {first} is not proven to stay off {second} as it was at rest")
             }
             Self::NotOff { way_point } => {
@@ -320,6 +371,23 @@ impl fmt::Display for Violation {
             Self::LongLiftOff { way_point, length_m, most_m } => {
                 let (length, most) = (mm(*length_m), mm(*most_m));
                 write!(f, "way point {way_point}: lifted off over {length:.1} mm, {most:.1} mm are allowed")
+            }
+            Self::NotAbove { way_point } => {
+                write!(f, "way point {way_point}: the object is not yet off what it is put down on")
+            }
+            Self::LongSetDown { way_point, length_m, most_m } => {
+                let (length, most) = (mm(*length_m), mm(*most_m));
+                write!(f, "way point {way_point}: set down over {length:.1} mm, {most:.1} mm are allowed")
+            }
+            Self::NotPlaced { way_point, fault } => {
+                write!(f, "way point {way_point}: the object is let go, but {fault}")
+            }
+            Self::NotClear { clearance_m, required_m, .. } => {
+                let (clearance, required) = (mm(*clearance_m), mm(*required_m));
+                write!(
+                    f,
+                    "after its retreat the hand is {clearance:.1} mm from the object, {required:.1} mm are demanded"
+                )
             }
             Self::Hold { way_point, said, held } => {
                 let [said, held] = [said, held]
@@ -350,10 +418,13 @@ impl Serialize for Violation {
                 &[]
             }
             Self::Clearance { clearance_m, required_m, .. }
-            | Self::NotOut { clearance_m, required_m, .. } => {
+            | Self::NotOut { clearance_m, required_m, .. }
+            | Self::NotClear { clearance_m, required_m, .. } => {
                 &[("clearance_m", *clearance_m), ("required_m", *required_m)]
             }
-            Self::LongLiftOff { length_m, most_m, .. } => &[("length_m", *length_m), ("most_m", *most_m)],
+            Self::LongLiftOff { length_m, most_m, .. } | Self::LongSetDown { length_m, most_m, .. } => {
+                &[("length_m", *length_m), ("most_m", *most_m)]
+            }
             Self::Hold { said, held, .. } => &[("said_opening_m", said.1), ("opening_m", held.1)],
             Self::WeakGrasp { score, required, .. } => &[("score", *score), ("required", *required)],
             Self::SaidGrasp { said_and_measured, .. } => {
@@ -375,6 +446,9 @@ impl Serialize for Violation {
             | Self::Grasp { nearest: None, .. }
             | Self::Grip { .. }
             | Self::LiftOff { .. }
+            | Self::SetDown { .. }
+            | Self::NotAbove { .. }
+            | Self::NotPlaced { .. }
             | Self::NotOff { .. } => &[],
         };
         let mut row = serializer.serialize_map(None)?;

@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
-use cranny_collision::{Cell, Closing, Motion, Resting, Scratch};
+use cranny_collision::{Cell, Closing, CollisionError, Motion, Resting, Scratch};
 use cranny_robot::{Hold, IkSettings, IkSolver, between, distance};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::task::closing_hand::{ClosedHand, ClosingHand};
-use crate::{FailureReason, Goal, PlanError, Problem};
+use crate::{FailureReason, Goal, PlaceSettings, PlanError, Problem};
 
 /// How an object leaves what it rests on.
 ///
@@ -42,6 +42,8 @@ pub enum CarryEnd {
         /// How far.
         clear_m: f64,
     },
+    /// To where it is put down.
+    Place(PlaceSettings),
 }
 
 impl CarryEnd {
@@ -90,7 +92,7 @@ impl Carrier {
     pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
         let lacking = |needs| PlanError::NothingToCarry { needs };
         let (hand, cell) = ClosingHand::new(problem.cell().map(Arc::as_ref), problem.target(), lacking)?;
-        let clear_m = settings.clear_m.max(cell.margins().margin_m);
+        let clear_m = settings.clear_m.max(cell.margins().of_held_m());
         let resting = cell.resting(hand.target(), clear_m)?;
         Ok(Self {
             lifting: hand.holding().sparing(&resting.parts()),
@@ -154,7 +156,7 @@ impl Carrier {
         match end {
             CarryEnd::Home => Some(vec![self.problem.start().to_vec()]),
             CarryEnd::Configurations(ends) => Some(ends.clone()),
-            CarryEnd::Out { .. } => None,
+            CarryEnd::Out { .. } | CarryEnd::Place(_) => None,
         }
     }
 
@@ -172,17 +174,29 @@ impl Carrier {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn lift_off(&self, grip: &Grip, q: &[f64]) -> Result<Vec<Vec<f64>>, FailureReason> {
+        self.way_off(grip, &self.resting, q).map_err(|blocked| match blocked {
+            Some([first, second]) => FailureReason::LiftOffBlocked { first, second },
+            None => FailureReason::LiftOffOutOfReach,
+        })
+    }
+
+    /// The way of a held object off what it rests on, in straight pieces that are proven each; else what stops it, if that
+    /// is known, and not the reach of the arm.
+    pub(crate) fn way_off(
+        &self,
+        grip: &Grip,
+        resting: &Resting,
+        q: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
         let mut scratch = grip.lifting.scratch();
         if let Some(contact) = grip.lifting.first_contact(q, &mut scratch) {
-            let [first, second] = contact.names(&grip.lifting);
-            return Err(FailureReason::LiftOffBlocked { first, second });
+            return Err(Some(contact.names(&grip.lifting)));
         }
-        let mut reason = FailureReason::LiftOffOutOfReach;
-        for way in self.resting.ways_off() {
-            match self.lifted(grip, q, &way, &mut scratch) {
+        let mut reason = None;
+        for way in resting.ways_off() {
+            match self.lifted(grip, resting, q, &way, &mut scratch) {
                 Ok(path) => return Ok(path),
-                Err(Some([first, second])) => reason = FailureReason::LiftOffBlocked { first, second },
-                Err(None) => {}
+                Err(blocked) => reason = blocked.or(reason),
             }
         }
         Err(reason)
@@ -192,6 +206,7 @@ impl Carrier {
     fn lifted(
         &self,
         grip: &Grip,
+        resting: &Resting,
         q: &[f64],
         way: &Vector,
         scratch: &mut Scratch,
@@ -208,7 +223,9 @@ impl Carrier {
         let (mut path, mut gone_m, mut above) = (vec![q.to_vec()], 0.0, grip.carrying.scratch());
         loop {
             let last = &path[path.len() - 1];
-            if gone_m > 0.0 && self.is_off(grip, last, &mut above) && grip.carrying.is_free(last, &mut above)
+            if gone_m > 0.0
+                && self.is_off(grip, resting, last, &mut above)
+                && grip.carrying.is_free(last, &mut above)
             {
                 return Ok(path);
             }
@@ -226,7 +243,7 @@ impl Carrier {
                 }
                 Motion::OutOfLimits { .. } => return Err(None),
             }
-            if let Some((_, body)) = self.stays_off(grip, last, &next, scratch) {
+            if let Some((_, body)) = self.stays_off(grip, resting, [last, &next], scratch) {
                 return Err(Some([self.object().to_owned(), self.body_name(body)]));
             }
             path.push(next);
@@ -234,19 +251,34 @@ impl Carrier {
     }
 
     /// Whether the object is as far off what it rested on as it must be at the end of a lift-off.
-    pub(crate) fn is_off(&self, grip: &Grip, q: &[f64], scratch: &mut Scratch) -> bool {
-        grip.carrying.lifted_m(&self.resting, q, scratch) >= self.settings.clear_m
+    pub(crate) fn is_off(&self, grip: &Grip, resting: &Resting, q: &[f64], scratch: &mut Scratch) -> bool {
+        grip.carrying.lifted_m(resting, q, scratch) >= self.settings.clear_m
     }
 
     /// Where an edge of a lift-off brings the object nearer to what it rested on, or may, and to which body.
     pub(crate) fn stays_off(
         &self,
         grip: &Grip,
-        a: &[f64],
-        b: &[f64],
+        resting: &Resting,
+        [a, b]: [&[f64]; 2],
         scratch: &mut Scratch,
     ) -> Option<(f64, usize)> {
-        grip.lifting.stays_off(&self.resting, self.settings.slack_m, a, b, scratch)
+        grip.lifting.stays_off(resting, self.settings.slack_m, a, b, scratch)
+    }
+
+    /// How the object rests before it is lifted off.
+    pub(crate) fn resting(&self) -> &Resting {
+        &self.resting
+    }
+
+    /// The hand that closes on it.
+    pub(crate) fn hand(&self) -> &ClosingHand {
+        &self.hand
+    }
+
+    /// The problem whose target it is.
+    pub(crate) fn problem(&self) -> &Problem {
+        &self.problem
     }
 
     /// How far the object goes along a path, in metres.
@@ -274,6 +306,11 @@ impl Grip {
     /// The cell in which the object is taken off what it rests on, and the one in which it is carried on from there.
     pub fn cells(&self) -> [&Arc<Cell>; 2] {
         [&self.lifting, &self.carrying]
+    }
+
+    /// The same with the object near what it is put down on, in this cell.
+    pub(crate) fn near(&self, cell: &Cell) -> Result<Self, CollisionError> {
+        Ok(Self { lifting: Arc::new(cell.with_hold(self.hold)?), ..self.clone() })
     }
 
     /// The problem of moving the object on the way off what it rests on.

@@ -89,6 +89,46 @@ pub enum FailureReason {
         /// The other.
         second: String,
     },
+    /// The object can be nowhere where it is to be put down, as it is held or at all.
+    NoPlace,
+    /// The open hand, where it would let the object go, met something; seen first:
+    PlaceBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The arm came to no place where it could let the object go.
+    PlaceOutOfReach,
+    /// The object, or what carries it, met something on the way down to where it is to be put:
+    SetDownBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The arm cannot move the object down to where it is to be put.
+    SetDownOutOfReach,
+    /// The fingers met something when they let the object go:
+    OpeningCollides {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The open hand met something on its way off the object:
+    RetreatBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The arm cannot move the hand off the object.
+    RetreatOutOfReach,
+    /// The object can be put down, but no way was found from where it is lifted off.
+    NotBroughtThere,
+    /// The object was put down, but no way back was found for the empty hand.
+    NotReturned,
     /// The search ended before it came to this grasp.
     NotTried,
 }
@@ -116,6 +156,28 @@ impl FailureReason {
             Self::EndBlocked { first, second } => {
                 format!("held like that the object cannot be where it is to go: {first} against {second}")
             }
+            Self::NoPlace => "held like that the object has no place where it is to be put down".to_owned(),
+            Self::PlaceBlocked { first, second } => {
+                format!(
+                    "the open hand cannot be where the object is to be put down: {first} against {second}"
+                )
+            }
+            Self::PlaceOutOfReach => "lifted off, but the arm comes to no place to put it down".to_owned(),
+            Self::SetDownBlocked { first, second } => {
+                format!("lifted off, but the object cannot be set down: {first} against {second}")
+            }
+            Self::SetDownOutOfReach => "lifted off, but the arm cannot set the object down".to_owned(),
+            Self::OpeningCollides { first, second } => {
+                format!("set down, but the fingers cannot open: {first} against {second}")
+            }
+            Self::RetreatBlocked { first, second } => {
+                format!("set down, but the hand cannot retreat: {first} against {second}")
+            }
+            Self::RetreatOutOfReach => "set down, but the arm cannot retreat".to_owned(),
+            Self::NotBroughtThere => {
+                "lifted off, but no way was found to where it is to be put down".to_owned()
+            }
+            Self::NotReturned => "set down, but no way back was found".to_owned(),
             Self::NotTried => "not tried".to_owned(),
         }
     }

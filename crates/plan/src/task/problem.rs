@@ -7,7 +7,7 @@ use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::{GraspMeasure, NotChecked, PlanError};
+use crate::{GraspMeasure, NotChecked, PlaceGoal, PlanError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -19,6 +19,8 @@ pub struct Problem {
     goal: Goal,
     /// What grasps are measured by, if no set of them is given.
     grasp_measure: Option<Arc<GraspMeasure>>,
+    /// Where the target can be put down.
+    places: Arc<[PlaceGoal]>,
     validity: Validity,
 }
 
@@ -86,7 +88,9 @@ impl Problem {
             None => Cell::new(robot.clone(), world, margins)?,
         };
         let validity = Validity::Exact(Arc::new(cell));
-        let mut problem = Self { robot, target, start, goal, grasp_measure: None, validity }.checked()?;
+        let mut problem =
+            Self { robot, target, start, goal, grasp_measure: None, places: Arc::default(), validity }
+                .checked()?;
         if let Validity::Exact(cell) = &problem.validity {
             let known = std::iter::once(&problem.start).chain(problem.goal_configurations());
             problem.validity = Validity::Exact(cell.with_pairs_free_at(known.map(Vec::as_slice)));
@@ -102,7 +106,8 @@ impl Problem {
     pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
         let robot = cell.robot().clone();
         let validity = Validity::Exact(cell);
-        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
+        Self { robot, target: None, start, goal, grasp_measure: None, places: Arc::default(), validity }
+            .checked()
     }
 
     /// A problem under the `paper` criterion: `check` decides; of distances to `world` planners may ask for how far to go.
@@ -114,7 +119,8 @@ impl Problem {
         let robot = check.robot().clone();
         let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
         let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
-        Self { robot, target: None, start, goal, grasp_measure: None, validity }.checked()
+        Self { robot, target: None, start, goal, grasp_measure: None, places: Arc::default(), validity }
+            .checked()
     }
 
     /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
@@ -127,6 +133,29 @@ impl Problem {
     pub fn without_grasp_set(&self, friction: f64) -> Result<Self, PlanError> {
         let grasp_measure = Some(Arc::new(self.new_grasp_measure(friction)?));
         Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
+    }
+
+    /// The same problem whose target can be put down there.
+    #[must_use]
+    pub fn with_places(self, places: &[PlaceGoal]) -> Self {
+        Self { places: places.into(), ..self }
+    }
+
+    /// Where the target can be put down.
+    pub fn places(&self) -> &[PlaceGoal] {
+        &self.places
+    }
+
+    /// The place of that name.
+    ///
+    /// # Errors
+    /// [`PlanError::UnknownPlace`], which lists the names that there are.
+    pub fn place(&self, name: &str) -> Result<&PlaceGoal, PlanError> {
+        self.places.iter().find(|place| place.name == name).ok_or_else(|| {
+            let known = self.places.iter().map(|place| format!("'{}'", place.name)).collect::<Vec<_>>();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            PlanError::UnknownPlace { name: name.to_owned(), known }
+        })
     }
 
     /// The robot; its root frame is the planning frame.

@@ -1,3 +1,4 @@
+use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use strum::{EnumString, IntoStaticStr, VariantArray};
@@ -157,6 +158,21 @@ impl Family {
             ],
         }
     }
+
+    /// Where its object can be put down outside of what it lies in, at least half a metre from where it lies.
+    pub(crate) fn outside(self) -> PlaceGoal {
+        let (on, middle, size_m) = match self {
+            Self::Shelf => ("table", [0.25, 0.95, 0.5], [0.4, 0.6]),
+            Self::Table => ("table", [0.4, 0.85, 0.5], [0.6, 0.4]),
+            Self::Gap | Self::Gate => ("floor", [0.35, 0.05, 0.0], [0.5, 0.4]),
+        };
+        let [x, y, z] = middle;
+        let spot = PlaceSpot::Surface { on: on.to_owned(), pose: Pose::translation(x, y, z), size_m };
+        PlaceGoal { name: Self::OUTSIDE.to_owned(), spot }
+    }
+
+    /// What the place outside is called.
+    pub const OUTSIDE: &str = "outside";
 
     /// How wide its object is between the fingers, where it is narrowest, in metres.
     pub(crate) fn object_width_m(self) -> f64 {

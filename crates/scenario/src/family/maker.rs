@@ -192,6 +192,7 @@ impl FamilyMaker {
             given_physics: self.resting.given_physics,
             start: self.robot.start(),
             robot: self.robot.clone(),
+            places: vec![self.scale.place(family.outside())],
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

@@ -1,3 +1,4 @@
+use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
@@ -94,6 +95,15 @@ impl SceneScale {
         let [ahead_m, right_m, up_m] = self.shift_m;
         let x_m = ROBOT_X_M + right_m + self.across * (paper.x - ROBOT_X_M);
         Vector::new(x_m, ahead_m + self.away * paper.y, up_m + self.across * paper.z)
+    }
+
+    /// A place of the paper's scene.
+    pub(crate) fn place(&self, place: PlaceGoal) -> PlaceGoal {
+        let PlaceSpot::Surface { on, pose, size_m: [across_m, away_m] } = place.spot else { return place };
+        let point = self.point(&pose.translation.vector);
+        let pose = Pose::from_parts(point.into(), pose.rotation);
+        let size_m = [across_m * self.across, away_m * self.away];
+        PlaceGoal { spot: PlaceSpot::Surface { on, pose, size_m }, ..place }
     }
 
     /// What raises the scene, if anything does: from before its first obstacle to behind its last.

@@ -156,6 +156,10 @@ impl Legible {
             let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
             faults.extend(layout.physics_fault(entry, is_target));
         }
+        let mut names = HashSet::new();
+        for entry in &file.places {
+            faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
+        }
         robot.filter(|_| was_there("robot"))
     }
 }

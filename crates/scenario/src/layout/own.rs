@@ -5,15 +5,18 @@ use std::sync::Arc;
 use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
+use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 use serde_saphyr::Spanned;
 
 use crate::files::number_table;
 use crate::files::sizes;
 use crate::files::yaml;
-use crate::layout::own_file::{BodyEntry, MeshEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry};
+use crate::layout::own_file::{
+    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
+};
 use crate::robot::file;
 use crate::{
     BUILTIN_ROBOTS, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
@@ -95,6 +98,7 @@ pub(crate) fn open_texts(
     if let Some(height) = &file.floor {
         bodies.push(layout.floor(height, &planning_from_scene)?);
     }
+    let places = layout.places(&file, &planning_from_scene)?;
     let ik = match (&options.robot, &texts.ik) {
         (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
         _ => Vec::new(),
@@ -123,6 +127,7 @@ pub(crate) fn open_texts(
         grasps,
         has_grasp_set: texts.grasps.is_some(),
         ik,
+        places,
         export: None,
     }
     .on_its_ground(options)?
@@ -249,6 +254,68 @@ impl Layout<'_> {
         }
         let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
         Ok((Body { name: name.clone(), parts }, source))
+    }
+
+    /// Where the target can be put down.
+    pub fn places(
+        &self,
+        file: &ScenarioFile,
+        planning_from_scene: &Pose,
+    ) -> Result<Vec<PlaceGoal>, ScenarioError> {
+        let mut names = HashSet::new();
+        file.places.iter().map(|entry| self.place(entry, file, planning_from_scene, &mut names)).collect()
+    }
+
+    /// One of them; its name is added to `taken`.
+    pub fn place<'b>(
+        &self,
+        entry: &'b Spanned<PlaceEntry>,
+        file: &ScenarioFile,
+        planning_from_scene: &Pose,
+        taken: &mut HashSet<&'b str>,
+    ) -> Result<PlaceGoal, ScenarioError> {
+        let Spanned { value: PlaceEntry { name, on, pose, size, target_pose }, referenced, .. } = entry;
+        let refuse = |problem: String| ScenarioError::Place { at: self.at(*referenced), problem };
+        if !taken.insert(&name.value) {
+            return Err(ScenarioError::NameTaken { at: self.at(name.referenced), name: name.value.clone() });
+        }
+        let spot = match (on, size, pose, target_pose) {
+            (None, None, None, Some(target_pose)) => {
+                let Some(target) = &file.target else {
+                    return Err(refuse("a place for a target that there is not".to_owned()));
+                };
+                let body_from_first = target.shapes.first().map(|shape| self.pose(shape.value.pose.as_ref()));
+                let planning_from_body = planning_from_scene * self.pose(Some(target_pose))?;
+                PlaceSpot::Target(planning_from_body * body_from_first.transpose()?.unwrap_or_default())
+            }
+            (Some(on), Some(size_m), _, None) => {
+                let mut known = file.obstacles.iter().map(|obstacle| obstacle.name.value.as_str());
+                let is_floor = on == FLOOR && file.floor.is_some();
+                if !is_floor && !known.clone().any(|obstacle| obstacle == on) {
+                    let floor = file.floor.as_ref().map(|_| FLOOR);
+                    let known = known.by_ref().chain(floor).collect::<Vec<_>>().join(", ");
+                    return Err(refuse(format!("there is no obstacle '{on}' (there are: {known})")));
+                }
+                if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
+                    return Err(refuse(format!(
+                        "{size_m:?} is no size of a rectangle; both must be positive"
+                    )));
+                }
+                let pose = planning_from_scene * self.pose(pose.as_ref())?;
+                let tilt = (pose.rotation * Vector::z() - Vector::z()).norm();
+                if tilt > EXACT_ROTATION_RAD {
+                    return Err(refuse("the rectangle is not level: its z axis must point up".to_owned()));
+                }
+                PlaceSpot::Surface { on: on.clone(), pose, size_m: *size_m }
+            }
+            _ => {
+                return Err(refuse(
+                    "a place is a rectangle, with `on` and `size`, or a `target_pose`, and not both"
+                        .to_owned(),
+                ));
+            }
+        };
+        Ok(PlaceGoal { name: name.value.clone(), spot })
     }
 
     /// What the entry of the target says of its mass and friction.

@@ -48,6 +48,10 @@ pub(crate) struct ScenarioFile {
     pub obstacles: Vec<BodyEntry>,
     #[schemars(with = "Option<TargetEntry>")]
     pub target: Option<BodyEntry>,
+    /// Where the target can be put down.
+    #[serde(default)]
+    #[schemars(with = "Vec<PlaceEntry>")]
+    pub places: Vec<Spanned<PlaceEntry>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }
@@ -111,6 +115,24 @@ pub(crate) struct TargetEntry {
     pub mass_kg: Option<f64>,
     /// The coefficient of friction between it and the pads of a gripper, before what its object says; positive.
     pub friction: Option<f64>,
+}
+
+/// A place where the target can be put down: a rectangle that lies on something, or a pose of the target.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlaceEntry {
+    #[schemars(with = "String")]
+    pub name: Spanned<String>,
+    /// The obstacle that a rectangle lies on, or `floor`.
+    pub on: Option<String>,
+    /// The middle of the rectangle, z upwards.
+    #[schemars(with = "Option<PoseEntry>")]
+    pub pose: Option<Spanned<PoseEntry>>,
+    /// How long the rectangle is along its x and y.
+    pub size: Option<[f64; 2]>,
+    /// Instead of a rectangle: the pose that the target is to have.
+    #[schemars(with = "Option<PoseEntry>")]
+    pub target_pose: Option<Spanned<PoseEntry>>,
 }
 
 /// A pose; what is left out is zero.

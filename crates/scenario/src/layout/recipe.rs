@@ -1,5 +1,6 @@
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::GraspSet;
+use cranny_plan::PlaceGoal;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
@@ -25,6 +26,8 @@ pub struct Recipe {
     pub grasps: GraspSet,
     /// Configurations that are known to reach a grasp.
     pub ik: Vec<Vec<f64>>,
+    /// Where the target can be put down, in the scene.
+    pub places: Vec<PlaceGoal>,
 }
 
 /// A body of a [`Recipe`].
@@ -91,6 +94,7 @@ impl Recipe {
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
+            places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
     }
 
@@ -116,6 +120,10 @@ impl Recipe {
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             has_grasp_set: true,
+            places: {
+                let planning_from_scene = self.robot.planning_from_scene();
+                self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect()
+            },
             ik: self.ik.clone(),
             export: None,
         }

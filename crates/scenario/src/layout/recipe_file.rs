@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
+use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_spatial::{Pose, Rotation};
 
 use crate::ScenarioError;
@@ -83,7 +84,34 @@ impl Recipe {
                 }
             }
         }
+        if !self.places.is_empty() {
+            text.push_str("places:\n");
+        }
+        for place in &self.places {
+            self.write_place(place, &mut text);
+        }
         text
+    }
+
+    fn write_place(&self, place: &PlaceGoal, text: &mut String) {
+        let quoted = |name: &str| serde_json::Value::from(name);
+        let _ = writeln!(text, "  - name: {}", quoted(&place.name));
+        match &place.spot {
+            PlaceSpot::Surface { on, pose, size_m } => {
+                let _ = writeln!(text, "    on: {}", quoted(on));
+                if let Some(pose) = pose_text(pose) {
+                    let _ = writeln!(text, "    pose: {pose}");
+                }
+                let _ = writeln!(text, "    size: {}", list(size_m));
+            }
+            PlaceSpot::Target(pose) => {
+                // As the target's own pose is: that of its body, not of its first shape.
+                let first = self.target.as_ref().and_then(|target| target.shapes.first());
+                let body_from_first = first.map_or_else(Pose::identity, |(pose, _)| *pose);
+                let pose = pose_text(&(pose * body_from_first.inverse()));
+                let _ = writeln!(text, "    target_pose: {}", pose.unwrap_or_else(|| "{}".to_owned()));
+            }
+        }
     }
 }
 

@@ -89,6 +89,7 @@ pub(crate) fn open_with(
         start,
         grasps: grasps(folder)?,
         has_grasp_set: true,
+        places: Vec::new(),
         ik,
         export: exported.map(|exported| exported.surface),
     }

@@ -5,13 +5,14 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, OwnGrasp,
-    Statistics, path_length,
+    PlanError, Problem, Statistics, path_length,
 };
-use cranny_solve::{Answer, Carry, Request};
+use cranny_solve::{Answer, Carry, Request, Robustness};
 use serde::{Deserialize, Serialize};
 
 use crate::PlanFileError;
 use crate::plan::betterment::{PlanOptimisation, PlanShortening};
+use crate::plan::place::PlanPlace;
 use crate::plan::timing::PlanTiming;
 use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, write_whole_file};
 
@@ -99,6 +100,13 @@ pub struct PlanFile {
     /// The object was to be carried anywhere it is so far from all bodies but floors, in metres; `None` where it was not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_clear_m: Option<f64>,
+    /// How far things may be from where the path has them, each kind of error by itself; `None` where that was not asked, or
+    /// there is no proof.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robustness: Option<Robustness>,
+    /// Where the object was to be put down; `None` where it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<PlanPlace>,
 }
 
 /// What a plan is of: what an [`Answer`] does not know.
@@ -185,8 +193,13 @@ impl PlanFile {
                 Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
                 _ => None,
             },
-            carry_clear_m: match answer.carry_to {
-                Some(CarryEnd::Out { clear_m }) => Some(clear_m),
+            carry_clear_m: match &answer.carry_to {
+                Some(CarryEnd::Out { clear_m }) => Some(*clear_m),
+                _ => None,
+            },
+            robustness: answer.robustness,
+            place: match &answer.carry_to {
+                Some(CarryEnd::Place(place)) => Some(PlanPlace::of(place)),
                 _ => None,
             },
         }
@@ -194,8 +207,11 @@ impl PlanFile {
 
     /// The request that a plan was made by, where iterations alone end it: the time that a search took says nothing of
     /// this machine.
-    pub fn request(&self) -> Request {
-        Request {
+    ///
+    /// # Errors
+    /// As [`Self::carry_end`].
+    pub fn request(&self, problem: &Problem) -> Result<Request, PlanError> {
+        Ok(Request {
             planner: Some(self.planner.clone()),
             settings: self.settings.as_object().cloned().unwrap_or_default(),
             budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
@@ -203,11 +219,11 @@ impl PlanFile {
             score: self.score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
-            carry: self.carry_end().map(|end| Carry { end, ..Carry::default() }),
+            carry: self.carry_end(problem)?.map(|end| Carry { end, ..Carry::default() }),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
-        }
+        })
     }
 
     /// The grasps that were given.
@@ -216,9 +232,15 @@ impl PlanFile {
     }
 
     /// Where the object was to be carried, if it was.
-    pub fn carry_end(&self) -> Option<CarryEnd> {
+    ///
+    /// # Errors
+    /// [`PlanError::UnknownPlace`] where it was to be put down in a place that the problem does not have.
+    pub fn carry_end(&self, problem: &Problem) -> Result<Option<CarryEnd>, PlanError> {
+        if let Some(place) = &self.place {
+            return Ok(Some(CarryEnd::Place(place.settings(problem)?)));
+        }
         let out = self.carry_clear_m.map(|clear_m| CarryEnd::Out { clear_m });
-        out.or_else(|| self.carry_to.clone().map(CarryEnd::Configurations))
+        Ok(out.or_else(|| self.carry_to.clone().map(CarryEnd::Configurations)))
     }
 
     /// Writes the plan, as a whole or not at all.
@@ -263,7 +285,7 @@ mod tests {
             seed: u64::MAX,
             version: PlanFile::VERSION.into(),
             outcome: Outcome::Solved,
-            margins: Margins { margin_m: 0.001, grasp_margin_m: 0.0 },
+            margins: Margins { margin_m: 0.001, grasp_margin_m: 0.0, ..Margins::default() },
             budget: PlanBudget { iterations: None, time_limit_s: Some(120.0) },
             joint_names: vec!["a".into(), "b".into()],
             grasp: Some(7),
@@ -285,6 +307,7 @@ mod tests {
                 duration_s: 0.1 + 0.7,
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
                 closing_s: Some([0.1, 0.1 + 0.2]),
+                opening_s: None,
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
             shortening: Some(PlanShortening { attempts: 100, searches: 2 }),
@@ -309,6 +332,8 @@ mod tests {
             }],
             carry_to: None,
             carry_clear_m: None,
+            robustness: None,
+            place: None,
         }
     }
 

@@ -94,7 +94,10 @@ impl PlanFile {
             self.statistics;
         let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
         let timing = self.timing.iter().flat_map(|t| {
-            t.waypoint_times_s.iter().chain([&t.duration_s]).chain(t.closing_s.iter().flatten())
+            t.waypoint_times_s
+                .iter()
+                .chain([&t.duration_s])
+                .chain(t.closing_s.iter().chain(&t.opening_s).flatten())
         });
         let optimisation = self.optimisation.iter().flat_map(|o| {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);

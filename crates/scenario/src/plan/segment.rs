@@ -9,10 +9,11 @@ pub struct PlanSegment {
     /// What joins the way points: `polyline`, straight lines.
     pub kind: String,
     /// What the robot does meanwhile: `reach`, the hand open and empty; `lift-off`, the object in the closed hand, off what
-    /// it rests on; `carry`, from there on.
+    /// it rests on; `carry`, from
+    /// there on; `set-down`, down to where it is put; `retreat`, the hand open again, off the object; `return`, home.
     #[serde(default)] // Of a kind that nobody knows the kind is told, not what it lacks.
     pub mode: String,
-    /// The object that the hand carries; `None` in `reach`.
+    /// The object that the hand carries; `None` while it is open.
     pub attached: Option<String>,
     /// How far apart the fingers are, in metres; `None`: as far as they go.
     pub opening_m: Option<f64>,
@@ -51,13 +52,19 @@ impl PlanSegment {
             (Some(Mode::Reach), _, Some(opening_m)) => {
                 format!("opens the hand by {opening_m} m on its way to the grasp")
             }
+            (Some(mode), Some(object), _) if !mode.holds() => format!("carries '{object}' that was put down"),
+            (Some(mode), _, Some(opening_m)) if !mode.holds() => {
+                format!("opens the hand by {opening_m} m where it is open")
+            }
             (Some(mode), attached, opening_m) => {
                 let (attached, uneven_m) = (attached.clone(), self.uneven_m);
                 let (waypoints, clearances_m) = (self.waypoints.clone(), self.clearances_m.clone());
                 return Ok(Segment { mode, attached, opening_m, uneven_m, waypoints, clearances_m });
             }
         };
-        Err(format!("{unknown}, which this version does not know ({POLYLINE}; reach, lift-off, carry)"))
+        Err(format!(
+            "{unknown}, which this version does not know ({POLYLINE}; reach, lift-off, carry, set-down, retreat, return)"
+        ))
     }
 
     /// The way points of segments that follow each other: where two meet, one.
@@ -78,9 +85,21 @@ impl PlanSegment {
             }
             joined.extend_from_slice(&segment.waypoints);
         }
-        let is_task = matches!(&modes[..], [Mode::Reach, Mode::LiftOff, Mode::Carry]);
+        let is_task = match &modes[..] {
+            [Mode::Reach, Mode::LiftOff, Mode::Carry, put_down @ ..] => {
+                matches!(
+                    put_down,
+                    [] | [Mode::SetDown, Mode::Retreat] | [Mode::SetDown, Mode::Retreat, Mode::Return]
+                )
+            }
+            _ => false,
+        };
         if !is_task && modes.iter().any(|mode| *mode != Mode::Reach) {
-            return Err("its segments are neither a reach nor a reach, a lift-off and a carry".to_owned());
+            return Err(
+                "its segments are neither a reach nor a reach, a lift-off and a carry, which a set-down, a \
+                        retreat and a return may follow"
+                    .to_owned(),
+            );
         }
         Ok(joined)
     }

@@ -17,6 +17,9 @@ pub struct PlanTiming {
     /// From when to when the hand closes at the grasp, in seconds, where the target is carried on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closing_s: Option<[f64; 2]>,
+    /// From when to when it opens again where the target is put down, in seconds, where it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opening_s: Option<[f64; 2]>,
 }
 
 impl PlanTiming {
@@ -28,6 +31,7 @@ impl PlanTiming {
             duration_s: trajectory.duration_s(),
             waypoint_times_s: trajectory.waypoint_times_s(),
             closing_s: trajectory.closing_s(),
+            opening_s: trajectory.opening_s(),
         }
     }
 }

@@ -1,9 +1,10 @@
 use std::path::Path;
+use std::str::FromStr as _;
 
 use cranny_collision::Cell;
-use cranny_plan::{Audit, AuditSettings, Carrier, Grip, LiftOffSettings, PlanError, Problem, audit_with};
+use cranny_plan::{Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_with};
 use cranny_robot::Robot;
-use cranny_solve::{Mode, Segment, TaskTrajectory, Timing, audit_segments};
+use cranny_solve::{Mode, Segment, TaskCells, TaskTrajectory, Timing, audit_segments};
 
 use crate::{PlanFile, PlanSegment, ScenarioError};
 
@@ -23,16 +24,25 @@ impl PlanFile {
         TaskTrajectory::of(self.timing_asked(), robot, cell, &segments.map_err(|_| PlanError::Segments)?)
     }
 
-    /// The way to the grasp, and the way on from there after the hand has closed: none, unless the object is carried away.
-    pub fn ways(&self) -> [Vec<Vec<f64>>; 2] {
-        let is_reach = |segment: &PlanSegment| segment.mode == Mode::Reach.name();
-        let mut ways = [Vec::new(), Vec::new()];
-        for segment in &self.segments {
-            let way: &mut Vec<Vec<f64>> = &mut ways[usize::from(!is_reach(segment))];
-            way.pop();
-            way.extend_from_slice(&segment.waypoints);
-        }
-        ways
+    /// The legs of the path, between which the hand closes or opens: the way to the grasp; the way on with the object, if it
+    /// is carried away; the way off the object, if it is put down.
+    pub fn legs(&self) -> Vec<Vec<Vec<f64>>> {
+        let holds = |segment: &PlanSegment| Mode::from_str(&segment.mode).is_ok_and(Mode::holds);
+        let legs = self.segments.chunk_by(|a, b| holds(a) == holds(b));
+        let joined = legs.map(|leg| {
+            let mut way: Vec<Vec<f64>> = Vec::new();
+            for segment in leg {
+                way.pop();
+                way.extend_from_slice(&segment.waypoints);
+            }
+            way
+        });
+        joined.collect()
+    }
+
+    /// The way to the grasp.
+    fn reach(&self) -> Vec<Vec<f64>> {
+        self.legs().into_iter().next().unwrap_or_default()
     }
 
     /// Whether its time is that of cut corners.
@@ -40,15 +50,16 @@ impl PlanFile {
         self.timing_asked().blend
     }
 
-    /// The object in the hand, as it closes where the way to the grasp ends; `None` for a plan that does not carry it, or
-    /// where the hand does not close on it.
+    /// In what the object is in the hand, as it closes where the way to the grasp ends, and what follows; `None` for a plan
+    /// that does not carry it, or where the hand does not close on it.
     ///
     /// # Errors
-    /// As [`Carrier::new`].
-    pub fn grip(&self, problem: &Problem) -> Result<Option<Grip>, PlanError> {
-        let [reach, onward] = self.ways();
-        let Some(grasp) = reach.last().filter(|_| !onward.is_empty()) else { return Ok(None) };
-        Ok(Carrier::new(problem, LiftOffSettings::default())?.close(grasp).ok())
+    /// As [`Carrier::new`] and [`Self::carry_end`].
+    pub fn task_cells(&self, problem: &Problem) -> Result<Option<TaskCells>, PlanError> {
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        let Some(segments) = segments.ok().filter(|segments| segments.len() > 1) else { return Ok(None) };
+        let carrier = Carrier::new(problem, LiftOffSettings::default())?;
+        TaskCells::of(&carrier, &segments, self.carry_end(problem)?.as_ref())
     }
 
     fn timing_asked(&self) -> Timing {
@@ -71,14 +82,13 @@ impl PlanFile {
         let audit = match (self.waypoints.is_empty(), segments) {
             (true, _) => return Ok(None),
             (false, Ok(segments)) if carries => {
-                let end = self.carry_end();
+                let end = self.carry_end(problem)?;
                 audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?
             }
             _ => audit_with(problem, &self.waypoints, settings)?,
         };
-        let [reach, _] = self.ways();
         Ok(Some(match self.own_grasp {
-            Some(said) => audit.with_said_grasp(said, reach.len().saturating_sub(1)),
+            Some(said) => audit.with_said_grasp(said, self.reach().len().saturating_sub(1)),
             None => audit,
         }))
     }
@@ -134,6 +144,7 @@ mod tests {
             duration_s: 1.0,
             waypoint_times_s: Vec::new(),
             closing_s: None,
+            opening_s: None,
         };
         let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
         assert_eq!(smooth.trajectory(robot, None).unwrap().unwrap().method(), method);
@@ -157,18 +168,18 @@ mod tests {
         let there = [segment(Mode::Reach, [&start, &end]), segment(Mode::Reach, [&end, &start])];
         let back = [segment(Mode::LiftOff, [&start, &end]), segment(Mode::Carry, [&end, &start])];
         let reaching = PlanFile { segments: there.to_vec(), ..plan };
-        assert_eq!(reaching.ways(), [vec![start.clone(), end.clone(), start.clone()], Vec::new()]);
+        assert_eq!(reaching.legs(), [[start.clone(), end.clone(), start.clone()]]);
         let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
-        assert_eq!(carrying.ways()[1], [start.clone(), end, start]);
+        assert_eq!(carrying.legs()[1], [start.clone(), end, start]);
         assert!(!carrying.is_blended());
         let durations = |plan: &PlanFile| {
             let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
-            (timed.reach().duration_s(), timed.onward().map(Trajectory::duration_s))
+            (timed.reach().duration_s(), timed.legs().get(1).map(Trajectory::duration_s))
         };
         let (reach_s, none) = durations(&reaching);
         assert_eq!((none, durations(&carrying)), (None, (reach_s, Some(reach_s))));
         let problem = scenario.problem(Margins::default()).unwrap();
-        assert!(reaching.grip(&problem).unwrap().is_none());
+        assert!(reaching.task_cells(&problem).unwrap().is_none());
     }
 
     #[test]

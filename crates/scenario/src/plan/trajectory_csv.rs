@@ -75,14 +75,14 @@ mod tests {
     }
 
     fn reach() -> TaskTrajectory {
-        TaskTrajectory::new(trajectory(&[vec![0.0, 0.1], vec![0.5, -0.2]]), None)
+        TaskTrajectory::of_reach(trajectory(&[vec![0.0, 0.1], vec![0.5, -0.2]]))
     }
 
     #[test]
     fn where_the_hand_closes_the_table_says_how_far() {
         let [a, b, c] = [[0.0, 0.1], [0.5, -0.2], [0.1, 0.0]].map(|q| q.to_vec());
         let onward = trajectory(&[b.clone(), c.clone()]);
-        let task = TaskTrajectory::new(trajectory(&[a, b.clone()]), Some((onward, [0.08, 0.02])));
+        let task = TaskTrajectory::of_reach(trajectory(&[a, b.clone()])).then([0.08, 0.02], onward);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.trajectory.csv");
         write_trajectory_csv(&path, &task, 50.0).unwrap();

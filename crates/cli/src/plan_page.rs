@@ -1,0 +1,222 @@
+use std::fmt::Write;
+
+use cranny_grasp::{GraspSet, ScoreKind};
+use cranny_plan::{GraspFailure, Improvement, Outcome};
+use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
+use cranny_solve::{JointRadius, PoseRadius, Robustness};
+
+use crate::plan::Answered;
+use crate::text::{self, degrees, millimetres};
+
+/// The first cost, each that is a twentieth below the one before it here, and the last: all stand in the plan file.
+fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
+    const FALL: f64 = 0.05;
+    let mut told: Vec<&Improvement> = Vec::new();
+    for improvement in improvements {
+        if told.last().is_none_or(|last| last.cost - improvement.cost >= FALL * last.cost.abs()) {
+            told.push(improvement);
+        }
+    }
+    let last = improvements.last().filter(|last| told.last().is_some_and(|told| told.cost > last.cost));
+    told.extend(last);
+    told
+}
+
+/// Fingers that meet the object farther apart than this in their travel are told, in metres.
+const UNEVEN_M: f64 = 1e-3;
+
+/// What is carried, if anything is.
+fn carried(plan: &PlanFile) -> Option<String> {
+    let [_, lift_off, carry, ..] = &plan.segments[..] else { return None };
+    let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
+    let object = lift_off.attached.as_deref()?;
+    let opening = millimetres(lift_off.opening_m?);
+    // What is less nobody sees.
+    let uneven = lift_off.uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M);
+    let uneven = uneven.map_or_else(String::new, |uneven_m| {
+        format!(" (one meets it {} before the other: it will be pushed, or the hand)", millimetres(uneven_m))
+    });
+    Some(format!(
+        "{object}, fingers {opening} apart{uneven}: {off} way points to lift it off, {on} to where it goes"
+    ))
+}
+
+/// How far things may be from where the plan has them.
+fn robust(robustness: &Robustness) -> String {
+    let pose = |radius: &PoseRadius| {
+        format!("{} or {}", millimetres(radius.translation_m), degrees(radius.rotation_rad))
+    };
+    let joints = |radius: &JointRadius| {
+        let sliding = radius.sliding_m.map(millimetres);
+        sliding.into_iter().chain(radius.turning_rad.map(degrees)).collect::<Vec<_>>().join(" or ")
+    };
+    let Robustness { object, slip, base, joints: all_joints } = robustness;
+    let parts = [
+        object.as_ref().map(|radius| format!("object {}", pose(radius))),
+        slip.as_ref().map(|radius| format!("in the hand {}", pose(radius))),
+        base.as_ref().map(|radius| format!("base {}", pose(radius))),
+        all_joints.as_ref().map(|radius| format!("all joints {}", joints(radius))),
+    ];
+    format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
+}
+
+/// How the target is put down, if it is.
+fn placed(plan: &PlanFile) -> Option<String> {
+    let place = plan.place.as_ref()?;
+    let [_, _, _, set_down, retreat, back @ ..] = &plan.segments[..] else { return None };
+    let points = |segment: &PlanSegment| segment.waypoints.len();
+    let back =
+        back.first().map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
+    let (name, clear) = (&place.name, millimetres(place.clear_m));
+    Some(format!(
+        "'{name}': {} way points to set it down, {} until the hand is {clear} off it, {back}",
+        points(set_down),
+        points(retreat)
+    ))
+}
+
+/// When the path is run through, and what it took to find that.
+fn timed(timing: &PlanTiming, seconds: f64) -> String {
+    let corners = if timing.blended { ", corners cut where proven" } else { "" };
+    let closes = timing.closing_s.map_or_else(String::new, |[begin_s, end_s]| {
+        format!(", the hand closes from {begin_s:.3} to {end_s:.3} s")
+    });
+    let opens = timing
+        .opening_s
+        .map_or_else(String::new, |[begin_s, end_s]| format!(" and opens from {begin_s:.3} to {end_s:.3} s"));
+    let (duration_s, method) = (timing.duration_s, timing.method.name());
+    format!("{duration_s:.3} s, {method}{corners}{closes}{opens}; {:.3} ms to time", seconds * 1e3)
+}
+
+/// What the search took, and what for.
+fn times(answered: &Answered) -> String {
+    let statistics = &answered.plan.statistics;
+    format!(
+        "{} collision, {} proof, {} IK, {} nearest neighbours; {} to load",
+        text::seconds(statistics.collision_time_s),
+        text::seconds(statistics.proof_time_s),
+        text::seconds(statistics.ik_time_s),
+        text::seconds(statistics.nearest_time_s),
+        text::seconds(answered.preparation_time_s)
+    )
+}
+
+/// What came after the search, and how long that took.
+fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
+    let searches = match shortening.searches {
+        0 => String::new(),
+        searches => format!(", with {searches} further searches"),
+    };
+    format!("in {}{searches}", text::seconds(seconds))
+}
+
+/// What is told of the path and its end.
+fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
+    if let (Some(grasp), Some(translation), Some(rotation)) =
+        (plan.grasp, plan.translation_error_m, plan.rotation_error_rad)
+    {
+        let count = grasps.len();
+        let ends_at = &grasps.grasps()[grasp];
+        let (name, score) = match plan.score {
+            ScoreKind::Geometric => ("score", ends_at.score),
+            ScoreKind::Physics => ("robust score", ends_at.robust.map(|robust| robust.score())),
+        };
+        line("grasp", format!("{grasp} of {count} ({name} {})", text::score(score)));
+        line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
+    }
+    if let Some(grasp) = &plan.own_grasp {
+        line("grasp", text::own_grasp(grasp));
+    }
+    if let Some(clearance) = plan.clearance_m {
+        let but_for = text::but_for(&plan.not_checked);
+        line(
+            "clearance",
+            format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
+        );
+    }
+    for pair in &plan.not_checked {
+        line("not checked", text::not_checked(pair));
+    }
+    if !plan.waypoints.is_empty() {
+        line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));
+    }
+    if let Some(robustness) = &plan.robustness {
+        line("robust", robust(robustness));
+    }
+    if let Some(carried) = carried(plan) {
+        line("carries", carried);
+    }
+    if let Some(placed) = placed(plan) {
+        line("puts down", placed);
+    }
+}
+
+/// What a person is told of an answer, whose grasps are these.
+pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
+    let Answered { plan, .. } = answered;
+    let statistics = &plan.statistics;
+    let mut page = format!(
+        "{}: {} by {} in {} (criterion {}, seed {})\n",
+        plan.scenario,
+        plan.outcome.name(),
+        plan.planner,
+        text::seconds(answered.planning_time_s),
+        plan.criterion.name(),
+        plan.seed
+    );
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(page, "  {name:<12}{value}");
+    };
+    about_path(plan, grasps, &mut line);
+    line(
+        "search",
+        format!(
+            "{} iterations, {} nodes, {} collision checks",
+            statistics.iterations, statistics.nodes, statistics.collision_checks
+        ),
+    );
+    if statistics.ik_attempts > 0 {
+        line(
+            "grasps",
+            format!("{} goals tried, {} IK attempts", statistics.goals_tried, statistics.ik_attempts),
+        );
+    }
+    line("time", times(answered));
+    if let (Some(shortening), Some(seconds)) = (&plan.shortening, answered.shortcut_time_s) {
+        line("shortened", shortened(shortening, seconds));
+    }
+    let improvements = plan.optimisation.as_ref().map_or(&[][..], |optimisation| &optimisation.improvements);
+    for Improvement { cost, iterations, time_s } in milestones(improvements) {
+        line("cost", format!("{cost:.3} after {time_s:.3} s, {iterations} iterations"));
+    }
+    for (reason, count) in GraspFailure::counted(&plan.failures) {
+        line("blocked", format!("{count:>4} grasps: {reason}"));
+    }
+    for fault in &answered.start_faults {
+        line("start", fault.clone());
+    }
+    if plan.outcome == Outcome::Solved && !answered.valid {
+        line("judged", "NOT valid; please report this".to_owned());
+    }
+    if plan.outcome == Outcome::BudgetExhausted {
+        line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
+    }
+    if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {
+        line(
+            "to see it",
+            "plan again with -o FILE, then `cranny view` the scenario with that file".to_owned(),
+        );
+    }
+    if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
+        line("trajectory", timed(timing, seconds));
+    } else if let (true, Some(hindrance)) = (answered.valid, &answered.untimed) {
+        line("trajectory", format!("none: {hindrance}"));
+    }
+    if let Some(file) = answered.trajectory_file {
+        line("samples in", file.display().to_string());
+    }
+    if let Some(file) = answered.plan_file {
+        line("written to", file.display().to_string());
+    }
+    page
+}

@@ -1,0 +1,440 @@
+use std::f64::consts::PI;
+use std::sync::{Arc, OnceLock};
+
+use cranny_collision::{Cell, Extent, Motion, Resting, Scratch};
+use cranny_robot::{Hold, IkSettings, IkSolver};
+use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
+use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
+
+use crate::task::rests::rests;
+use crate::{Carrier, FailureReason, Goal, Grip, PlaceSettings, PlaceSpot, PlanError, Problem};
+
+/// An object is let go so far above what it is put down on, in metres: far less than matters to it, and far more than
+/// the errors of inverse kinematics.
+const GAP_M: f64 = 3e-4;
+/// How far above it may be at most, in metres.
+const MOST_ABOVE_M: f64 = 1e-3;
+/// How far an object may reach over the edge of a surface, in metres: rounding.
+const OVERHANG_M: f64 = 1e-6;
+/// Places that are looked at for some where the object can be, and how many of these are enough.
+const MOST_DRAWS: u32 = 2000;
+const ENOUGH_PLACES: usize = 96;
+/// Between two configurations of a retreat, in metres, and how far it goes at most.
+const RUNG_M: f64 = 0.01;
+const MOST_RETREAT_M: f64 = 0.5;
+
+/// A place where an object can be put down.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    /// Pose of the first solid of the object.
+    pub world_from_held: Pose,
+    resting: Resting,
+    /// In which the object may touch what it then rests on, anywhere in the hand.
+    near: Arc<Cell>,
+}
+
+/// Puts down what a [`Carrier`] carries.
+#[derive(Clone, Debug)]
+pub struct Placer {
+    carrier: Carrier,
+    settings: PlaceSettings,
+    extent: Extent,
+    /// In which rotations it can rest, and the first solid with it, turns about the vertical aside.
+    rests: Vec<Rotation>,
+    draws: Vec<Draw>,
+}
+
+/// A place that may be looked at.
+#[derive(Clone, Debug)]
+struct Draw {
+    /// Which way to rest.
+    rest: usize,
+    /// The turn about the vertical, in radians.
+    turn_rad: f64,
+    /// Where between the edges of the surface, in [0, 1].
+    shares: [f64; 2],
+    /// What was found there, once it was looked at.
+    placement: OnceLock<Option<Placement>>,
+}
+
+/// An object that was put down, and the world as it is then.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// Pose of the first solid of the object.
+    pub world_from_held: Pose,
+    target: usize,
+    after: Arc<Cell>,
+}
+
+impl Placer {
+    /// Of a carrier's object, with no placements yet.
+    ///
+    /// # Errors
+    /// [`PlanError::Place`] for a goal that is none, [`PlanError::Collision`] for an object without bounds.
+    pub fn new(carrier: &Carrier, settings: PlaceSettings) -> Result<Self, PlanError> {
+        let target = carrier.hand().target();
+        let body = &carrier.hand().holding().world().bodies()[target];
+        let extent = Extent::of(body)?;
+        let rests = match &settings.goal.spot {
+            PlaceSpot::Target(_) => Vec::new(),
+            PlaceSpot::Surface { .. } => rests(body),
+        };
+        let placer = Self { carrier: carrier.clone(), settings, extent, rests, draws: Vec::new() };
+        placer.check()?;
+        Ok(placer)
+    }
+
+    /// The same with places where the object may be, the same ones for the same seed.
+    #[must_use]
+    pub fn with_placements(self, seed: u64) -> Self {
+        let mut random = Stream::new(seed, PLACES_STREAM);
+        let count = match &self.settings.goal.spot {
+            PlaceSpot::Target(_) => 1,
+            PlaceSpot::Surface { .. } => MOST_DRAWS,
+        };
+        let draw = |draw: u32| Draw {
+            // Every other time as it can rest best.
+            rest: if draw.is_multiple_of(2) { 0 } else { random.index(self.rests.len().max(1)) },
+            turn_rad: random.uniform_between(-PI, PI),
+            shares: [random.uniform(), random.uniform()],
+            placement: OnceLock::new(),
+        };
+        Self { draws: (0..count).map(draw).collect(), ..self }
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        let refuse = |problem: String| Err(PlanError::Place { problem });
+        let PlaceSettings { goal, clear_m, .. } = &self.settings;
+        let name = &goal.name;
+        if !(0.0..=MOST_RETREAT_M).contains(clear_m) {
+            return refuse(format!("{clear_m} m is no clearance of the hand; give 0 to {MOST_RETREAT_M} m"));
+        }
+        let PlaceSpot::Surface { on, pose, size_m } = &goal.spot else { return Ok(()) };
+        if self.carrier.hand().holding().world().body_index(on)? == self.target() {
+            return refuse(format!("place '{name}' lies on what is to be put down there"));
+        }
+        if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
+            return refuse(format!("place '{name}' has no size"));
+        }
+        let normal = pose.rotation * Vector::z();
+        if (normal - Vector::z()).norm() > EXACT_ROTATION_RAD {
+            return refuse(format!("place '{name}' is not level"));
+        }
+        Ok(())
+    }
+
+    fn target(&self) -> usize {
+        self.carrier.hand().target()
+    }
+
+    /// Where the object is by a draw.
+    fn pose_of(&self, draw: &Draw) -> Pose {
+        let (world_from_surface, size_m) = match &self.settings.goal.spot {
+            PlaceSpot::Target(pose) => return *pose,
+            PlaceSpot::Surface { pose, size_m, .. } => (pose, size_m),
+        };
+        let (sine, cosine) = sin_cos(0.5 * draw.turn_rad);
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(cosine, 0.0, 0.0, sine));
+        let turned = Pose::from_parts(Vector::zeros().into(), turn * self.rests[draw.rest]);
+        let extent_m = |axis: usize| {
+            let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
+            [self.extent.lowest_along(&turned, &along), -self.extent.lowest_along(&turned, &-along)]
+        };
+        let [x, y] = [0, 1].map(|axis| {
+            let ([low_m, high_m], half_m) = (extent_m(axis), 0.5 * size_m[axis]);
+            let [first, last] = [-half_m - low_m, half_m - high_m];
+            first + draw.shares[axis] * (last - first)
+        });
+        let place = world_from_surface * Point::new(x, y, GAP_M - extent_m(2)[0]);
+        Pose::from_parts(place.coords.into(), turned.rotation)
+    }
+
+    /// Where the object can be put down, as far as it alone is concerned: of a place that is a pose that one, if it can.
+    pub fn placements(&self) -> impl Iterator<Item = &Placement> {
+        let look = |draw: &Draw| {
+            let pose = self.pose_of(draw);
+            self.placement(&pose).filter(|placement| self.fault_of(placement).is_none())
+        };
+        let found =
+            self.draws.iter().filter_map(move |draw| draw.placement.get_or_init(|| look(draw)).as_ref());
+        found.take(ENOUGH_PLACES)
+    }
+
+    /// The object at a pose, and what it rests on there; `None` in a hollow. The cell is that of a draw that was looked at,
+    /// where it does for this one too.
+    fn placement(&self, world_from_held: &Pose) -> Option<Placement> {
+        let cell = self.carrier.hand().holding();
+        let clear_m = self.carrier.settings().clear_m;
+        let resting = cell.resting_at(self.target(), &self.extent, world_from_held, clear_m).ok()?;
+        let parts = resting.parts();
+        let mut known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
+        let near = match known.find(|known| known.resting.parts() == parts) {
+            Some(known) => known.near.clone(),
+            None => Arc::new(cell.sparing(&parts)),
+        };
+        Some(Placement { world_from_held: *world_from_held, resting, near })
+    }
+
+    /// What is wrong with an object that is let go at a pose, in words; `None` if it is where it is to be.
+    pub(crate) fn fault_of(&self, placement: &Placement) -> Option<String> {
+        let Placement { world_from_held, resting, .. } = placement;
+        let name = &self.settings.goal.name;
+        let (on, world_from_surface, size_m) = match &self.settings.goal.spot {
+            PlaceSpot::Target(pose) => {
+                let off = PoseDifference::between(pose, world_from_held);
+                let fault = || {
+                    let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
+                    format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be")
+                };
+                return (!off.is_exact()).then(fault);
+            }
+            PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
+        };
+        let up = world_from_surface.rotation * Vector::z();
+        let middle = world_from_surface.translation.vector;
+        let above_m = self.extent.lowest_along(world_from_held, &up) - up.dot(&middle);
+        if !(-self.carrier.settings().slack_m..=MOST_ABOVE_M).contains(&above_m) {
+            return Some(format!("it is {:.2} mm above '{name}'", above_m * 1e3));
+        }
+        let up_in_held = world_from_held.rotation.inverse() * Vector::z();
+        let tilt = |rest: &Rotation| (rest.inverse() * Vector::z() - up_in_held).norm();
+        let tilt_rad = self.rests.iter().map(tilt).fold(f64::INFINITY, f64::min);
+        if tilt_rad.is_nan() || tilt_rad > EXACT_ROTATION_RAD {
+            return Some(format!("it is {:.2}° from any way to rest", tilt_rad.to_degrees()));
+        }
+        let over_m = [0, 1].into_iter().flat_map(|axis| {
+            let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
+            [along, -along].map(|along| {
+                -0.5 * size_m[axis] - (self.extent.lowest_along(world_from_held, &along) - along.dot(&middle))
+            })
+        });
+        let over_m = over_m.fold(f64::NEG_INFINITY, f64::max);
+        if over_m.is_nan() || over_m > OVERHANG_M {
+            return Some(format!("it reaches {:.2} mm over the edge of '{name}'", over_m * 1e3));
+        }
+        let mut bodies = resting.bodies().map(|(body, _)| body).peekable();
+        if bodies.peek().is_none() {
+            return Some(format!("at '{name}' there is nothing that it could rest on"));
+        }
+        let other = bodies.map(|body| self.carrier.body_name(body)).find(|other| other != on)?;
+        Some(format!("it is too near to {other}"))
+    }
+
+    /// How an object is put down.
+    pub fn settings(&self) -> &PlaceSettings {
+        &self.settings
+    }
+
+    /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at every placement: what it
+    /// touched at the first. `None` if it can at one, as far as the hand alone is concerned.
+    pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
+        let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
+        let mut first = FailureReason::NoPlace;
+        for (index, placement) in self.placements().enumerate() {
+            match placement.hand_contact(tip_from_held) {
+                Ok(None) => return None,
+                Ok(Some([a, b])) if index == 0 => first = FailureReason::PlaceBlocked { first: a, second: b },
+                _ => {}
+            }
+        }
+        Some(first)
+    }
+
+    /// The pose of the tip at which a grip has the object at a placement, if the open hand can be there.
+    ///
+    /// # Errors
+    /// What it touches there.
+    pub fn tip_at(&self, grip: &Grip, placement: &Placement) -> Result<Pose, FailureReason> {
+        let tip_from_held = grip.hold.tip_from_held;
+        match placement.hand_contact(tip_from_held) {
+            Ok(None) => Ok(placement.world_from_tip(&tip_from_held)),
+            Ok(Some([first, second])) => Err(FailureReason::PlaceBlocked { first, second }),
+            Err(_) => Err(FailureReason::NoPlace),
+        }
+    }
+
+    /// The way down to a placement, from where the object is off what it is put down on, to where the arm stands at `q`: the
+    /// mirror of a lift-off.
+    ///
+    /// # Errors
+    /// What is in the way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn set_down(
+        &self,
+        grip: &Grip,
+        placement: &Placement,
+        q: &[f64],
+    ) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let near = placement.grip_near(grip).map_err(|_| FailureReason::NoPlace)?;
+        let way = self.carrier.way_off(&near, &placement.resting, q).map_err(|blocked| match blocked {
+            Some([first, second]) => FailureReason::SetDownBlocked { first, second },
+            None => FailureReason::SetDownOutOfReach,
+        })?;
+        Ok(way.into_iter().rev().collect())
+    }
+
+    /// Opens the hand where it has put the object down.
+    ///
+    /// # Errors
+    /// What the fingers meet.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn open(&self, grip: &Grip, q: &[f64]) -> Result<Placed, FailureReason> {
+        let [_, carrying] = grip.cells();
+        if let Some(contact) = carrying.closing_contact(q, &mut carrying.scratch()) {
+            let [first, second] = contact.names(carrying);
+            return Err(FailureReason::OpeningCollides { first, second });
+        }
+        let world_from_held = self.held_at(grip, q);
+        let before = self.carrier.problem().cell().ok_or(FailureReason::NoPlace)?;
+        let after =
+            before.with_body_at(self.target(), &world_from_held).map_err(|_| FailureReason::NoPlace)?;
+        Ok(Placed { world_from_held, target: self.target(), after: Arc::new(after) })
+    }
+
+    /// Where the object is with the arm at a configuration.
+    pub(crate) fn held_at(&self, grip: &Grip, q: &[f64]) -> Pose {
+        self.carrier.gripper(q) * grip.hold.tip_from_held
+    }
+
+    /// A grip with the object near what it rests on where the arm stands at a configuration; `None` in a hollow.
+    ///
+    /// # Errors
+    /// [`PlanError::Collision`] for a hold that is none.
+    pub fn grip_at(&self, grip: &Grip, q: &[f64]) -> Result<Option<Grip>, PlanError> {
+        let placement = self.placement_at(&self.held_at(grip, q));
+        placement.map(|placement| placement.grip_near(grip)).transpose()
+    }
+
+    /// The object where an arm has put it down; `None` in a hollow.
+    pub(crate) fn placement_at(&self, world_from_held: &Pose) -> Option<Placement> {
+        let placement = self.placement(world_from_held)?;
+        match &self.settings.goal.spot {
+            // How it rests there, and not a little beside it, is what is mirrored.
+            PlaceSpot::Target(pose) => {
+                Some(Placement { world_from_held: *world_from_held, ..self.placement(pose)? })
+            }
+            PlaceSpot::Surface { .. } => Some(placement),
+        }
+    }
+}
+
+impl Placement {
+    /// What the open hand touches that has the object there, held so.
+    fn hand_contact(&self, tip_from_held: Pose) -> Result<Option<[String; 2]>, PlanError> {
+        let cell = self.near.with_hold(Hold { tip_from_held, closing: 0.0 })?;
+        let contact = cell.hand_contact(&self.world_from_tip(&tip_from_held), &mut cell.scratch());
+        Ok(contact.map(|contact| contact.names(&cell)))
+    }
+
+    /// Where the tip is then.
+    fn world_from_tip(&self, tip_from_held: &Pose) -> Pose {
+        self.world_from_held * tip_from_held.inverse()
+    }
+
+    /// How the object rests there.
+    pub(crate) fn resting(&self) -> &Resting {
+        &self.resting
+    }
+
+    /// A grip with the object near what it rests on there.
+    ///
+    /// # Errors
+    /// [`PlanError::Collision`] for a hold that is none.
+    pub fn grip_near(&self, grip: &Grip) -> Result<Grip, PlanError> {
+        Ok(grip.near(&self.near)?)
+    }
+}
+
+impl Placed {
+    /// The problem of moving the empty hand away from there.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
+    pub fn leaving(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
+        Problem::in_cell(self.after.clone(), from.to_vec(), Goal::Configurations(to))
+    }
+
+    /// Robot and world once the object stands there.
+    pub fn cell(&self) -> &Arc<Cell> {
+        &self.after
+    }
+
+    /// How far the hand is from the object, in metres, certified from below; at most `beyond_m`.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
+        self.after.hand_clearance(q, self.target, beyond_m, scratch)
+    }
+
+    /// Scratch for the empty hand.
+    pub fn scratch(&self) -> Scratch {
+        self.after.scratch()
+    }
+
+    /// The way of the empty hand off the object until it is clear of it: back the way of its palm, up, or between, in straight
+    /// pieces that are proven each.
+    ///
+    /// # Errors
+    /// What is in the way.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn retreat(&self, q: &[f64], clear_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let mut scratch = self.after.scratch();
+        let robot = self.after.robot();
+        let back = robot.frames_at(q).link(robot.tip()).rotation * -Vector::z();
+        let up = Vector::z();
+        let mixed = (back + up).try_normalize(1e-6).unwrap_or(up);
+        let mut reason = FailureReason::RetreatOutOfReach;
+        if let Some(contact) = self.after.first_contact(q, &mut scratch) {
+            let [first, second] = contact.names(&self.after);
+            return Err(FailureReason::RetreatBlocked { first, second });
+        }
+        for way in [back, mixed, up] {
+            match self.retreated(q, &way, clear_m, &mut scratch) {
+                Ok(path) => return Ok(path),
+                Err(Some([first, second])) => reason = FailureReason::RetreatBlocked { first, second },
+                Err(None) => {}
+            }
+        }
+        Err(reason)
+    }
+
+    fn retreated(
+        &self,
+        q: &[f64],
+        way: &Vector,
+        clear_m: f64,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
+        let robot = self.after.robot();
+        let world_from_tip = *robot.frames_at(q).link(robot.tip());
+        let mut solver = IkSolver::new(robot, IkSettings::default());
+        let (mut path, mut gone_m) = (vec![q.to_vec()], 0.0);
+        while self.clearance_m(&path[path.len() - 1], clear_m, scratch) < clear_m {
+            let last = &path[path.len() - 1];
+            if gone_m >= MOST_RETREAT_M {
+                return Err(None);
+            }
+            gone_m += RUNG_M;
+            let target = Pose::from_parts((way * gone_m).into(), Rotation::identity()) * world_from_tip;
+            let next = solver.step_from(&target, last).ok_or(None)?;
+            match self.after.motion_is_free(last, &next, scratch) {
+                Motion::Proven => path.push(next),
+                Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
+                    return Err(Some(contact.names(&self.after)));
+                }
+                Motion::OutOfLimits { .. } => return Err(None),
+            }
+        }
+        Ok(path)
+    }
+}
+
+/// What tells the draws of places from other draws of the same seed.
+const PLACES_STREAM: u64 = 0x91ac_e000;
