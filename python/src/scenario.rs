@@ -6,7 +6,8 @@ use std::sync::Arc;
 use cranny_collision::{Margins, World};
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, catalogue, write_moveit_scene,
+    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, built_in, catalogue,
+    write_moveit_scene,
 };
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
@@ -65,7 +66,7 @@ impl PyScenario {
         let text = what.to_string_lossy().into_owned();
         let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
         // As a built-in one is opened by its id in whatever folder.
-        let is_built_in = catalogue().iter().any(|entry| entry.id == text);
+        let is_built_in = built_in().any(|entry| entry.id == text);
         let what = if is_built_in { what } else { absolute(&what)? };
         let keywords = PyDict::new(py);
         keywords.set_item("criterion", criterion.map(Criterion::name))?;

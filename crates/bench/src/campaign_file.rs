@@ -3,7 +3,7 @@ use std::path::Path;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, Registry};
-use cranny_scenario::catalogue;
+use cranny_scenario::built_in;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
@@ -194,7 +194,7 @@ impl PlannerEntry {
 
 /// A scenario's word: an id goes before a folder of the same name.
 fn scenario_beside(folder: &Path, word: &str) -> String {
-    let is_id = catalogue().iter().any(|entry| matches(word, entry.id));
+    let is_id = built_in().any(|entry| matches(word, entry.id));
     if is_id { word.to_owned() } else { beside(folder, word) }
 }
 

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use cranny_scenario::{Identity, catalogue};
+use cranny_scenario::{CatalogueEntry, Identity, built_in};
 
 use crate::BenchError;
 
@@ -13,6 +13,9 @@ pub struct ChosenScenario {
     pub source: String,
 }
 
+/// The word for all of the paper's.
+const ALL: &str = "all";
+
 /// The scenarios that words name: `all`, built-in ids in which `x` stands for any digit (`01x`), folders and
 /// archives. One that is named twice is taken once; the order is that of the words.
 ///
@@ -21,8 +24,10 @@ pub struct ChosenScenario {
 pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchError> {
     let mut chosen: Vec<ChosenScenario> = Vec::new();
     for word in words {
-        let built_in: Vec<&str> =
-            catalogue().iter().map(|entry| entry.id).filter(|id| matches(word, id)).collect();
+        // All are the twenty of the paper; those that bring the object in are asked for by their ids.
+        let is_named =
+            |entry: &&CatalogueEntry| matches(word, entry.id) && !(word == ALL && entry.is_insertion);
+        let built_in: Vec<&str> = built_in().filter(is_named).map(|entry| entry.id).collect();
         let sources = if built_in.is_empty() {
             vec![path_of(word)?]
         } else {
@@ -42,7 +47,7 @@ pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchEr
 pub fn matches(word: &str, id: &str) -> bool {
     let fits =
         |(pattern, digit): (char, char)| pattern == digit || (pattern == 'x' && digit.is_ascii_digit());
-    word == "all" || (word.len() == id.len() && word.chars().zip(id.chars()).all(fits))
+    word == ALL || (word.len() == id.len() && word.chars().zip(id.chars()).all(fits))
 }
 
 fn path_of(word: &str) -> Result<String, BenchError> {

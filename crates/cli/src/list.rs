@@ -1,6 +1,7 @@
 use std::fmt::Write;
 
 use cranny_plan::Registry;
+use cranny_scenario::{CatalogueEntry, catalogue, insertions};
 use serde::Serialize;
 
 use crate::Answer;
@@ -11,6 +12,8 @@ use crate::text;
 #[derive(Serialize)]
 struct Listing {
     scenarios: Vec<Listed>,
+    /// Those in which the target lies outside, and is to be put inside.
+    insertions: Vec<Listed>,
     planners: Vec<&'static str>,
 }
 
@@ -22,15 +25,14 @@ struct Listed {
 }
 
 pub fn run(registry: &Registry, output: Output) -> Result<Answer, Failure> {
-    let scenarios: Vec<Listed> = cranny_scenario::catalogue()
-        .iter()
-        .map(|entry| Listed {
-            id: entry.id.to_string(),
-            environment: entry.environment.to_string(),
-            summary: entry.description.to_string(),
-        })
-        .collect();
-    let listing = Listing { scenarios, planners: registry.names() };
+    let listed = |entry: &CatalogueEntry| Listed {
+        id: entry.id.to_string(),
+        environment: entry.environment.to_string(),
+        summary: entry.description.to_string(),
+    };
+    let scenarios = catalogue().iter().map(listed).collect();
+    let insertions = insertions().iter().map(listed).collect();
+    let listing = Listing { scenarios, insertions, planners: registry.names() };
     if output.json {
         text::print_json(&listing)?;
         return Ok(Answer::Done);
@@ -38,6 +40,10 @@ pub fn run(registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let mut page = String::from("Built-in scenarios:\n");
     for Listed { id, summary, .. } in &listing.scenarios {
         let _ = writeln!(page, "  {id}  {summary}");
+    }
+    page.push_str("\nWith the target outside at first (`--place inside`):\n");
+    for Listed { id, environment, summary } in &listing.insertions {
+        let _ = writeln!(page, "  {id}  {environment}: {summary}");
     }
     let _ = writeln!(page, "\nPlanners: {}", listing.planners.join(", "));
     page.push_str("\nTry: cranny plan 021\n");

@@ -14,6 +14,8 @@ pub struct CatalogueEntry {
     pub family: Family,
     /// The value of the family's dial, in metres.
     pub parameter_m: f64,
+    /// Whether the object lies outside at first, and is to be put where the paper has it ([`Family::INSIDE`]).
+    pub is_insertion: bool,
     scenario: &'static str,
     grasps: &'static str,
 }
@@ -23,11 +25,22 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
+/// The built-in scenarios in which the object lies outside, and is to be brought in: of levels 1, 3 and 5 of each
+/// environment, by id: `1`, environment, level.
+pub fn insertions() -> &'static [CatalogueEntry] {
+    &INSERTIONS
+}
+
+/// All that is built in.
+pub fn built_in() -> impl Iterator<Item = &'static CatalogueEntry> {
+    CATALOGUE.iter().chain(&INSERTIONS)
+}
+
 /// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its
 /// environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and the parameter
 /// as it is said.
 macro_rules! entries {
-    ($($family:ident, $environment:literal, $before:literal, $after:literal {
+    ($is_insertion:literal, $($family:ident, $environment:literal, $before:literal, $after:literal {
         $($id:literal: $parameter_m:literal = $said:literal,)*
     })*) => {
         [$($(CatalogueEntry {
@@ -36,6 +49,7 @@ macro_rules! entries {
             description: concat!($before, $said, $after),
             family: Family::$family,
             parameter_m: $parameter_m,
+            is_insertion: $is_insertion,
             scenario: include_str!(concat!("../scenarios/", $id, "/scenario.yaml")),
             grasps: include_str!(concat!("../scenarios/", $id, "/grasps.csv")),
         },)*)*]
@@ -43,6 +57,7 @@ macro_rules! entries {
 }
 
 const CATALOGUE: [CatalogueEntry; 20] = entries! {
+    false,
     Shelf, "screwdriver in a shelf", "the screwdriver lies ", " m behind the front edge" {
         "011": 0.113 = "0.11",
         "012": 0.213 = "0.21",
@@ -73,27 +88,50 @@ const CATALOGUE: [CatalogueEntry; 20] = entries! {
     }
 };
 
+const INSERTIONS: [CatalogueEntry; 12] = entries! {
+    true,
+    Shelf, "screwdriver into a shelf", "the screwdriver is to lie ", " m behind the front edge" {
+        "111": 0.113 = "0.11",
+        "113": 0.313 = "0.31",
+        "115": 0.513 = "0.51",
+    }
+    Table, "ball under a table, from above", "the ball is to lie ", " m behind the front edge" {
+        "121": 0.2 = "0.2",
+        "123": 0.4 = "0.4",
+        "125": 0.6 = "0.6",
+    }
+    Gap, "box through a gap", "the gap between the walls is ", " m wide" {
+        "131": 0.64 = "0.64",
+        "133": 0.48 = "0.48",
+        "135": 0.32 = "0.32",
+    }
+    Gate, "banana through a gate", "the gate's opening is ", " m wide and high" {
+        "141": 0.86 = "0.86",
+        "143": 0.70 = "0.70",
+        "145": 0.54 = "0.54",
+    }
+};
+
 /// The built-in ids, for a message about an unknown one.
 pub(crate) fn known_ids() -> String {
-    CATALOGUE.each_ref().map(|entry| entry.id).join(", ")
+    built_in().map(|entry| entry.id).collect::<Vec<_>>().join(", ")
 }
 
 /// The built-in ids that `what` may stand for: the same number, or the same but for one letter or digit.
 pub(crate) fn near_ids(what: &str) -> Vec<&'static str> {
-    let ids = CATALOGUE.each_ref().map(|entry| entry.id);
+    let ids = || built_in().map(|entry| entry.id);
     let number = |text: &str| text.parse::<u32>().ok();
-    let same: Vec<_> =
-        ids.into_iter().filter(|id| number(what).is_some() && number(id) == number(what)).collect();
+    let same: Vec<_> = ids().filter(|id| number(what).is_some() && number(id) == number(what)).collect();
     if !same.is_empty() {
         return same;
     }
     let differ = |id: &str| id.chars().zip(what.chars()).filter(|(a, b)| a != b).count();
-    ids.into_iter().filter(|id| id.len() == what.len() && differ(id) == 1).take(3).collect()
+    ids().filter(|id| id.len() == what.len() && differ(id) == 1).take(3).collect()
 }
 
 /// The built-in scenario of that id, if there is one.
 pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, ScenarioError>> {
-    let entry = CATALOGUE.iter().find(|entry| entry.id == id)?;
+    let entry = built_in().find(|entry| entry.id == id)?;
     let texts = Texts {
         folder: format!("scenarios/{id}").into(),
         scenario: entry.scenario.to_owned(),
@@ -113,7 +151,9 @@ impl CatalogueEntry {
     /// None on a sound build.
     pub fn recipe(&self, maker: &FamilyMaker) -> Result<Recipe, ScenarioError> {
         let title = format!("{}, {}: {}", self.id, self.environment, self.description);
-        Ok(Recipe { title, ..maker.at(self.parameter_m)? })
+        let recipe =
+            if self.is_insertion { maker.insertion(self.parameter_m) } else { maker.at(self.parameter_m) };
+        Ok(Recipe { title, ..recipe? })
     }
 
     /// The text of its `scenario.yaml` and of its `grasps.csv`.

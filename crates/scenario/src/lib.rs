@@ -16,7 +16,7 @@ mod robot;
 mod scenario;
 mod schema;
 
-pub use catalogue::{CatalogueEntry, catalogue};
+pub use catalogue::{CatalogueEntry, built_in, catalogue, insertions};
 pub use doubts::{model_notes, seen_only_links};
 pub use error::ScenarioError;
 pub use family::error::FamilyError;

@@ -1,10 +1,10 @@
-//! The twenty built-in scenarios: their files are what their recipes make.
+//! The twenty built-in scenarios, and those that bring the object in: their files are what their recipes make.
 
 use std::fs;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
-use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, RecipeRobot, SceneScale, catalogue};
+use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, RecipeRobot, SceneScale, catalogue, insertions};
 use strum::VariantArray as _;
 
 /// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
@@ -16,7 +16,7 @@ fn the_files_of_the_twenty_are_what_their_recipes_make() {
             let robot = RecipeRobot::of_the_paper().unwrap();
             FamilyMaker::new(family, robot, SceneScale::PAPER, CatalogueEntry::GRASP_SEED).unwrap()
         };
-        for entry in catalogue().iter().filter(|entry| entry.family == family) {
+        for entry in catalogue().iter().chain(insertions()).filter(|entry| entry.family == family) {
             let recipe = entry.recipe(&maker).unwrap();
             if std::env::var_os("CRANNY_WRITE").is_some() {
                 recipe.write_folder(&scenarios.join(entry.id)).unwrap();

@@ -1,4 +1,4 @@
-use cranny_scenario::{Family, catalogue};
+use cranny_scenario::{Family, built_in};
 
 /// Where a scenario stands among others, told from its id alone.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ impl Place {
     /// That of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
     /// (`gap-00017`), or of any whose ids differ in their last digits (`bookshelf0012`).
     pub fn of(scenario: &str) -> Self {
-        if let Some(entry) = catalogue().iter().find(|entry| entry.id == scenario) {
+        if let Some(entry) = built_in().find(|entry| entry.id == scenario) {
             let environment = format!("{}x: {}", &entry.id[..2], entry.environment);
             return Self {
                 environment,

@@ -173,6 +173,8 @@ impl Family {
 
     /// What the place outside is called.
     pub const OUTSIDE: &str = "outside";
+    /// What the place is called where the paper has the object, in scenarios where it starts outside.
+    pub const INSIDE: &str = "inside";
 
     /// How wide its object is between the fingers, where it is narrowest, in metres.
     pub(crate) fn object_width_m(self) -> f64 {

@@ -2,7 +2,7 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
+use cranny_plan::{APPROACH_M, HandFilter, PlaceGoal, PlaceSpot, robot_hand};
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
@@ -124,6 +124,23 @@ impl FamilyMaker {
         self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
     }
 
+    /// The scenario at a value of the dial (m) the other way round: the object lies outside, and is to be put where the paper
+    /// has it ([`Family::INSIDE`]).
+    ///
+    /// # Errors
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    pub fn insertion(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
+        let outside = self.scale.place(self.family.outside());
+        let PlaceSpot::Surface { pose: outside, .. } = outside.spot else { return self.at(parameter_m) };
+        let at = outside.translation.vector;
+        let placement = Placement { x_m: at.x, y_m: at.y, yaw_rad: 0.0 };
+        let bare = self.bare(parameter_m, &placement, at.z)?;
+        let inside = self.paper_placement(parameter_m);
+        let inside = PlaceSpot::Target(self.resting.scene_from_object(&inside, self.support_m()));
+        let places = vec![PlaceGoal { name: Family::INSIDE.to_owned(), spot: inside }];
+        self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
+    }
+
     /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
     /// many grasps as the hand can take there: at most 200, perhaps none.
     ///
@@ -138,8 +155,19 @@ impl FamilyMaker {
     ) -> Result<Recipe, ScenarioError> {
         let mut recipe = self.scenario_without_grasps(parameter_m, placement)?;
         recipe.obstacles.extend(clutter);
+        self.with_grasps(recipe, placement, self.support_m(), choice)
+    }
+
+    /// The recipe with the grasps that the hand can take with the object at `placement`, on what is so high (m).
+    fn with_grasps(
+        &self,
+        mut recipe: Recipe,
+        placement: &Placement,
+        support_m: f64,
+        choice: GraspChoice,
+    ) -> Result<Recipe, ScenarioError> {
         let world_from_object =
-            self.robot.planning_from_scene() * self.resting.scene_from_object(placement, self.support_m());
+            self.robot.planning_from_scene() * self.resting.scene_from_object(placement, support_m);
         let filter = HandFilter::new(&self.hand, recipe.world()?, APPROACH_M)?;
         let placed = |grasp: &Grasp| Grasp {
             world_from_gripper: world_from_object * grasp.world_from_gripper,
@@ -176,6 +204,11 @@ impl FamilyMaker {
         parameter_m: f64,
         placement: &Placement,
     ) -> Result<Recipe, ScenarioError> {
+        self.bare(parameter_m, placement, self.support_m())
+    }
+
+    /// Obstacles, and the object at `placement` on what is so high (m).
+    fn bare(&self, parameter_m: f64, placement: &Placement, support_m: f64) -> Result<Recipe, ScenarioError> {
         let family = self.family;
         let parameter_m = family.checked(parameter_m, &self.scale)?;
         let obstacles = family.obstacles(parameter_m / self.scale.of_dial(family)).into_iter();
@@ -188,7 +221,7 @@ impl FamilyMaker {
         Ok(Recipe {
             title,
             obstacles: obstacles.map(|body| self.scale.obstacle(body)).chain(self.scale.platform()).collect(),
-            target: Some(self.resting.body(placement, self.support_m())),
+            target: Some(self.resting.body(placement, support_m)),
             given_physics: self.resting.given_physics,
             start: self.robot.start(),
             robot: self.robot.clone(),

@@ -6,7 +6,7 @@ use sha2::{Digest as _, Sha256};
 use crate::layout::archive;
 use crate::layout::own;
 use crate::layout::released;
-use crate::{ScenarioError, catalogue, scenario};
+use crate::{ScenarioError, built_in, scenario};
 
 /// What tells a scenario from any other, wherever its files lie.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -26,7 +26,7 @@ impl Identity {
     /// [`ScenarioError`] for what is no scenario; that it can be opened is not looked at.
     pub fn of(what: &str) -> Result<Self, ScenarioError> {
         let path = Path::new(what);
-        if let Some(entry) = catalogue().iter().find(|entry| entry.id == what) {
+        if let Some(entry) = built_in().find(|entry| entry.id == what) {
             let (scenario, grasps) = entry.files();
             let files = [(own::FILE, scenario), (own::GRASPS_FILE, grasps)];
             let contents = files.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));

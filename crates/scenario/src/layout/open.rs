@@ -7,13 +7,13 @@ use crate::layout::archive::Unpacked;
 use crate::layout::own;
 use crate::layout::released;
 use crate::scenario::{OpenOptions, Scenario};
-use crate::{ScenarioError, catalogue};
+use crate::{ScenarioError, built_in, catalogue};
 
 /// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
 /// file of a scenario. Nothing is read.
 pub fn is_scenario(what: &str) -> bool {
     let folder = Path::new(what);
-    catalogue().iter().any(|entry| entry.id == what)
+    built_in().any(|entry| entry.id == what)
         || folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
         || [own::FILE, released::FILE].iter().any(|file| folder.join(file).is_file())
 }
