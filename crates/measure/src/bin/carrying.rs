@@ -1,15 +1,16 @@
-//! What carrying the target home takes, and which grasps allow it; one thread.
+//! What carrying the target home or putting it down takes, and which grasps allow it; one thread.
 //!
-//! `carrying plans SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`: for each scenario how many tasks are solved, judged and
-//! done within 2 s, and median, mean, 95th percentile and maximum of `planning_time_s`: reach, closing, lift-off and the way
-//! home with their proofs.
+//! `carrying plans END SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, the end being `home` or the name of a place: for each scenario how many tasks are solved, judged and
+//! done within 2 s, and median, mean, 95th percentile and maximum of `planning_time_s`: reach, closing, lift-off and all
+//! that follows with their proofs.
 //!
-//! `carrying grasps SCENARIO…`: of all grasps, each for itself, how many can be reached within so many iterations, with how
-//! many of those the target can be carried home, and what stops the others.
+//! `carrying grasps PLACE SCENARIO…`: of all grasps, each for itself, how many can be reached within so many iterations,
+//! with how many of those the target can be carried home, with how many it can be put down in a place, and what stops the
+//! others there.
 //!
 //! `carrying holds SCENARIO…`: how long another hold takes, and room to ask with it, in microseconds.
 //!
-//! `cargo run --release -p cranny-measure --bin carrying -- plans 100 0 0 SCENARIO…`
+//! `cargo run --release -p cranny-measure --bin carrying -- plans home 100 0 0 SCENARIO…`
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -17,7 +18,10 @@ use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
-use cranny_plan::{Budget, Carrier, FailureReason, Goal, LiftOffSettings, Outcome, Problem, Unobserved};
+use cranny_plan::{
+    AfterPlacing, Budget, Carrier, CarryEnd, FailureReason, Goal, LiftOffSettings, Outcome, PlaceSettings,
+    Problem, Unobserved,
+};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Carry, Request, solve};
 
@@ -25,20 +29,21 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match &words[..] {
-        ["plans", seeds, margin, grasp_margin, scenarios @ ..] => {
+        ["plans", end, seeds, margin, grasp_margin, scenarios @ ..] => {
             let metres = |text: &str| text.parse::<f64>().expect("a number of millimetres") / 1e3;
             let margins = Margins {
                 margin_m: metres(margin),
                 grasp_margin_m: metres(grasp_margin),
                 ..Margins::default()
             };
-            plans(seeds.parse().expect("a number of seeds"), margins, scenarios);
+            plans(end, seeds.parse().expect("a number of seeds"), margins, scenarios);
         }
-        ["grasps", scenarios @ ..] => grasps(scenarios),
+        ["grasps", place, scenarios @ ..] => grasps(place, scenarios),
         ["holds", scenarios @ ..] => holds(scenarios),
         _ => {
             eprintln!(
-                "usage: carrying plans SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…, carrying grasps|holds SCENARIO…"
+                "usage: carrying plans home|PLACE SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…, carrying grasps PLACE \
+                 SCENARIO…, carrying holds SCENARIO…"
             );
             std::process::exit(2);
         }
@@ -51,7 +56,17 @@ fn opened(scenario: &str, margins: Margins) -> (String, Problem) {
     (scenario.id, problem)
 }
 
-fn plans(seeds: u64, margins: Margins, scenarios: &[&str]) {
+/// What is asked for by a word.
+fn carry_to(end: &str, problem: &Problem) -> Carry {
+    if end == "home" {
+        return Carry::default();
+    }
+    let goal = problem.place(end).expect("a place of the scenario").clone();
+    let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
+    Carry { end: CarryEnd::Place(place), ..Carry::default() }
+}
+
+fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
     println!("| scenario | solved | judged valid | over 2 s | median ms | mean | 95 % | max |");
     println!("|---|---|---|---|---|---|---|---|");
     for scenario in scenarios {
@@ -59,7 +74,8 @@ fn plans(seeds: u64, margins: Margins, scenarios: &[&str]) {
         let (mut times_ms, mut solved, mut valid) = (Vec::new(), 0, 0);
         for seed in 0..seeds {
             let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
-            let request = Request { seed, budget, carry: Some(Carry::default()), ..Request::default() };
+            let carry = Some(carry_to(end, &problem));
+            let request = Request { seed, budget, carry, ..Request::default() };
             let answer = solve(&problem, &request, &mut Unobserved).expect("a good problem");
             solved += u64::from(answer.outcome == Outcome::Solved);
             valid += u64::from(answer.is_solved());
@@ -84,13 +100,13 @@ fn plans(seeds: u64, margins: Margins, scenarios: &[&str]) {
 /// How long a single grasp is looked at.
 const ITERATIONS: u64 = 3000;
 
-fn grasps(scenarios: &[&str]) {
-    println!("| scenario | reached | carried home | what stops the others |");
-    println!("|---|---|---|---|");
+fn grasps(place: &str, scenarios: &[&str]) {
+    println!("| scenario | grasps | reached | carried home | put down | what stops the others there |");
+    println!("|---|---|---|---|---|---|");
     for scenario in scenarios {
         let (id, problem) = opened(scenario, Margins::default());
         let all = problem.grasps().expect("grasps").clone();
-        let (mut reached, mut carried) = (0, 0);
+        let (mut reached, mut carried, mut put_down) = (0, 0, 0);
         let mut stopped: BTreeMap<&str, usize> = BTreeMap::new();
         for grasp in all.grasps() {
             let alone = Goal::Grasps(GraspSet::new(vec![*grasp]).expect("a grasp of the set"));
@@ -101,17 +117,22 @@ fn grasps(scenarios: &[&str]) {
                 continue;
             }
             reached += 1;
-            let task = Request { carry: Some(Carry::default()), ..reach };
-            let answer = solve(&alone, &task, &mut Unobserved).expect("a good problem");
+            let task = |end| {
+                let task = Request { carry: Some(carry_to(end, &problem)), ..reach.clone() };
+                solve(&alone, &task, &mut Unobserved).expect("a good problem")
+            };
+            carried += usize::from(task("home").outcome == Outcome::Solved);
+            let answer = task(place);
             if answer.outcome == Outcome::Solved {
-                carried += 1;
+                put_down += 1;
             } else if let Some(failure) = answer.failures.first() {
                 *stopped.entry(short(&failure.reason)).or_default() += 1;
             }
         }
         let stopped: Vec<String> =
             stopped.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
-        println!("| {id} | {reached} | {carried} | {} |", stopped.join(", "));
+        let (count, stopped) = (all.len(), stopped.join(", "));
+        println!("| {id} | {count} | {reached} | {carried} | {put_down} | {stopped} |");
     }
 }
 
@@ -146,6 +167,16 @@ fn short(reason: &FailureReason) -> &'static str {
         FailureReason::LiftOffOutOfReach => "lift-off out of reach",
         FailureReason::NotCarried => "no way found",
         FailureReason::EndBlocked { .. } => "home blocked",
+        FailureReason::NoPlace => "no place",
+        FailureReason::PlaceBlocked { .. } => "hand blocked at the place",
+        FailureReason::PlaceOutOfReach => "place out of reach",
+        FailureReason::SetDownBlocked { .. } => "set-down blocked",
+        FailureReason::SetDownOutOfReach => "set-down out of reach",
+        FailureReason::OpeningCollides { .. } => "fingers cannot open",
+        FailureReason::RetreatBlocked { .. } => "retreat blocked",
+        FailureReason::RetreatOutOfReach => "retreat out of reach",
+        FailureReason::NotBroughtThere => "no way there",
+        FailureReason::NotReturned => "no way back",
         _ => "not reached again",
     }
 }
