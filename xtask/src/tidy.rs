@@ -12,6 +12,7 @@ mod machine_paths;
 mod module_circles;
 mod module_names;
 mod notices;
+mod system_calls;
 mod test_files;
 mod unsafe_code;
 mod walks;
@@ -69,6 +70,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         module_names::check(files),
         file_length::check(files),
         file_opening::check(files),
+        system_calls::check(files),
         unsafe_code::check(members, files),
         machine_paths::check(files),
         test_files::check(files),

@@ -3,6 +3,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use cranny_collision::Margins;
+use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
 use cranny_plan::{CarryEnd, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
@@ -10,11 +11,10 @@ use cranny_solve::{Carry, Segment};
 use serde_json::json;
 use tempfile::TempDir;
 
-use crate::file_stamp::FileStamp;
 use crate::foreign_answer::{self, ForeignAnswer};
 use crate::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES, Ran};
 use crate::opened_scenario::OpenedScenario;
-use crate::process_group::{self, Leash};
+use crate::process_group::Leash;
 use crate::worker_message::Request;
 use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
@@ -119,7 +119,7 @@ impl ForeignPlanner {
                 without(TrialOutcome::Garbled, Some(detail))
             }
             Ending::Exited { status, complaint, .. } if !status.success() => {
-                let mut detail = process_group::ending(status);
+                let mut detail = system::ending(status);
                 if !complaint.is_empty() {
                     detail = format!("{detail}: {complaint}");
                 }

@@ -5,6 +5,8 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use cranny_file::system;
+
 use crate::process_group::{self, Family, Leash};
 use crate::sandbox::Walls;
 
@@ -54,7 +56,7 @@ pub struct Ran {
 /// # Errors
 /// What the operating system says where it cannot be begun.
 pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) -> std::io::Result<Ran> {
-    process_group::lead(command).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    system::lead_group(command).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (mut child, begin) = spawn(command, limits)?;
     let id = child.id();
     leash.hold(Some(id));
@@ -68,7 +70,7 @@ pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) 
     let (ended, most_bytes) = watch(&mut child, begin, limits, &closed);
     let elapsed_s = begin.elapsed().as_secs_f64();
     // What it started and left behind, too: nobody reads on.
-    process_group::kill(id);
+    system::kill_group(id);
     leash.hold(None);
     let status = child.wait()?;
     process_group::end_descendants();

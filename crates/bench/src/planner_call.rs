@@ -3,13 +3,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use cranny_file::system::FileStamp;
 use cranny_grasp::ScoreKind;
 use cranny_plan::Registry;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
-use crate::file_stamp::FileStamp;
 use crate::{BenchError, PathDemand, Trial};
 
 /// How a planner is called.
@@ -73,7 +73,7 @@ impl PlannerCall {
             if word.is_empty() {
                 return Err(missing());
             }
-            if !word.contains(std::path::MAIN_SEPARATOR) {
+            if !word.contains(std::path::is_separator) {
                 return if is_in_path(word) { Ok(word.to_owned()) } else { Err(missing()) };
             }
             if Path::new(word).is_file() { absolute(word).ok_or_else(missing) } else { Err(missing()) }
@@ -185,13 +185,13 @@ fn sorted(value: &Value) -> Value {
 
 /// Whether a shell would find the program.
 fn is_in_path(program: &str) -> bool {
-    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
-    std::env::var_os("PATH")
-        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()))
+    let names = [program.to_owned(), format!("{program}{}", std::env::consts::EXE_SUFFIX)];
+    let is_in = |folder: &Path| names.iter().any(|name| folder.join(name).is_file());
+    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|folder| is_in(&folder)))
 }
 
 fn is_file(word: &str) -> bool {
-    word.contains(std::path::MAIN_SEPARATOR) && Path::new(word).is_file()
+    word.contains(std::path::is_separator) && Path::new(word).is_file()
 }
 
 fn file_name(word: &str) -> &str {

@@ -1,5 +1,6 @@
-use std::fs;
 use std::thread;
+
+use cranny_file::system;
 
 /// On what, by what and how a campaign was run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,8 +31,8 @@ impl RunInformation {
     /// What is known of this machine and this program; the campaign adds what it gave its planners.
     pub fn here(commit: Option<&str>, command: &str, workers: usize) -> Self {
         Self {
-            machine: machine(),
-            processor: processor(),
+            machine: system::machine_name().unwrap_or_else(|| UNKNOWN.to_owned()),
+            processor: system::processor_name().unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
             cpu_features: cpu_features(),
             cores: thread::available_parallelism().map_or(1, usize::from),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -46,19 +47,6 @@ impl RunInformation {
 
 /// Where nobody tells.
 const UNKNOWN: &str = "unknown";
-
-fn machine() -> String {
-    let told =
-        fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| std::env::var("HOSTNAME").ok());
-    told.map_or_else(|| UNKNOWN.to_owned(), |name| name.trim().to_owned())
-}
-
-fn processor() -> String {
-    let cpuinfo = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let named =
-        cpuinfo.lines().filter_map(|line| line.split_once(':')).find(|(key, _)| key.trim() == "model name");
-    named.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
-}
 
 /// The instruction sets that the lanes choose from.
 fn cpu_features() -> Vec<String> {

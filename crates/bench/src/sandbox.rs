@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use cranny_file::system;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
@@ -39,9 +40,6 @@ pub struct Walls {
     pub namespaces: bool,
 }
 
-/// Where a program finds shared memory by name.
-const SHARED_MEMORY: &str = "/dev/shm";
-
 /// What goes before a worker to put it into namespaces of its own: the tools of util-linux, since a process that makes a
 /// PID namespace is not in it itself.
 const NAMESPACES: [&str; 11] = [
@@ -71,7 +69,7 @@ impl Walls {
         if sandbox == Sandbox::Off {
             return Ok(Self::default());
         }
-        let walls = Self { landlock: file_walls::are_there(), namespaces: has_namespaces() };
+        let walls = Self { landlock: system::has_file_walls(), namespaces: has_namespaces() };
         let missing = match walls {
             Self { landlock: false, .. } => "Landlock (Linux 5.13 or newer, with it switched on)",
             Self { namespaces: false, .. } => {
@@ -108,18 +106,12 @@ impl Walls {
     /// # Errors
     /// What the system says.
     pub fn close(self, scratch: &Path) -> std::io::Result<()> {
-        if self.landlock { file_walls::write_in(scratch).map_err(std::io::Error::other) } else { Ok(()) }
+        if self.landlock { system::write_only_in(scratch) } else { Ok(()) }
     }
 
     /// How much of shared memory by name is in use, in bytes; only where it is the worker's own.
     pub fn shared_memory_bytes(self) -> u64 {
-        #[cfg(target_os = "linux")]
-        if self.namespaces
-            && let Ok(facts) = rustix::fs::statvfs(SHARED_MEMORY)
-        {
-            return facts.f_blocks.saturating_sub(facts.f_bfree) * facts.f_frsize;
-        }
-        0
+        if self.namespaces { system::shared_memory_bytes() } else { 0 }
     }
 
     /// Removes what a program left in shared memory by name, where that is the worker's own.
@@ -128,7 +120,7 @@ impl Walls {
         if !self.namespaces || std::process::id() != 1 {
             return;
         }
-        let Ok(entries) = std::fs::read_dir(SHARED_MEMORY) else { return };
+        let Ok(entries) = std::fs::read_dir(system::SHARED_MEMORY) else { return };
         for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
             // What stays takes memory of the programs that come after.
             let _ = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
@@ -145,60 +137,10 @@ fn namespaces(memory_limit_bytes: u64) -> Command {
 
 /// Whether a program can be run in namespaces of its own: tried once.
 fn has_namespaces() -> bool {
-    if !cfg!(target_os = "linux") {
+    if !system::can_have_namespaces() {
         return false;
     }
     let mut trial = namespaces(1 << 20);
     trial.arg("true").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     trial.status().is_ok_and(|status| status.success())
-}
-
-#[cfg(target_os = "linux")]
-mod file_walls {
-    use std::path::Path;
-
-    use landlock::{
-        ABI, Access as _, AccessFs, CompatLevel, Compatible as _, PathBeneath, PathFd, Ruleset,
-        RulesetAttr as _, RulesetCreated, RulesetCreatedAttr as _, RulesetError, Scope, path_beneath_rules,
-    };
-
-    /// Whether the kernel has the first version of it, and lets it be used.
-    pub fn are_there() -> bool {
-        Ruleset::default()
-            .set_compatibility(CompatLevel::HardRequirement)
-            .handle_access(AccessFs::from_write(ABI::V1))
-            .and_then(Ruleset::create)
-            .is_ok()
-    }
-
-    /// Lets this thread write, from now on, in a folder, into devices and into shared memory alone, as far as the kernel
-    /// knows each kind of writing; and send signals to nobody who is not within the same walls.
-    pub fn write_in(folder: &Path) -> Result<(), RulesetError> {
-        let writing = AccessFs::from_write(ABI::V5);
-        // A device is written and controlled, not made.
-        let device = AccessFs::WriteFile | AccessFs::Truncate | AccessFs::IoctlDev;
-        let rules: RulesetCreated = Ruleset::default()
-            .handle_access(writing)?
-            .scope(Scope::from_all(ABI::V6))?
-            .create()?
-            .add_rules(path_beneath_rules([folder, Path::new(super::SHARED_MEMORY)], writing))?;
-        let rules = match PathFd::new("/dev") {
-            Ok(devices) => rules.add_rule(PathBeneath::new(devices, device))?,
-            Err(_) => rules,
-        };
-        rules.restrict_self().map(drop)
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-mod file_walls {
-    use std::path::Path;
-
-    pub fn are_there() -> bool {
-        false
-    }
-
-    pub fn write_in(_folder: &Path) -> Result<(), std::io::Error> {
-        Ok(())
-    }
 }

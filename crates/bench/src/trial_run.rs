@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use cranny_file::system;
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, Clearances, Criterion, Goal, Observer, PlanError, Problem,
     Registry,
@@ -10,7 +11,7 @@ use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
 use crate::worker_message::{Message, Request, TrialRun};
-use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord, judge, process_group};
+use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord, judge};
 
 /// Runs one trial, and returns how it went and the planner's own path.
 ///
@@ -85,7 +86,7 @@ pub fn run(
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord {
-                memory_bytes: process_group::resident_bytes(std::process::id()),
+                memory_bytes: system::memory(std::process::id()).map(|memory| memory.resident_bytes),
                 ..TrialRecord::without_path(trial, outcome, None, answer.statistics)
             };
             (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))

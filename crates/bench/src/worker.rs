@@ -2,6 +2,7 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc;
 use std::thread;
 
+use cranny_file::system;
 use cranny_plan::Registry;
 
 use crate::opened_scenario::OpenedScenarios;
@@ -20,7 +21,7 @@ pub fn serve(
     input: impl BufRead + Send + 'static,
     output: &mut impl Write,
 ) -> Result<(), BenchError> {
-    process_group::close_to_others();
+    system::close_to_others();
     process_group::adopt();
     let leash = Leash::default();
     let (sender, requests) = mpsc::channel();

@@ -6,10 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use cranny_file::system;
 use cranny_plan::Statistics;
 
 use crate::foreign_process::LOOK_EVERY;
-use crate::process_group::{self, Family};
+use crate::process_group::Family;
 use crate::sandbox::Walls;
 use crate::worker_message::{Message, Request};
 use crate::worker_program::WorkerProgram;
@@ -63,7 +64,7 @@ impl WorkerProcess {
         };
         let mut command = walls.worker(worker, memory_limit_bytes);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = process_group::lead(&mut command).spawn().map_err(fault)?;
+        let mut child = system::lead_group(&mut command).spawn().map_err(fault)?;
         let (sender, lines) = mpsc::channel();
         if let Some(stdout) = child.stdout.take() {
             thread::spawn(move || {
@@ -163,10 +164,10 @@ impl WorkerProcess {
         // What it started, in whatever group.
         self.family.end();
         let outcome = match status {
-            Some(status) if process_group::is_killed(status) => TrialOutcome::Killed,
+            Some(status) if system::is_killed(status) => TrialOutcome::Killed,
             _ => TrialOutcome::Crashed,
         };
-        let mut detail = status.map_or_else(|| "ended".to_owned(), process_group::ending);
+        let mut detail = status.map_or_else(|| "ended".to_owned(), system::ending);
         // Its last words may still be on their way; what it started may hold the line open.
         let gone = Instant::now();
         while self.listener.as_ref().is_some_and(|listener| !listener.is_finished())
@@ -191,7 +192,7 @@ impl WorkerProcess {
             }
             thread::sleep(LOOK_OUT_EVERY);
         }
-        process_group::kill(self.child.id());
+        system::kill_group(self.child.id());
         // Where there are no groups, the worker alone; that it is gone already is what is wanted.
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -202,12 +203,9 @@ impl WorkerProcess {
     /// The memory that it holds itself.
     fn resident_bytes(&self) -> Option<u64> {
         // What makes the namespaces waits outside of them.
-        let inner = if self.walls.namespaces {
-            process_group::children(self.child.id()).first().copied()
-        } else {
-            None
-        };
-        process_group::resident_bytes(inner.unwrap_or(self.child.id()))
+        let inner =
+            if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
+        system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
     }
 
     /// Whether it can be asked.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
     Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
-    TrialRecord, close_to_others, run_campaign,
+    TrialRecord, run_campaign,
 };
 use cranny_plan::{Criterion, Registry};
 use indicatif::ProgressBar;
@@ -156,7 +156,7 @@ struct Lost {
 }
 
 pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
-    close_to_others();
+    cranny_file::system::close_to_others();
     let campaign = campaign(arguments, registry)?;
     // Better now than after the opening of many scenarios.
     output_file::check_folder(&arguments.output)?;

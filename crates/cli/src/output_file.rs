@@ -49,7 +49,7 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
 
 /// Whether a place that is written to is meant for several files: a folder, or with a / at its end.
 pub fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
+    path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator)
 }
 
 /// Writes a file of a kind; [`check`] may have been asked long before.

@@ -1,5 +1,5 @@
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use cranny_plan::Observer;
@@ -10,12 +10,26 @@ use crate::failure::Failure;
 /// Nothing is shown for what is done sooner than this.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A flag that Ctrl-C sets, or whoever asks the program to end (SIGTERM, SIGHUP).
+/// How often a page that is served asks whether it is to end.
+const ASK_EVERY: Duration = Duration::from_millis(50);
+
+/// A flag that Ctrl-C sets, or whoever asks the program to end (SIGTERM, SIGHUP): the same at every call.
 pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
+    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    if let Some(stop) = STOP.get() {
+        return Ok(stop.clone());
+    }
+    let stop = STOP.get_or_init(Arc::default).clone();
     let flag = stop.clone();
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
     Ok(stop)
+}
+
+/// Done when the flag is set.
+pub async fn interrupted(stop: Arc<AtomicBool>) {
+    while !stop.load(Ordering::Relaxed) {
+        tokio::time::sleep(ASK_EVERY).await;
+    }
 }
 
 /// A bar for `total` pieces of work, hidden if `quiet` or if standard error is no terminal.

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_plan::Registry;
-use cranny_view::{PageLimits, PageServer, interrupted};
+use cranny_view::{PageLimits, PageServer};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -11,6 +11,7 @@ use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::page_task::{PageRequest, PageTask};
+use crate::progress::{interrupted, stop_on_interrupt};
 use crate::text;
 
 #[derive(Clone, Debug, Args)]
@@ -74,7 +75,8 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
     let url = server.url();
     let door = if arguments.no_open { None } else { doorway(&url).ok() };
     let mut said = Ok(());
-    server.serve(&page, cells, interrupted(), || {
+    let stop = stop_on_interrupt()?;
+    server.serve(&page, cells, interrupted(stop), || {
         said = if output.json {
             text::print_json(&Viewed { scenario: &arguments.id, url: url.clone() })
         } else {

@@ -1,5 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+pub mod system;
+
 mod excerpt;
 mod fault;
 mod opener;

@@ -1,9 +1,10 @@
-use std::fs::{self, File, FileType};
+use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::FileFault;
+use crate::system::{is_stream, kind_name};
 
 /// How a kind of file is read: whole, up to a size.
 ///
@@ -98,7 +99,7 @@ impl Readable {
         }
         let is_taken = kind.is_file() || (self.takes_pipes && is_stream(kind));
         if !is_taken {
-            return Err(FileFault::NotRegular { kind: name_of(kind) }.into());
+            return Err(FileFault::NotRegular { kind: kind_name(kind) }.into());
         }
         let most = self.most_bytes();
         if kind.is_file() && found.len() > most {
@@ -133,30 +134,4 @@ pub fn is_there(path: &Path) -> io::Result<bool> {
         }
         Err(fault) => Err(FileFault::of(fault)),
     }
-}
-
-#[cfg(unix)]
-fn is_stream(kind: FileType) -> bool {
-    use std::os::unix::fs::FileTypeExt as _;
-    kind.is_fifo() || kind.is_char_device()
-}
-
-#[cfg(unix)]
-fn name_of(kind: FileType) -> &'static str {
-    use std::os::unix::fs::FileTypeExt as _;
-    match kind {
-        _ if kind.is_fifo() => "a pipe",
-        _ if kind.is_socket() => "a socket",
-        _ => "a device",
-    }
-}
-
-#[cfg(not(unix))]
-fn is_stream(_: FileType) -> bool {
-    true
-}
-
-#[cfg(not(unix))]
-fn name_of(_: FileType) -> &'static str {
-    "a device"
 }

@@ -62,7 +62,7 @@ pub use page_cells::PageCells;
 pub use page_feed::PageFeed;
 pub use page_limits::PageLimits;
 pub use page_plan::PagePlan;
-pub use page_server::{PageServer, interrupted};
+pub use page_server::PageServer;
 pub use picture::{Picture, PictureSettings, SeeThrough};
 pub use picture_file::Animation;
 pub use scene::{Material, Node, Role, Scene, SceneMotion, Track};

@@ -1,9 +1,7 @@
 use std::convert::Infallible;
-use std::future::{Future, poll_fn};
+use std::future::Future;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
-use std::pin::pin;
 use std::sync::Arc;
-use std::task::Poll;
 use std::time::Duration;
 
 use hyper::server::conn::http1;
@@ -63,7 +61,7 @@ impl PageServer {
     }
 
     /// Answers until `stop` is done, questions as well where there are cells to judge in; answers that are under way
-    /// then get a second more. `ready` is called once the first request can come and `stop` is watched.
+    /// then get a second more. `ready` is called once the first request can come.
     ///
     /// # Errors
     /// [`ViewError::Server`] if the system gives no means to listen, [`ViewError::PageData`].
@@ -97,8 +95,6 @@ impl PageServer {
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener).map_err(fault)?;
             let stop = tokio::spawn(stop);
-            // Signals are watched from the first look at `stop` on.
-            tokio::task::yield_now().await;
             let under_way = Arc::new(GracefulShutdown::new());
             let accepting = tokio::spawn(accept(listener, served, under_way.clone()));
             ready();
@@ -145,19 +141,4 @@ fn hosts(port: u16) -> Vec<String> {
     // Browsers leave out the usual port.
     let bare = names.iter().filter(|_| port == 80).map(|name| (*name).to_owned());
     names.iter().map(|name| format!("{name}:{port}")).chain(bare).collect()
-}
-
-/// Done when the user presses Ctrl-C or the system asks the program to end.
-pub async fn interrupted() {
-    let mut pressed = pin!(tokio::signal::ctrl_c());
-    #[cfg(unix)]
-    if let Ok(mut terminated) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
-        let mut ended = pin!(terminated.recv());
-        let either = poll_fn(|context| {
-            let is_done = ended.as_mut().poll(context).is_ready() | pressed.as_mut().poll(context).is_ready();
-            if is_done { Poll::Ready(()) } else { Poll::Pending }
-        });
-        return either.await;
-    }
-    let _ = pressed.await;
 }

@@ -80,12 +80,20 @@ pub fn write_whole_folder<T>(
     let written = fs::create_dir_all(&inside)
         .map_err(unwritable)
         .and_then(|()| fill(&inside))
-        .and_then(|filled| fs::rename(&partial, top).map(|()| filled).map_err(unwritable));
+        .and_then(|filled| put_in_place(&partial, top).map(|()| filled).map_err(unwritable));
     written.map_err(|fault| {
         // As for a file.
         let _ = fs::remove_dir_all(&partial);
         moved(fault, &inside, &place)
     })
+}
+
+/// Renames a folder to where nothing is, or an empty folder, which not every system lets a rename replace.
+fn put_in_place(partial: &Path, place: &Path) -> std::io::Result<()> {
+    if place.is_dir() {
+        fs::remove_dir(place)?;
+    }
+    fs::rename(partial, place)
 }
 
 /// Writes a file of a folder that is not in its place yet, and makes the folders above it.
