@@ -87,10 +87,7 @@ impl Robot {
         let joints = group_joints(&urdf, &tree, &resolved.group);
         let joint_names: Vec<String> =
             resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect();
-        let start = match description {
-            Some(description) => description.start_of(&urdf, &tree, &joint_names)?,
-            None => None,
-        };
+        let start = description.as_ref().and_then(|description| description.start_of(&joint_names));
         let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),

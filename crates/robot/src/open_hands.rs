@@ -1,6 +1,6 @@
 use crate::error::RobotError;
 use crate::hand_description::HandDescription;
-use crate::joint_group::{named_group, range, unknown_joint, unknown_link};
+use crate::joint_group::{named_group, range};
 use crate::options::RobotOptions;
 use crate::robot_description::RobotDescription;
 use crate::srdf::Srdf;
@@ -22,6 +22,7 @@ impl RobotOptions {
         let limits = |finger: &str| motion(finger).map_or((f64::MIN, f64::MAX), range);
         let own = parsed(self.description.as_ref(), |text, file| {
             let own = RobotDescription::parse(text, file)?;
+            own.check_names((text, file), urdf, tree)?;
             own.hand.iter().try_for_each(|hand| hand.check_fingers(text, file, limits))?;
             Ok(own)
         })?;
@@ -29,13 +30,6 @@ impl RobotOptions {
             own.complete(&mut options);
         }
         if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
-            let place = || format!("{}: hand `{}`", urdf.file, own.name);
-            if let Some(finger) = own.fingers.keys().find(|finger| tree.joint(finger).is_none()) {
-                return Err(unknown_joint(urdf, place(), finger));
-            }
-            if let Some(tip) = own.tip.as_ref().filter(|tip| tree.node(tip).is_none()) {
-                return Err(unknown_link(urdf, place(), tip));
-            }
             options.known_hands.insert(0, own);
         }
         // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::hand_description::line_of;
-use crate::joint_group::unknown_joint;
+use crate::joint_group::{range, unknown_joint, unknown_link};
 use crate::rate_limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
-use crate::{HandDescription, JointGroup, RobotError, RobotOptions};
+use crate::{HandDescription, Hindrance, JointGroup, Location, RobotError, RobotOptions};
 
 /// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
 pub(crate) const LIMITS: &str = "limits.yaml";
@@ -100,19 +100,76 @@ impl RobotDescription {
         }
     }
 
-    /// The start of the group of these names; `None` if it is not said for all of them.
+    /// Whether the robot has what it names, and joints can be held where it says; `text` is that of `file`, in which it
+    /// stands.
     ///
     /// # Errors
-    /// [`RobotError::UnknownName`] for a joint that the robot has not.
-    pub(crate) fn start_of(
+    /// [`RobotError::UnknownName`], [`RobotError::NotFree`], [`RobotError::HeldOutsideLimits`], each with its line in
+    /// `file`.
+    pub(crate) fn check_names(
         &self,
+        (text, file): (&str, &str),
         urdf: &Urdf,
         tree: &Tree,
-        joints: &[String],
-    ) -> Result<Option<Vec<f64>>, RobotError> {
-        if let Some(joint) = self.start.keys().find(|joint| tree.joint(joint).is_none()) {
-            return Err(unknown_joint(urdf, format!("{}: start", urdf.file), joint));
+    ) -> Result<(), RobotError> {
+        let at = |section: &str, name: &str| line_within(text, file, section, name);
+        let hand = self.hand.as_ref();
+        let fingers = hand.into_iter().flat_map(|hand| hand.fingers.keys()).map(|name| ("fingers", name));
+        let held = self.fixed.keys().map(|name| ("fixed", name));
+        let started = self.start.keys().map(|name| ("start", name));
+        for (section, name) in fingers.chain(held).chain(started) {
+            if tree.joint(name).is_none() {
+                let place = format!("{}: {section}", at(section, name));
+                return Err(unknown_joint(urdf, place, name));
+            }
         }
-        Ok(joints.iter().map(|joint| self.start.get(joint).copied()).collect())
+        let of_hand = hand.and_then(|hand| hand.tip.as_ref());
+        let tips = self.tip.iter().chain(of_hand).map(|name| ("tip", name));
+        for (section, name) in tips.chain(self.solid_meshes.iter().map(|name| ("solid_meshes", name))) {
+            if tree.node(name).is_none() {
+                let place = format!("{}: {section}", at(section, name));
+                return Err(unknown_link(urdf, place, name));
+            }
+        }
+        for (name, &value) in &self.fixed {
+            let Some(index) = tree.joint(name) else { continue };
+            let (at, joint) = (at("fixed", name), name.clone());
+            let Some(motion) = &urdf.joints[index].motion else {
+                return Err(RobotError::NotFree {
+                    at,
+                    joint,
+                    wanted: "held at a value",
+                    hindrance: Hindrance::Fixed,
+                });
+            };
+            let (lower, upper) = range(motion);
+            if motion.mimic.is_none() && !(lower..=upper).contains(&value) {
+                return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
+            }
+        }
+        Ok(())
     }
+
+    /// The start of the group of these names; `None` if it is not said for all of them.
+    pub(crate) fn start_of(&self, joints: &[String]) -> Option<Vec<f64>> {
+        joints.iter().map(|joint| self.start.get(joint).copied()).collect()
+    }
+}
+
+/// The line in which a section names something: the first from one on that begins with `section:`, else the first of all.
+fn line_within(text: &str, file: &str, section: &str, name: &str) -> Location {
+    let lines: Vec<&str> = text.lines().collect();
+    let depth = |line: &str| line.len() - line.trim_start().len();
+    let begins =
+        |line: &str| line.trim_start().strip_prefix(section).is_some_and(|rest| rest.starts_with(':'));
+    // A section ends where a line stands as far left as its own, but for the points of a list.
+    let is_within = |first: usize, line: &str| {
+        line.trim().is_empty() || depth(line) > depth(lines[first]) || line.trim_start().starts_with('-')
+    };
+    let named = |first: usize| {
+        let end = (first + 1..lines.len()).find(|&next| !is_within(first, lines[next]));
+        (first..end.unwrap_or(lines.len())).find(|&line| lines[line].contains(name))
+    };
+    let line = (0..lines.len()).filter(|&line| begins(lines[line])).find_map(named).unwrap_or(0);
+    Location { file: file.to_owned(), line: u32::try_from(line + 1).unwrap_or(u32::MAX) }
 }

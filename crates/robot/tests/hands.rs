@@ -113,8 +113,8 @@ fn a_hand_beside_the_urdf_is_found() {
     assert_eq!(robot.hand().unwrap().description, hand());
     // Of its own hand nothing is left out.
     for (from, to, says) in [
-        ("slide_b", "slide_c", "hand 'jaws': unknown joint 'slide_c'"),
-        ("tip: between", "tip: betwen", "'betwen'"),
+        ("slide_b", "slide_c", "robot.yaml:6: fingers: unknown joint 'slide_c'"),
+        ("tip: between", "tip: betwen", "robot.yaml:3: tip: unknown link 'betwen'"),
         ("slide_b: {open: 0.03", "slide_b: {open: 0.031", "robot.yaml:6: open of finger 'slide_b' is 0.031"),
     ] {
         std::fs::write(folder.path().join("robot.yaml"), HAND.replace(from, to)).unwrap();
