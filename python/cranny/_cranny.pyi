@@ -32,6 +32,7 @@ __all__ = [
     "_restored_motion",
     "_restored_plan",
     "_restored_samples",
+    "grasp_experiment",
     "licences",
     "lift_file_limits",
     "moving_picture",
@@ -467,6 +468,16 @@ def simulate_grasps(
     trials: int = 0,
     seed: int = 0,
 ) -> list[dict[str, Any]]: ...
+def grasp_experiment(
+    scenario: Scenario,
+    grasps: Grasps | None = None,
+    *,
+    support_only: bool = False,
+    gripper: _Path | None = None,
+    mass_kg: float | None = None,
+    friction: float | None = None,
+    closing_force_n: float | None = None,
+) -> dict[str, Any]: ...
 @overload
 def simulate_plan(
     plan: Plan,

@@ -90,7 +90,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::scenario::{PyScenario, scenario_ids};
     #[pymodule_export]
-    use crate::simulation::{simulate_grasps, simulate_plan};
+    use crate::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

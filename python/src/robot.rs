@@ -56,7 +56,7 @@ impl PyRobot {
 
     /// Reads a robot from the URDF file at `path`.
     ///
-    /// The SRDF, the `limits.yaml` and the `hand.yaml` beside it are read too, unless `srdf` names another. `tip`: the
+    /// The SRDF, the `limits.yaml` and the `robot.yaml` beside it are read too, unless `srdf` names another. `tip`: the
     /// link that reaches for grasps; by default the gripper frame of `robot.yaml`, whose fingers stand open. `path`: a URDF, or the folder of a robot. `joints`: names of the joints that `q` stands for, in order; or `group`: a group of the
     /// SRDF; by default all from the root to the tip. `fixed`: values (m, rad) of joints outside the group.
     /// `packages`: folders in which `package://` names are looked for. `meshes`: "hull" (a mesh stands for its

@@ -1,11 +1,13 @@
-//! `simulate_grasps` and `simulate_plan`: grasps of a scenario and plans in physics.
+//! `simulate_grasps`, `grasp_experiment` and `simulate_plan`: grasps of a scenario and plans in physics.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
 
+use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
-use cranny_scenario::{TargetPhysics, read_gripper};
+use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
 use cranny_sim::{DriveSettings, GraspRow, GraspTest, PlanRow, PlanTest};
+use cranny_spatial::Pose;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -53,11 +55,7 @@ pub fn simulate_grasps<'py>(
         return Err(bad_value(format!("trials is {trials}, but at most {MOST_TRIALS} make sense")));
     }
     let scenario = &scenario.get().scenario;
-    let mut hand = match gripper {
-        Some(path) => read_gripper(&path).map_err(fault)?,
-        None => robot_hand(&scenario.robot),
-    };
-    hand.closing_force_n = closing_force_n.unwrap_or(hand.closing_force_n);
+    let hand = hand_of(scenario, gripper, closing_force_n)?;
     let grasps = grasps.map_or_else(|| scenario.grasps.clone(), |grasps| grasps.get().set.clone());
     let instead = TargetPhysics { mass_kg, friction };
     let interrupt = Mutex::new(Interrupt::new());
@@ -71,6 +69,45 @@ pub fn simulate_grasps<'py>(
         interrupt.result()?;
     }
     python_of(py, &rows?)
+}
+
+fn hand_of(scenario: &Scenario, gripper: Option<PathBuf>, closing_force_n: Option<f64>) -> PyResult<Hand> {
+    let mut hand = match gripper {
+        Some(path) => read_gripper(&path).map_err(fault)?,
+        None => robot_hand(&scenario.robot),
+    };
+    hand.closing_force_n = closing_force_n.unwrap_or(hand.closing_force_n);
+    Ok(hand)
+}
+
+/// What `simulate_grasps` tries, as a document for another engine, the same as `cranny simulate export` writes: the model
+/// of hand, object and surroundings as MJCF, what the hand does, what counts as held, and the grasps. A dictionary, which
+/// `cranny.mujoco_grasps.run_all` takes.
+///
+/// The arguments are those of `simulate_grasps`.
+#[pyfunction]
+#[pyo3(
+    signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
+        closing_force_n=None)
+)]
+pub fn grasp_experiment<'py>(
+    scenario: &Bound<'py, PyScenario>,
+    grasps: Option<&Bound<'py, PyGrasps>>,
+    support_only: bool,
+    gripper: Option<PathBuf>,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = scenario.py();
+    let scenario = &scenario.get().scenario;
+    let hand = hand_of(scenario, gripper, closing_force_n)?;
+    let set = grasps.map_or(&scenario.grasps, |grasps| &grasps.get().set);
+    let poses: Vec<Pose> = set.grasps().iter().map(|grasp| grasp.world_from_gripper).collect();
+    let instead = TargetPhysics { mass_kg, friction };
+    let test =
+        py.detach(|| GraspTest::of_scenario(scenario, &hand, &instead, support_only)).map_err(fault)?;
+    python_of(py, &test.experiment(&poses))
 }
 
 /// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path by servos within the effort
