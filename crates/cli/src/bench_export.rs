@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use cranny_bench::report::SummarySource;
 use cranny_bench::{OmplLog, Results};
+use cranny_file::counted;
 use serde::Serialize;
 
 use crate::Answer;
@@ -67,6 +68,6 @@ pub fn run(arguments: &ExportArguments, output: Output) -> Result<Answer, Failur
     let exported = Exported { files, trials: trials.len() };
     let lines =
         || exported.files.iter().map(|file| format!("  {}\n", file.display())).collect::<Vec<_>>().concat();
-    text::answer(&exported, || format!("{} trials:\n{}", exported.trials, lines()), output)?;
+    text::answer(&exported, || format!("{}:\n{}", counted(exported.trials, "trial"), lines()), output)?;
     Ok(Answer::Done)
 }

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_bench::{Merged, Results};
+use cranny_file::counted;
 use serde::Serialize;
 
 use crate::Answer;
@@ -74,7 +75,7 @@ pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure
 
 impl Answered {
     fn page(&self) -> String {
-        let mut page = format!("{}: {} trials\n", self.file.display(), self.trials);
+        let mut page = format!("{}: {}\n", self.file.display(), counted(self.trials, "trial"));
         for Taken { file, added, known } in &self.merged {
             let _ = writeln!(page, "  {}: {added} added, {known} there already", file.display());
         }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_bench::{CampaignSettings, Replay, Results, RunInformation, Sandbox, replay};
+use cranny_file::counted;
 use cranny_scenario::write_waypoints_csv;
 use serde::Serialize;
 
@@ -140,10 +141,10 @@ fn page(replayed: &Replay, version: &str) -> String {
     for (name, record) in [("stored", stored), ("replay", now)] {
         let _ = writeln!(
             page,
-            "  {name:<8}{}, {} iterations, {} nodes, {:.3} s",
+            "  {name:<8}{}, {}, {}, {:.3} s",
             record.outcome.name(),
-            record.statistics.iterations,
-            record.statistics.nodes,
+            counted(record.statistics.iterations, "iteration"),
+            counted(record.statistics.nodes, "node"),
             record.statistics.planning_time_s
         );
         if let Some(detail) = &record.detail {
@@ -152,7 +153,9 @@ fn page(replayed: &Replay, version: &str) -> String {
     }
     let way_points = replayed.path.len();
     let verdict = match (replayed.is_same_path, replayed.is_same_search) {
-        (true, true) if way_points > 0 => format!("the same path, bit by bit: {way_points} way points"),
+        (true, true) if way_points > 0 => {
+            format!("the same path, bit by bit: {}", counted(way_points, "way point"))
+        }
         (true, true) => "no path again, after the same search".to_owned(),
         (true, false) => "the same path, but after another search".to_owned(),
         (false, _) => "ANOTHER path".to_owned(),

@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use cranny_bench::report::{Enclosure, Plot, Summary, plots};
 use cranny_bench::{BenchError, Results};
+use cranny_file::counted;
 use rayon::prelude::*;
 
 use crate::Answer;
@@ -129,11 +130,12 @@ pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failur
                 let (trials, rows, paths) = (summary.trials, summary.rows.len(), enclosure.paths.len());
                 let folder = report_paths::folder_of(&file);
                 let beside = if arguments.paths {
-                    format!(", {paths} paths in {}", folder.display())
+                    format!(", {} in {}", counted(paths, "path"), folder.display())
                 } else {
                     String::new()
                 };
-                text::print(&format!("{}: {trials} trials in {rows} rows{beside}\n", file.display()))?;
+                let (trials, rows) = (counted(trials, "trial"), counted(rows, "row"));
+                text::print(&format!("{}: {trials} in {rows}{beside}\n", file.display()))?;
             }
         }
     }

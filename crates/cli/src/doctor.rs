@@ -3,6 +3,7 @@ use std::time::Instant;
 
 use cranny_bench::{Sandbox, Walls};
 use cranny_collision::Margins;
+use cranny_file::counted;
 use cranny_plan::{Problem, Unobserved, audit};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
@@ -187,7 +188,7 @@ fn digest(waypoints: &[Vec<f64>]) -> String {
 fn page(findings: &Findings) -> String {
     let Findings { version, commit, target, vectors, cores, parts, checks, sound } = findings;
     let mut page = format!("cranny {version}, commit {}\n", commit.unwrap_or("unknown"));
-    let _ = writeln!(page, "{target}, {vectors}, {cores} cores\n");
+    let _ = writeln!(page, "{target}, {vectors}, {}\n", counted(*cores, "core"));
     for Part { name, is_there, remark } in parts {
         let _ = writeln!(page, "  {}  {name:<15} {remark}", if *is_there { "there  " } else { "missing" });
     }

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
+use cranny_file::counted;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
@@ -39,7 +40,7 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     let Task { scenario, mut problem, .. } = Task::open(&arguments.task, Demand::default(), output)?;
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
-            let problem = format!("there are {} grasps, from 0 on", scenario.grasps.len());
+            let problem = text::only_so_many(scenario.grasps.len(), "grasp");
             return Err(Failure::Flag { flag: "grasp", problem });
         };
         let only = GraspSet::new(vec![*chosen]).map_err(cranny_scenario::ScenarioError::from)?;
@@ -99,15 +100,12 @@ fn annotated(annotation: &IkAnnotation) -> Annotated<'_> {
 }
 
 fn attempts(annotation: &IkAnnotation) -> String {
-    match annotation.attempts {
-        1 => "1 attempt".to_owned(),
-        count => format!("{count} attempts"),
-    }
+    counted(annotation.attempts, "attempt")
 }
 
 fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
     let mut page =
-        format!("{id}: {solved} of {} grasps have a free exact configuration\n", annotations.len());
+        format!("{id}: a free exact configuration for {solved} of {}\n", counted(annotations.len(), "grasp"));
     let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
     for annotation in annotations {
         let reason = match &annotation.status {

@@ -1,5 +1,6 @@
 use std::fmt::Write;
 
+use cranny_file::counted;
 use cranny_plan::NotChecked;
 use serde::Serialize;
 
@@ -75,16 +76,16 @@ fn page(info: &Info) -> String {
         let _ = writeln!(page, "  {name:<12}{value}");
     };
     line("scenario", info.scenario.clone());
-    line("robot", format!("{} ({} joints, tip {})", info.robot, info.joints.len(), info.tip));
+    line("robot", format!("{} ({}, tip {})", info.robot, counted(info.joints.len(), "joint"), info.tip));
     for (index, body) in info.bodies.iter().enumerate() {
         let name = if index == 0 { "bodies" } else { "" };
         let role = if info.target.as_ref() == Some(&body.name) { "  (target)" } else { "" };
-        line(name, format!("{} ({} parts){role}", body.name, body.parts));
+        line(name, format!("{} ({}){role}", body.name, counted(body.parts, "part")));
     }
     line("grasps", format!("{} ({} scored)", info.grasps, info.scored_grasps));
-    line("known IK", format!("{} configurations", info.known_ik_solutions));
+    line("known IK", counted(info.known_ik_solutions, "configuration"));
     if info.self_collision_pairs > 0 {
-        line("self pairs", format!("{} pairs of links are checked", info.self_collision_pairs));
+        line("self pairs", format!("{} of links checked", counted(info.self_collision_pairs, "pair")));
     }
     for pair in &info.not_checked {
         line("not checked", text::not_checked(pair));

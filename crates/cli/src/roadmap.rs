@@ -3,6 +3,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use clap::Args;
+use cranny_file::counted;
 use cranny_plan::Prm;
 use serde::Serialize;
 
@@ -79,8 +80,8 @@ pub fn run(arguments: &RoadmapArguments, output: Output) -> Result<Answer, Failu
     };
     let page = || {
         let Answered { scenario, nodes, edges, seconds, file, .. } = &answered;
-        let file = file.display();
-        format!("{scenario}: {nodes} configurations, {edges} proven edges in {seconds:.1} s → {file}\n")
+        let (nodes, edges) = (counted(*nodes, "configuration"), counted(*edges, "proven edge"));
+        format!("{scenario}: {nodes}, {edges} in {seconds:.1} s → {}\n", file.display())
     };
     text::answer(&answered, page, output)?;
     Ok(if answered.stopped { Answer::No } else { Answer::Done })

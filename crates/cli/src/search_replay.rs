@@ -2,6 +2,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use cranny_file::counted;
 use cranny_plan::{Observer, Outcome, Problem, Registry};
 use cranny_scenario::PlanFile;
 use cranny_solve::{Answer, Request, solve};
@@ -40,7 +41,7 @@ pub fn replay(
     }
     if recording.left_out() > 0 {
         let (kept, all) = (recording.len(), recording.len() + recording.left_out());
-        note(format!("its trees have {all} nodes; the first {kept} are shown"))?;
+        note(format!("its trees have {}; only the first {kept} are shown", counted(all, "node")))?;
     }
     Ok(recording)
 }

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use cranny_file::counted;
 use cranny_spatial::Pose;
 use serde::Serialize;
 
@@ -44,7 +45,9 @@ pub fn run(arguments: &SimulateExportArguments, output: Output) -> Result<Answer
     let content = if arguments.mjcf { test.mjcf() } else { text::json(&test.experiment(&poses))? };
     output_file::write(&arguments.output, kind, content.as_bytes(), output)?;
     let exported = Exported { subject: name, grasps: poses.len(), file: arguments.output.clone() };
-    let page = || format!("{}: {} grasps, {}\n", exported.subject, exported.grasps, exported.file.display());
+    let page = || {
+        format!("{}: {}, {}\n", exported.subject, counted(exported.grasps, "grasp"), exported.file.display())
+    };
     text::answer(&exported, page, output)?;
     Ok(Answer::Done)
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 use cranny_bench::statistics::wilson;
+use cranny_file::counted;
 use cranny_grasp::{Grasp, GraspSet, csv_text};
 use cranny_scenario::ScenarioError;
 use cranny_sim::{Disturbance, GraspOutcome, GraspRow};
@@ -102,7 +103,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     let chosen: Vec<usize> = match arguments.grasp {
         None => (0..grasps.len()).collect(),
         Some(grasp) if grasp < grasps.len() => vec![grasp],
-        Some(_) => return Err(flag("grasp", format!("there are {} grasps, from 0 on", grasps.len()))),
+        Some(_) => return Err(flag("grasp", text::only_so_many(grasps.len(), "grasp"))),
     };
     let stop = stop_on_interrupt()?;
     let progress = bar((chosen.len() * (1 + arguments.trials)) as u64, output.quiet);
@@ -149,11 +150,11 @@ impl Simulated {
             format!(", {} to {} at 95 %", percent(low), percent(high))
         });
         let mut page = format!(
-            "{}: {} of {} grasps are held by {} ({}{sure})\n",
+            "{}: {} holds {} of {} ({}{sure})\n",
             self.subject,
-            self.held,
-            self.grasps,
             self.hand,
+            self.held,
+            counted(self.grasps, "grasp"),
             percent(self.success_rate)
         );
         let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();

@@ -2,6 +2,7 @@ use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
+use cranny_file::counted;
 use cranny_sim::{ChiSquared, SettledPose, Settling, settle};
 use serde::Serialize;
 
@@ -54,7 +55,7 @@ pub fn run(arguments: &SettleArguments, output: Output) -> Result<Answer, Failur
 impl Settled {
     fn page(&self) -> String {
         let Settling { drops, poses, elsewhere, still_moving, chi_squared } = &self.settling;
-        let mut page = format!("{}: dropped {drops} times\n", self.object);
+        let mut page = format!("{}: dropped {}\n", self.object, counted(*drops, "time"));
         for SettledPose { pose, probability, count } in poses {
             let share = *count as f64 / (*drops).max(1) as f64;
             let _ =

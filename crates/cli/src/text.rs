@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use cranny_file::visible;
+use cranny_file::{counted, visible};
 use cranny_plan::{NotChecked, NotCheckedReason, OwnGrasp};
 use serde::Serialize;
 
@@ -77,6 +77,12 @@ pub fn score(score: Option<f64>) -> String {
 pub fn own_grasp(grasp: &OwnGrasp) -> String {
     let OwnGrasp { opening_m, score: own, .. } = grasp;
     format!("of its own (score {}), fingers {} apart when closed", score(Some(*own)), millimetres(*opening_m))
+}
+
+/// What is said of a number beyond the last of `count` things, which are counted from 0.
+pub fn only_so_many(count: usize, noun: &str) -> String {
+    let verb = if count == 1 { "is" } else { "are" };
+    format!("there {verb} {}, counted from 0", counted(count, noun))
 }
 
 /// What is said right after "proven" or "valid" where something was not compared.

@@ -1,9 +1,11 @@
+use cranny_file::counted;
+
 /// What makes a problem or a path malformed. That a problem has no solution is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// A configuration has the wrong number of values.
-    #[error("the {what} configuration has {actual} values, but the robot has {expected} joints")]
+    #[error("the {what} configuration has {}, but the robot has {}", counted(*actual, "value"), counted(*expected, "joint"))]
     JointCount {
         /// Which configuration.
         what: &'static str,

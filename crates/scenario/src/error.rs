@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use cranny_file::TextFault;
+use cranny_file::counted;
 use cranny_robot::Location;
 
 use crate::family::error::FamilyError;
@@ -102,7 +103,7 @@ pub enum ScenarioError {
         text: String,
     },
     /// The start configuration does not fit the robot.
-    #[error("{file}: the start has {actual} values, but the robot has {expected} joints ({joints})")]
+    #[error("{file}: the start has {}, but the robot has {} ({joints})", counted(*actual, "value"), counted(*expected, "joint"))]
     StartCount {
         /// The file (with line where there is one).
         file: String,

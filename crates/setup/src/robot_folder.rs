@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cranny_file::counted;
 use cranny_robot::{HandDescription, Robot};
 use cranny_scenario::ScenarioError;
 
@@ -161,9 +162,9 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
         .map(|c| format!("{} and {} ({:.1} mm)", name(c.links.0), name(c.links.1), c.least_depth_m * 1000.0))
         .collect();
     let mut chosen = if is_own {
-        format!("{} pairs, as its SRDF says", robot.disabled_pairs().len())
+        format!("{}, as its SRDF says", counted(robot.disabled_pairs().len(), "pair"))
     } else {
-        format!("{adjacent} adjacent pairs")
+        counted(adjacent, "adjacent pair")
     };
     if !always.is_empty() {
         let _ = write!(

@@ -1,6 +1,7 @@
 use std::str::FromStr as _;
 
 use cranny_collision::Collider;
+use cranny_file::counted;
 use cranny_solve::Mode;
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +41,7 @@ pub(crate) struct Verdict {
 pub(crate) enum QuestionError {
     #[error("the question is no JSON of the form {{\"q\": [numbers]}}: {0}")]
     Malformed(#[from] serde_json::Error),
-    #[error("'q' has {actual} values, but the robot has {expected} joints: {joints}")]
+    #[error("'q' has {}, but the robot has {}: {joints}", counted(*actual, "value"), counted(*expected, "joint"))]
     JointCount { expected: usize, actual: usize, joints: String },
     #[error("value {index} of 'q' is not finite")]
     NotFinite { index: usize },

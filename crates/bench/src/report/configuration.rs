@@ -1,5 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
+use cranny_file::counted;
 use serde_json::Value;
 
 use crate::{PathDemand, Trial};
@@ -133,7 +134,7 @@ fn differing(own: &str, all: &BTreeSet<&str>) -> String {
 fn limits(configuration: &Configuration) -> String {
     let iterations = configuration
         .iteration_limit
-        .map_or(String::new(), |iterations| format!(", {iterations} iterations"));
+        .map_or(String::new(), |iterations| format!(", {}", counted(iterations, "iteration")));
     format!(" (limit {} s{iterations})", configuration.time_limit_s())
 }
 

@@ -11,6 +11,7 @@ use crate::report::page_overall::figures;
 use crate::report::page_tables::{self, Rows};
 use crate::report::plot::Plot;
 use crate::report::success_curve::MOST_CURVES;
+use cranny_file::counted;
 
 /// One environment: its plots behind a line, then each scenario behind another. Of a large one the tables of all
 /// scenarios stand together.
@@ -29,7 +30,7 @@ pub fn environment(page: &mut Markup, criterion: &str, name: &str, plots: &[&Plo
     page.open_fold(
         &anchor(&[criterion, name, "all"]),
         &match (is_large, count) {
-            (true, _) => format!("All {count} scenarios: plots and tables"),
+            (true, _) => format!("All {}: plots and tables", counted(count, "scenario")),
             (false, 1) => "Plots by planner".to_owned(),
             (false, _) => format!("All {count} scenarios: plots by planner, difficulty and quartiles"),
         },

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use crate::report::page_figures::{Markup, Shown, escape, words};
 use crate::report::paper_table::{PaperTable, shown};
 use crate::report::{Enclosure, Row};
+use cranny_file::counted;
 
 /// Rows with their places in the summary.
 pub type Rows<'a> = Vec<(usize, &'a Row)>;
@@ -206,7 +207,7 @@ pub fn goals(page: &mut Markup, criterion: &str) {
     let count = of_criterion().count();
     page.open_fold(
         &format!("{criterion}-goals"),
-        &format!("<b>{count} goals</b> <span>of planners that aim at one</span>"),
+        &format!("<b>{}</b> <span>of planners that aim at one</span>", counted(count, "goal")),
     );
     page.open_table(
         "Each goal by its index in the scenario's IK set; times in seconds, a failure counted as the limit.",
@@ -241,7 +242,7 @@ pub fn worst(page: &mut Markup, enclosure: &Enclosure) {
     let count = summary.worst.len();
     page.open_fold(
         "worst-trials",
-        &format!("<b>{count} trials</b> <span>what failed, and what took longest</span>"),
+        &format!("<b>{}</b> <span>what failed, and what took longest</span>", counted(count, "trial")),
     );
     let hint = if enclosure.paths.is_empty() {
         " <code>cranny bench report --paths</code> puts pages that show their paths beside this one."

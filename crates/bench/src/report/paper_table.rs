@@ -2,6 +2,7 @@ use std::fmt::Write as _;
 
 use crate::report::number_text::{percent, table_seconds};
 use crate::report::{Row, Summary};
+use cranny_file::counted;
 
 /// The trials of one criterion in the layout of the paper's Table I: a line a scenario with its goals and how
 /// many of them were ever solved, a column a planner with success in percent, mean and standard deviation of
@@ -178,7 +179,7 @@ impl<'a> PaperTable<'a> {
     pub fn note(&self) -> String {
         let column = |column: &Column| {
             let runs = match column.runs {
-                (least, most) if least == most => format!("{least} runs"),
+                (least, most) if least == most => counted(least, "run"),
                 (least, most) => format!("{least} to {most} runs"),
             };
             format!("{}: {runs}, limit {} s", column.planner_name, column.time_limit_s)

@@ -3,6 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
 use crate::{Run, RunInformation};
+use cranny_file::counted;
 
 /// What a reader must know before the figures are believed, in one sentence each.
 pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
@@ -15,7 +16,8 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
             "Up to {most} trials ran at a time on one machine, so times are longer than those of a machine at rest."
         ));
     }
-    let machine = |run: &RunInformation| format!("{} ({}, {} cores)", run.machine, run.processor, run.cores);
+    let machine =
+        |run: &RunInformation| format!("{} ({}, {})", run.machine, run.processor, counted(run.cores, "core"));
     warnings.extend(pooled(groups, &runs, "machines", machine));
     let built = |run: &RunInformation| {
         run.commit.as_ref().map_or(run.version.clone(), |commit| format!("{} ({commit})", run.version))
