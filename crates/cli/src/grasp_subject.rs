@@ -19,7 +19,7 @@ use crate::object;
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny grasps sample banana
-  cranny grasps sample sugar_box --pose 2 --count 500 --choose farthest -o box.csv
+  cranny grasps sample sugar_box --pose 2 --choose farthest -o box.csv
   cranny grasps sample scan.obj --friction 0.4 --bare --json
   cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
   cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario

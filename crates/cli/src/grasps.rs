@@ -3,12 +3,13 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
+use cranny_file::counted;
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, csv_text, nearest_distances, read_csv, sample_grasps,
-    spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, csv_text, nearest_distances, read_csv,
+    sample_grasps, spread,
 };
 use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
-use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
+use cranny_scenario::{OpenOptions, Scenario, ScenarioError, TooWide};
 use cranny_shape::Surface;
 use serde::Serialize;
 
@@ -40,7 +41,7 @@ pub enum GraspsCommand {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny grasps filter 021 -o free.csv
-  cranny grasps filter path/to/scenarios/011 --grasps mine.csv --approach 30 -o free.csv
+  cranny grasps filter my_shelf --grasps mine.csv --approach 30 -o free.csv
 
 Grasps of a file are those of the scenario's planning frame. A grasp stays if the hand, or the hand turned by
 180°, is free at it and along the approach.")]
@@ -106,6 +107,9 @@ struct Sampled {
     best_score: f64,
     mean_score: f64,
     stopped: bool,
+    /// Why nothing was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    too_wide: Option<TooWide>,
     file: Option<PathBuf>,
 }
 
@@ -120,10 +124,16 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let stop = stop_on_interrupt()?;
     let progress = bar(settings.count as u64, output.quiet);
     let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
-    let found = sample_grasps(&surface, &settings, &accept, &mut |count| {
+    // Better now than after a million contacts in vain.
+    let too_wide = TooWide::of(&surface, &settings);
+    let mut going_on = |count| {
         progress.set_position(count as u64);
         !stop.load(Ordering::Relaxed)
-    });
+    };
+    let found = match too_wide {
+        Some(_) => Ok(Sampling::default()),
+        None => sample_grasps(&surface, &settings, &accept, &mut going_on),
+    };
     progress.finish_and_clear();
     let found = found.map_err(ScenarioError::from)?;
     let is_stopped = stop.load(Ordering::Relaxed);
@@ -143,6 +153,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         // The sum of nothing is −0.
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
         stopped: is_stopped,
+        too_wide,
         // Where there is nothing to write, or only a part of it, what stood there before stays.
         file: Some(arguments.output.clone()).filter(|_| !chosen.is_empty() && !is_stopped),
     };
@@ -162,12 +173,19 @@ impl Sampled {
             let _ = writeln!(page, "  {name:<14}{value}");
         };
         line("object", self.object.clone());
-        line("grasps", format!("{} of {} candidates", self.grasps, self.candidates));
-        line("contacts", format!("{} pairs from {} first contacts", self.pairs, self.first_contacts));
+        line("grasps", format!("{} of {}", self.grasps, counted(self.candidates, "candidate")));
+        line(
+            "contacts",
+            format!("{} from {}", counted(self.pairs, "pair"), counted(self.first_contacts, "first contact")),
+        );
         line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
         let file = self.file.as_ref().map(|file| file.display().to_string());
-        let why_not = if self.stopped { "stopped before the end" } else { "no grasp was found" };
+        let why_not = match self.too_wide {
+            Some(too_wide) => too_wide.to_string(),
+            None if self.stopped => "stopped before the end".to_owned(),
+            None => "no grasp was found".to_owned(),
+        };
         line("written to", file.unwrap_or_else(|| format!("nowhere: {why_not}")));
         page
     }
@@ -231,7 +249,8 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
 impl Filtered {
     fn page(&self) -> String {
         let Self { scenario, grasps, free, .. } = self;
-        let mut page = format!("{scenario}: the hand alone can take {free} of {grasps} grasps\n");
+        let mut page =
+            format!("{scenario}: the hand alone can take {free} of {}\n", counted(*grasps, "grasp"));
         for Blocking { body, grasps } in &self.blocked_by {
             let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
         }
@@ -270,9 +289,10 @@ fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Fai
     let CoverageAnswer { coverage, covered, reference, set, threshold, median_distance } = answer;
     let page = || {
         format!(
-            "{:.1} % covered: {covered} of {reference} grasps are within {threshold} (mm + degrees) of one of \
-             {set}, half of them within {median_distance:.1}\n",
-            coverage * 100.0
+            "{:.1} % covered: {covered} of {}, within {threshold} (mm + degrees) of one of {set}; half within \
+             {median_distance:.1}\n",
+            coverage * 100.0,
+            counted(reference, "grasp")
         )
     };
     text::answer(&answer, page, output.aloud())?;
@@ -313,9 +333,9 @@ fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, F
     let [least, median, greatest] = [spread.least, spread.median, spread.greatest].map(number);
     let page = || {
         format!(
-            "{} grasps; between two of them, in mm + degrees: least {least}, median {median}, greatest \
+            "{}; between two of them, in mm + degrees: least {least}, median {median}, greatest \
              {greatest}\n",
-            spread.grasps
+            counted(spread.grasps, "grasp")
         )
     };
     text::answer(&spread, page, output.aloud())?;

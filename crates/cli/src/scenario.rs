@@ -57,7 +57,8 @@ pub enum ScenarioCommand {
   cranny scenario check my_shelf
   cranny plan my_shelf
   cranny scenario new my_cell --robot my_arm          (a folder that `cranny robot add` made)
-  cranny scenario new my_cell --robot ur5.urdf --group manipulator --tip tool0 --package ~/ros/share
+  cranny scenario new my_cell --robot ur5.urdf --group manipulator \\
+      --tip tool0 --package ~/ros/share
 
 The files of a robot that is not built in (URDF, SRDF, limits.yaml, robot.yaml, meshes) are copied to FOLDER/robot. What stands around it
 and the grasps are then to be adapted to it.")]
@@ -104,7 +105,8 @@ pub struct CheckArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny scenario pack my_shelf
-  cranny scenario pack my_shelf -o shelf.zip --author 'Jane Doe' --licence CC-BY-4.0
+  cranny scenario pack my_shelf -o shelf.zip \\
+      --author 'Jane Doe' --licence CC-BY-4.0
 
 What flags do not say is taken from `about` in scenario.yaml. Hidden files and plans are left out.")]
 pub struct PackArguments {
@@ -203,7 +205,7 @@ pub struct SweepArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny scenario generate --family shelf --count 1000 --seed 7
-  cranny scenario generate --family gap --count 50 --from 0.3 --to 0.4 --clutter 0 -o narrow
+  cranny scenario generate --family gap --count 50 --from 0.3 --to 0.4 -o narrow
   cranny scenario generate --family table --count 20 --robot my_robot
 
 The object lies anywhere it may, turned at random, and boxes and cylinders stand about. A draw where the robot
@@ -321,6 +323,7 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
         notes.extend(scenario.odd_places());
+        notes.extend(scenario.too_wide_target());
         if let Some(cell) = problem.cell() {
             let mut scratch = cell.scratch();
             let is_free = |grasp: &cranny_grasp::Grasp| {

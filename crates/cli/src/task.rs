@@ -73,6 +73,7 @@ pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<
     let scenario = Scenario::open(id, options)?;
     note_all(&model_notes(&scenario.robot, &scenario.world), output)?;
     note_all(scenario.misplaced_grasps().as_slice(), output)?;
+    note_all(scenario.too_wide_target().as_slice(), output)?;
     Ok(scenario)
 }
 

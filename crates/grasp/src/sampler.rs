@@ -255,6 +255,27 @@ impl<'a> GraspSampler<'a> {
         Ok(Self { surface, area, settings: settings.clone() })
     }
 
+    /// By how much the object is too wide for the gripper, as far as so many first contacts tell: the least distance of two
+    /// contacts in force closure, in metres, where all are farther apart than it opens. `None` as soon as two are not, and
+    /// where there are none at all.
+    pub fn too_wide_m(&self, first_contacts: usize) -> Option<f64> {
+        let endless_m = 4.0 * self.surface.aabb().half_extents.norm();
+        let settings = SamplerSettings { opening_m: endless_m, ..self.settings.clone() };
+        let mut random = Stream::new(settings.seed, 0);
+        let mut narrowest_m = f64::INFINITY;
+        for _ in 0..first_contacts {
+            let first = self.area.point([random.uniform(), random.uniform(), random.uniform()]);
+            let ray = direction_in_cone(&-first.normal, settings.friction, &mut random);
+            for [one, other] in pairs_along(self.surface, &first, &ray, &settings) {
+                narrowest_m = narrowest_m.min((one.point_in_object - other.point_in_object).norm());
+            }
+            if narrowest_m <= self.settings.opening_m {
+                return None;
+            }
+        }
+        Some(narrowest_m).filter(|distance_m| distance_m.is_finite())
+    }
+
     /// Draws one first contact and hands over the grasps that it leads to, often none; returns in how many pairs of
     /// contacts in force closure it is.
     pub fn draw(&self, random: &mut Stream, found: &mut dyn FnMut(SampledGrasp)) -> usize {

@@ -1,8 +1,8 @@
 //! Sampled grasps against what makes a grasp, checked triangle by triangle.
 
 use cranny_grasp::{
-    BoxHand, FirstApproach, GraspError, SampledGrasp, SamplerSettings, Sampling, grasp_distance,
-    sample_grasps,
+    BoxHand, FirstApproach, GraspError, GraspSampler, SampledGrasp, SamplerSettings, Sampling,
+    grasp_distance, sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::{Point, Vector};
@@ -96,6 +96,19 @@ fn nothing_wider_than_the_opening_is_grasped() {
     let narrow = SamplerSettings { opening_m: 0.03, most_contacts: 10_000, ..settings(500) };
     let none = sampled(&surface, &narrow);
     assert!(none.grasps.is_empty() && none.first_contacts >= 10_000);
+}
+
+/// A search for what cannot be found went on to its end and said nothing.
+#[test]
+fn what_is_too_wide_everywhere_is_known_by_how_wide_it_is() {
+    let surface = Surface::new(&cuboid()).unwrap();
+    let too_wide_m = |opening_m: f64| {
+        let settings = SamplerSettings { opening_m, ..settings(1) };
+        GraspSampler::new(&surface, &settings).unwrap().too_wide_m(1000)
+    };
+    // A ray within the cone of friction is longer than the object is wide, by 3 % at most.
+    assert!(too_wide_m(0.03).is_some_and(|narrowest_m| (0.04..0.0412).contains(&narrowest_m)));
+    assert_eq!(too_wide_m(0.042), None);
 }
 
 #[test]

@@ -1,9 +1,10 @@
 use cranny_collision::{Body, Part, World};
+use cranny_file::counted;
 use cranny_robot::{Link, Robot};
 use cranny_shape::separation;
 use cranny_spatial::{Point, Pose};
 
-use crate::{Scenario, mesh_repairs};
+use crate::{Scenario, measured_opening_m, mesh_repairs};
 
 /// From the pads of a hand at a grasp to what it grasps there is no way farther than this, in metres: half of what the
 /// widest two-finger hands open.
@@ -21,7 +22,24 @@ pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let unseen = seen_only_links(robot).map(|link| {
         format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
     });
-    mesh_repairs(robot, world).into_iter().chain(unseen).collect()
+    mesh_repairs(robot, world).into_iter().chain(unseen).chain(wide_opening(robot)).collect()
+}
+
+/// What an opening may be said to be wider than measured, in metres: meshes are that rough.
+const OPENING_OFF_M: f64 = 1e-3;
+
+/// What is wrong with the opening of a robot's hand, if its fingers are not that far apart.
+pub fn wide_opening(robot: &Robot) -> Option<String> {
+    let hand = &robot.hand()?.description;
+    let measured_m = measured_opening_m(robot)?;
+    (hand.opening_m > measured_m + OPENING_OFF_M).then(|| {
+        let [said_mm, measured_mm] = [hand.opening_m, measured_m].map(|metres| metres * 1e3);
+        format!(
+            "the opening_m of hand '{}' says {said_mm:.1} mm, but its open fingers are {measured_mm:.1} mm apart: what is \
+             wider does not fit between them",
+            hand.name
+        )
+    })
 }
 
 /// A target may lie so deep in what it rests on, and so high above it, in metres: settled objects do by a few tenths.
@@ -73,9 +91,9 @@ impl Scenario {
         (nearest_m > FARTHEST_GRASP_M).then(|| {
             let millimetres = nearest_m * 1e3;
             format!(
-                "none of the {} grasps is at {}, the nearest {millimetres:.0} mm away: they are of another place; \
-                 `cranny grasps sample` makes new ones",
-                self.grasps.len(),
+                "none of the {} is at {}, the nearest {millimetres:.0} mm away: they are of another place; `cranny \
+                 grasps sample` makes new ones",
+                counted(self.grasps.len(), "grasp"),
                 target.name
             )
         })

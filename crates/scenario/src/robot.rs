@@ -5,5 +5,6 @@ pub(crate) mod file;
 pub(crate) mod gripper_file;
 pub(crate) mod hand;
 pub(crate) mod in_folder;
+pub(crate) mod opening;
 pub(crate) mod short_arm;
 pub(crate) mod source;

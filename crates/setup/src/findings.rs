@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Body, Cell, Margins, World};
+use cranny_file::counted;
 use cranny_robot::Robot;
 use serde::Serialize;
 
@@ -50,7 +51,13 @@ impl RobotFindings {
         };
         let joints = robot.joint_names().iter().zip(robot.limits()).map(joint).collect();
         let contacts = SelfContact::sample(robot);
-        let mut findings = vec![tip(robot), hand(robot), rates(robot)];
+        let mut findings = vec![tip(robot), hand(robot)];
+        findings.extend(cranny_scenario::wide_opening(robot).map(|doubt| {
+            let consequence =
+                "grasps are sampled that the fingers do not reach round (`opening_m` in robot.yaml)";
+            finding("opening", doubt, consequence, false)
+        }));
+        findings.push(rates(robot));
         findings.extend(geometry(robot));
         findings.extend(pairs(robot, &contacts));
         findings.push(start(robot)?);
@@ -106,13 +113,13 @@ fn hand(robot: &Robot) -> Finding {
     let consequence = match (joints.is_empty(), hand.fingers) {
         (true, _) => "grasps are sampled for it, and reached; nothing is carried".to_owned(),
         (false, 1) => format!(
-            "one finger moves ({} joints), closing with {} N; the other side stands",
-            hand.joints.len(),
+            "one finger moves ({}), closing with {} N; the other side stands",
+            counted(hand.joints.len(), "joint"),
             description.closing_force_n
         ),
         (false, fingers) => format!(
-            "{fingers} fingers move ({} joints), closing with {} N",
-            hand.joints.len(),
+            "{fingers} fingers move ({}), closing with {} N",
+            counted(hand.joints.len(), "joint"),
             description.closing_force_n
         ),
     };
