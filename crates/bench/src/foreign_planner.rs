@@ -5,7 +5,7 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
-use cranny_plan::{CarryEnd, Statistics};
+use cranny_plan::{CarryEnd, Criterion, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
 use cranny_solve::{Carry, Segment};
 use serde_json::json;
@@ -26,7 +26,7 @@ pub struct ForeignPlanner {
 }
 
 /// Where a program finds what it wants to read.
-struct ForeignFiles {
+pub struct ForeignFiles {
     /// The folder in the released layout.
     released: PathBuf,
     /// The folder in Cranny's layout.
@@ -78,7 +78,13 @@ impl ForeignPlanner {
                 )
             }
         };
-        Ok(Self { command, is_released, files: ForeignFiles::write(request, opened)? })
+        // Of one content there is one export for each worker, which nobody else writes or reads.
+        let hash = &request.question.trial.scenario_hash;
+        // Who is given no set of grasps finds none beside it either.
+        let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
+        let folder = request.exports.join(format!("{}-{hash}{kind}", std::process::id()));
+        let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
+        Ok(Self { command, is_released, files })
     }
 
     /// What the program makes of a trial, and its path, piece by piece, not yet judged.
@@ -101,7 +107,7 @@ impl ForeignPlanner {
         let (program, arguments) = words.split_first().ok_or_else(missing)?;
         let mut command = Command::new(program);
         command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
-        let input = self.problem(task, scratch).to_string() + "\n";
+        let input = self.files.problem(task, scratch).to_string() + "\n";
         let Ran { ending, elapsed_s, memory_bytes } =
             foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
@@ -183,9 +189,16 @@ impl ForeignPlanner {
         ];
         placeholders.iter().fold(word.to_owned(), |word, (name, value)| word.replace(name, value))
     }
+}
 
+/// Written last of all, so that a folder that has it is whole.
+pub fn mark_of_the_whole(folder: &Path, criterion: Criterion) -> PathBuf {
+    folder.join(format!("{}.whole", criterion.name()))
+}
+
+impl ForeignFiles {
     /// What the program reads on its standard input.
-    fn problem(&self, task: &ForeignTask, scratch: &Path) -> serde_json::Value {
+    pub fn problem(&self, task: &ForeignTask, scratch: &Path) -> serde_json::Value {
         let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
         let robot = problem.robot();
         let named = robot.joint_names().iter().zip(robot.limits());
@@ -193,7 +206,7 @@ impl ForeignPlanner {
             .map(|(name, limits)| json!({"name": name, "lower": limits.lower, "upper": limits.upper}))
             .collect();
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
-        let export = self.files.released.join("export");
+        let export = self.released.join("export");
         let Margins { margin_m, grasp_margin_m, .. } = PathDemand::of_settings(&trial.settings).margins;
         json!({
             "protocol": 1,
@@ -213,9 +226,9 @@ impl ForeignPlanner {
             "margin_m": margin_m,
             "grasp_margin_m": grasp_margin_m,
             "files": {
-                "released": self.files.released,
-                "cranny": self.files.cranny,
-                "urdf": self.files.urdf,
+                "released": self.released,
+                "cranny": self.cranny,
+                "urdf": self.urdf,
                 "obstacles": export.join("obstacles.obj"),
                 "grasps": export.join("grasps.csv"),
                 "start": export.join("robot_start_conf.csv"),
@@ -224,15 +237,9 @@ impl ForeignPlanner {
             },
         })
     }
-}
 
-impl ForeignFiles {
-    fn write(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
-        // Of one content there is one export for each worker, which nobody else writes or reads.
-        let hash = &request.question.trial.scenario_hash;
-        // Who is given no set of grasps finds none beside it either.
-        let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
-        let folder = request.exports.join(format!("{}-{hash}{kind}", std::process::id()));
+    /// Writes all of them into a folder, which may be there.
+    pub fn write(folder: &Path, source: &str, opened: &OpenedScenario) -> Result<Self, BenchError> {
         let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
         let scratch = folder.join("scratch");
         std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;
@@ -244,8 +251,7 @@ impl ForeignFiles {
             scratch,
             written: Vec::new(),
         };
-        // Written last of all, so that what has it is whole.
-        let mark = folder.join(format!("{}.whole", opened.problem.criterion().name()));
+        let mark = mark_of_the_whole(folder, opened.problem.criterion());
         let is_whole = mark.is_file();
         if !is_whole {
             recipe.robot.write(&folder.join("robot"))?;
@@ -259,7 +265,7 @@ impl ForeignFiles {
             files.note_written(&folder.join(written));
         }
         // A released scenario is given as it is, with its own robot.
-        let source = Path::new(&request.question.source);
+        let source = Path::new(source);
         if opened.scenario.has_grasp_set
             && source.join("scene.yaml").is_file()
             && source.join("export/obstacles.obj").is_file()

@@ -9,6 +9,7 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::bench_export::{self, ExportArguments};
 use crate::bench_merge::{self, MergeArguments};
+use crate::bench_problem::{self, ProblemArguments};
 use crate::bench_replay::{self, ReplayArguments};
 use crate::bench_report::{self, ReportArguments};
 use crate::bench_run::{self, RunArguments};
@@ -30,6 +31,8 @@ enum BenchCommand {
     Slurm(SlurmArguments),
     /// How far the tasks of a campaign are
     Status(StatusArguments),
+    /// Write what a program of your own is given for a trial, to try it by hand
+    Problem(ProblemArguments),
     /// Join the results of several machines in one file
     Merge(MergeArguments),
     /// Tables, curves and comparisons of results, as a page, JSON, LaTeX, Markdown or CSV
@@ -48,6 +51,7 @@ pub fn run(arguments: &BenchArguments, registry: &Registry, output: Output) -> R
         BenchCommand::Run(arguments) => bench_run::run(arguments, registry, output),
         BenchCommand::Slurm(arguments) => bench_slurm::run(arguments, registry, output),
         BenchCommand::Status(arguments) => bench_status::run(arguments, output),
+        BenchCommand::Problem(arguments) => bench_problem::run(arguments, registry, output),
         BenchCommand::Merge(arguments) => bench_merge::run(arguments, output),
         BenchCommand::Report(arguments) => bench_report::run(arguments, output),
         BenchCommand::Export(arguments) => bench_export::run(arguments, output),

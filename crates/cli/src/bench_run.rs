@@ -9,6 +9,7 @@ use cranny_bench::{
     Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
     TrialRecord, run_campaign,
 };
+use cranny_file::counted;
 use cranny_plan::{Criterion, Registry};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -27,14 +28,18 @@ use crate::version::COMMIT;
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
-  cranny bench run --scenarios 01x,045 --planners j-plus-rrt,ik-rrt,reach --runs 100 -o results.db
-  cranny bench run --scenarios all --planners reach --planner \"exec:python3 plain_rrt.py\" --time-limit 10
+  cranny bench run --scenarios 01x,045 --planners j-plus-rrt,ik-rrt,reach \\
+      --runs 100 -o results.db
+  cranny bench run --scenarios all --planners reach --time-limit 10 \\
+      --planner \"exec:python3 plain_rrt.py\"
   cranny bench run campaign.yaml -o results.db
   cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
   cranny bench run --scenarios all --planners reach --carry home
-  cranny bench run --scenarios all --planners grasp-reach,grasp-rrt --grasps none
+  cranny bench run --scenarios all --planners grasp-reach,grasp-rrt \\
+      --grasps none
   cranny bench run campaign.yaml -o results.db --again killed,crashed     once more what was lost
-  cranny bench run --scenarios 021 --planner \"released:./burs_of_free_space -planner 0\" --criterion paper
+  cranny bench run --scenarios 021 --criterion paper \\
+      --planner \"released:./burs_of_free_space -planner 0\"
 
 The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
 Exit 0: every trial is in the results, however it ended; exit 1: stopped before.
@@ -214,9 +219,9 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
 impl Answered<'_> {
     fn page(&self) -> String {
         let Self { file, trials, known, run, solved, stopped, lost } = self;
-        let mut page = format!("{}: {} of {trials} trials", file.display(), known + run);
+        let mut page = format!("{}: {} of {}", file.display(), known + run, counted(*trials, "trial"));
         if *run > 0 {
-            let _ = write!(page, ", {run} of them run now, {solved} of those solved");
+            let _ = write!(page, ", {run} run now, {solved} of those solved");
         }
         page.push('\n');
         for Lost { planner, outcome, trials, first } in lost {

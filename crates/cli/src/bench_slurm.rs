@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_bench::{Campaign, MOST_SHARDS, Manifest, Sandbox};
+use cranny_file::counted;
 use cranny_plan::Registry;
 use serde::Serialize;
 
@@ -20,7 +21,8 @@ use crate::text;
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny bench slurm campaign.yaml --array 8
-  cranny bench slurm campaign.yaml --array 100 -o runs/first -- --partition=short --time=8:00:00 --exclusive
+  cranny bench slurm campaign.yaml --array 100 -o runs/first -- \\
+      --partition=short --time=8:00:00 --exclusive
   cranny bench slurm campaign.yaml --array 8 --local '$TMPDIR'   results on the node's own disk while a task runs
   cranny bench slurm campaign.yaml --array 8 --write-only        write the scripts, and say how to submit them
   cranny bench status campaign                                   how far it is
@@ -146,8 +148,10 @@ fn begin(
     spinner.finish_and_clear();
     let schedule = schedule?;
     if tasks > schedule.questions.len() as u64 {
-        let problem =
-            format!("the campaign has {} trials, so there are no more tasks", schedule.questions.len());
+        let problem = format!(
+            "the campaign has {}, so there are no more tasks",
+            counted(schedule.questions.len(), "trial")
+        );
         return Err(Failure::Flag { flag: "array", problem });
     }
     let name = file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -304,7 +308,7 @@ impl Answered {
         if tasks.is_empty() {
             return format!("{folder}: no task is lost, nothing was submitted\n");
         }
-        let mut page = format!("{folder}: {trials} trials, tasks {}\n", list(tasks));
+        let mut page = format!("{folder}: {}, tasks {}\n", counted(*trials, "trial"), list(tasks));
         if let [array, last] = &jobs[..] {
             let _ = writeln!(
                 page,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_bench::{Results, Standing, Tally};
+use cranny_file::counted;
 use serde::Serialize;
 
 use crate::Answer;
@@ -39,6 +40,8 @@ enum State {
     Lost,
     /// Not done, and there is no Slurm to ask.
     Open,
+    /// Nobody says how many trials there are to be.
+    Unknown,
 }
 
 /// What `bench status --json` prints.
@@ -106,7 +109,11 @@ fn of_files(files: &[PathBuf]) -> Result<Answered, Failure> {
             Some(standing) => standing,
             None => Standing::of_results(file)?,
         };
-        let state = if standing.is_done() { State::Done } else { State::Open };
+        let state = match standing.trials {
+            None => State::Unknown,
+            Some(_) if standing.is_done() => State::Done,
+            Some(_) => State::Open,
+        };
         let name = file.file_name().map_or(file.as_path(), Path::new);
         Ok(TaskLine { task: name.display().to_string(), state, standing })
     };
@@ -154,8 +161,8 @@ impl Answered {
         let Self { trials, ended, solved, left_s, planners, tasks, resume } = self;
         let share = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
         let mut page = match trials {
-            Some(trials) => format!("{ended} of {trials} trials"),
-            None => format!("{ended} trials"),
+            Some(trials) => format!("{ended} of {}", counted(*trials, "trial")),
+            None => format!("{} ended", counted(*ended, "trial")),
         };
         let _ = write!(page, ", {solved} of them solved ({:.1} %)", share(*solved, *ended));
         if let Some(left_s) = left_s {
@@ -168,6 +175,7 @@ impl Answered {
             (State::Waiting, "waiting"),
             (State::Lost, "lost"),
             (State::Open, "not done"),
+            (State::Unknown, "unknown"),
         ];
         for (state, name) in states {
             let of_state: Vec<&TaskLine> = tasks.iter().filter(|task| task.state == state).collect();
@@ -191,6 +199,12 @@ impl Answered {
         for (planner, Tally { ended, solved }) in planners {
             let _ =
                 writeln!(page, "  {planner}: {solved} of {ended} solved ({:.1} %)", share(*solved, *ended));
+        }
+        if tasks.iter().any(|task| task.state == State::Unknown) {
+            page.push_str(
+                "  how many trials there are to be stands in no file: the command that ran them, given again, runs what is \
+                 left, if anything is\n",
+            );
         }
         if let Some(resume) = resume {
             let _ = writeln!(page, "  to submit what was lost: {resume}");

@@ -2,6 +2,7 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 
 use crate::Answer;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::text;
 
@@ -17,7 +18,11 @@ pub struct CompletionsArguments {
 }
 
 /// Prints what makes a shell complete the words of `command`.
-pub fn run(arguments: CompletionsArguments, mut command: Command) -> Result<Answer, Failure> {
+pub fn run(arguments: CompletionsArguments, mut command: Command, output: Output) -> Result<Answer, Failure> {
+    if output.json {
+        let problem = "what is printed is a script for the shell".to_owned();
+        return Err(Failure::Flag { flag: "json", problem });
+    }
     let mut script = Vec::new();
     let name = command.get_name().to_owned();
     clap_complete::generate(arguments.shell, &mut command, name, &mut script);

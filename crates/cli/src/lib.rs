@@ -4,6 +4,7 @@ mod arguments;
 mod bench;
 mod bench_export;
 mod bench_merge;
+mod bench_problem;
 mod bench_replay;
 mod bench_report;
 mod bench_run;
@@ -19,6 +20,7 @@ mod file_kind;
 mod grasp_choice;
 mod grasp_subject;
 mod grasps;
+mod help;
 mod ik;
 mod info;
 mod licences;
@@ -98,9 +100,9 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Render(arguments) => render::run(arguments, registry, cli.output),
         Chosen::View(arguments) => view::run(arguments, registry, cli.output),
         Chosen::Doctor => doctor::run(cli.output),
-        Chosen::Completions(arguments) => completions::run(*arguments, whole_command()),
+        Chosen::Completions(arguments) => completions::run(*arguments, whole_command(), cli.output),
         Chosen::Man(arguments) => manual::run(arguments, whole_command(), cli.output),
-        Chosen::Licences => licences::run(),
+        Chosen::Licences => licences::run(cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,
@@ -114,7 +116,7 @@ pub fn main(registry: &Registry) -> ExitCode {
 }
 
 fn whole_command() -> Command {
-    with_negative_numbers(Cli::command())
+    help::laid_out(with_negative_numbers(Cli::command()))
 }
 
 /// With every flag taking a negative number for what it is, so that `--count -1` hears of its range and not that

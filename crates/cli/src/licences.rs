@@ -1,9 +1,52 @@
+use serde::Serialize;
+
 use crate::Answer;
+use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::text;
 
+/// What `licences --json` prints a list of; the keys stay.
+#[derive(Serialize)]
+struct Licence<'a> {
+    /// What has it, with the name of the licence: packages whose texts are the same stand together.
+    of: Vec<&'a str>,
+    text: &'a str,
+}
+
+/// What stands above and below the heading of each licence.
+const RULE: &str = "\n================================================================================\n";
+
 /// Prints the project's own licences, then those of others.
-pub fn run() -> Result<Answer, Failure> {
-    text::print_as_it_is(cranny_view::NOTICES.as_bytes())?;
+pub fn run(output: Output) -> Result<Answer, Failure> {
+    if output.json {
+        text::print_json(&licences(cranny_view::NOTICES))?;
+    } else {
+        text::print_as_it_is(cranny_view::NOTICES.as_bytes())?;
+    }
     Ok(Answer::Done)
+}
+
+fn licences(notices: &str) -> Vec<Licence<'_>> {
+    // The first piece says what follows.
+    let pieces: Vec<&str> = notices.split(RULE).skip(1).collect();
+    pieces
+        .chunks_exact(2)
+        .map(|pair| Licence { of: pair[0].trim().lines().collect(), text: pair[1].trim() })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_licence_says_of_what_it_is_and_has_a_text() {
+        let all = licences(cranny_view::NOTICES);
+        assert!(all.len() > 20 && all[0].of == ["Cranny (MIT)"], "{}", all.len());
+        for Licence { of, text } in &all {
+            assert!(!of.is_empty() && of.iter().all(|of| of.ends_with(')')) && !text.is_empty(), "{of:?}");
+        }
+        let kept: usize = all.iter().map(|licence| licence.text.len()).sum();
+        assert!(kept * 100 > cranny_view::NOTICES.len() * 85, "{kept}");
+    }
 }

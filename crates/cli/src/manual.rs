@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::text;
+use cranny_file::counted;
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -23,6 +24,11 @@ pub struct ManualArguments {
 /// Writes the manual pages of `command` and of all its subcommands, in roff.
 pub fn run(arguments: &ManualArguments, command: Command, output: Output) -> Result<Answer, Failure> {
     let Some(folder) = &arguments.output else {
+        if output.json {
+            let problem =
+                "a manual page is roff; with -o FOLDER the pages that are written are listed".to_owned();
+            return Err(Failure::Flag { flag: "json", problem });
+        }
         let mut page = Vec::new();
         Man::new(command).render(&mut page)?;
         text::print_as_it_is(&page)?;
@@ -34,9 +40,8 @@ pub fn run(arguments: &ManualArguments, command: Command, output: Output) -> Res
     let mut pages = Vec::new();
     add_pages(command, &mut pages)?;
     let written = output_file::write_all(folder, &pages, output)?;
-    if !output.quiet {
-        text::print(&format!("wrote {} pages into {}\n", written.len(), folder.display()))?;
-    }
+    let page = || format!("wrote {} into {}\n", counted(written.len(), "page"), folder.display());
+    text::answer(&serde_json::json!({ "files": written }), page, output)?;
     Ok(Answer::Done)
 }
 

@@ -55,7 +55,7 @@ pub struct ShowArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny object add mug.obj --mass 0.118
-  cranny object add box.stl --mass 0.4 --scale 0.001 --friction 0.5 -o objects/box
+  cranny object add box.stl --mass 0.4 --scale 0.001 -o objects/box
 
 The mesh must enclose a volume. Doubled vertices and faces the wrong way round are repaired; holes and
 faces that pass through each other are not.")]
@@ -139,6 +139,14 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
         }
         ObjectCommand::Add(arguments) => add(arguments, output),
         ObjectCommand::Export(arguments) => {
+            let folder = PathBuf::from(&arguments.object);
+            if folder.join(OBJECT_FILE).is_file() {
+                let problem =
+                    "it is an object's folder already, which can be copied and changed as it is; built-in \
+                               objects are exported"
+                        .to_owned();
+                return Err(Failure::File { path: folder, problem });
+            }
             let object = builtin_object(&arguments.object)?;
             let folder = arguments.output.clone().unwrap_or_else(|| arguments.object.clone().into());
             written(Shown::of(&object), &object, folder, output)

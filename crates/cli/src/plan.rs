@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use cranny_file::counted;
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, OptimiseSettings, PlaceGoal, PlaceSettings, Registry, TimingMethod,
 };
@@ -128,12 +129,15 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
     let ends = match values {
         Some(values) if values.len() == joints => vec![values],
         Some(values) => {
-            let problem = format!("{} values, but the robot has {joints} joints", values.len());
+            let problem =
+                format!("{}, but the robot has {}", counted(values.len(), "value"), counted(joints, "joint"));
             return Err(Failure::Flag { flag: "carry", problem });
         }
         None if !Path::new(given).exists() => {
-            let problem =
-                format!("'{given}' is neither `home` nor `out`, nor {joints} values with commas, nor a file");
+            let problem = format!(
+                "'{given}' is neither `home` nor `out`, nor {} with commas, nor a file",
+                counted(joints, "value")
+            );
             return Err(Failure::Flag { flag: "carry", problem });
         }
         None => read_waypoints(Path::new(given), joints)?,
@@ -176,6 +180,10 @@ fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
 fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {
     let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
     output_file::check(&file, FileKind::Plan, output)?;
+    if file.extension().is_none_or(|extension| extension != "json") {
+        let problem = "a plan file ends in .json, by which `verify` and the others know it".to_owned();
+        return Err(Failure::File { path: file, problem });
+    }
     if arguments.rate.is_some() {
         output_file::check(&trajectory_file(&file), FileKind::Trajectory, output)?;
     }

@@ -1,7 +1,8 @@
 use std::fmt::Write;
 
+use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{GraspFailure, Improvement, Outcome};
+use cranny_plan::{GraspFailure, Improvement, Outcome, Statistics};
 use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 
@@ -37,7 +38,8 @@ fn carried(plan: &PlanFile) -> Option<String> {
         format!(" (one meets it {} before the other: it will be pushed, or the hand)", millimetres(uneven_m))
     });
     Some(format!(
-        "{object}, fingers {opening} apart{uneven}: {off} way points to lift it off, {on} to where it goes"
+        "{object}, fingers {opening} apart{uneven}: {} to lift it off, {on} to where it goes",
+        counted(off, "way point")
     ))
 }
 
@@ -69,8 +71,8 @@ fn placed(plan: &PlanFile) -> Option<String> {
         back.first().map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
     let (name, clear) = (&place.name, millimetres(place.clear_m));
     Some(format!(
-        "'{name}': {} way points to set it down, {} until the hand is {clear} off it, {back}",
-        points(set_down),
+        "'{name}': {} to set it down, {} until the hand is {clear} off it, {back}",
+        counted(points(set_down), "way point"),
         points(retreat)
     ))
 }
@@ -110,6 +112,16 @@ fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
     format!("in {}{searches}", text::seconds(seconds))
 }
 
+/// How much the search did.
+fn searched(statistics: &Statistics) -> String {
+    let [iterations, nodes, checks] = [
+        counted(statistics.iterations, "iteration"),
+        counted(statistics.nodes, "node"),
+        counted(statistics.collision_checks, "collision check"),
+    ];
+    format!("{iterations}, {nodes}, {checks}")
+}
+
 /// What is told of the path and its end.
 fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
     if let (Some(grasp), Some(translation), Some(rotation)) =
@@ -138,7 +150,8 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
         line("not checked", text::not_checked(pair));
     }
     if !plan.waypoints.is_empty() {
-        line("path", format!("{} way points, length {:.3}", plan.waypoints.len(), plan.path_length));
+        let points = counted(plan.waypoints.len(), "way point");
+        line("path", format!("{points}, length {:.3}", plan.path_length));
     }
     if let Some(robustness) = &plan.robustness {
         line("robust", robust(robustness));
@@ -168,18 +181,10 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
         let _ = writeln!(page, "  {name:<12}{value}");
     };
     about_path(plan, grasps, &mut line);
-    line(
-        "search",
-        format!(
-            "{} iterations, {} nodes, {} collision checks",
-            statistics.iterations, statistics.nodes, statistics.collision_checks
-        ),
-    );
+    line("search", searched(statistics));
     if statistics.ik_attempts > 0 {
-        line(
-            "grasps",
-            format!("{} goals tried, {} IK attempts", statistics.goals_tried, statistics.ik_attempts),
-        );
+        let attempts = counted(statistics.ik_attempts, "IK attempt");
+        line("grasps", format!("{} tried, {attempts}", counted(statistics.goals_tried, "goal")));
     }
     line("time", times(answered));
     if let (Some(shortening), Some(seconds)) = (&plan.shortening, answered.shortcut_time_s) {
@@ -187,10 +192,10 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     let improvements = plan.optimisation.as_ref().map_or(&[][..], |optimisation| &optimisation.improvements);
     for Improvement { cost, iterations, time_s } in milestones(improvements) {
-        line("cost", format!("{cost:.3} after {time_s:.3} s, {iterations} iterations"));
+        line("cost", format!("{cost:.3} after {time_s:.3} s, {}", counted(*iterations, "iteration")));
     }
     for (reason, count) in GraspFailure::counted(&plan.failures) {
-        line("blocked", format!("{count:>4} grasps: {reason}"));
+        line("blocked", format!("{:>11}: {reason}", counted(count, "grasp")));
     }
     for fault in &answered.start_faults {
         line("start", fault.clone());

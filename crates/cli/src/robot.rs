@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 use cranny_collision::World;
+use cranny_file::counted;
 use cranny_robot::Robot;
 use cranny_scenario::{
     BUILTIN_ROBOTS, RecipeRobot, ScenarioError, check_free_folder, model_notes, write_whole_folder,
@@ -106,7 +107,7 @@ pub struct CheckArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny robot export ur5e -o my_ur5e
-  cranny robot export fetch-like")]
+  cranny robot export fetch_like")]
 pub struct ExportArguments {
     /// Built-in robot
     #[arg(value_name = "ROBOT")]
@@ -173,7 +174,7 @@ fn list(output: Output) -> Result<Answer, Failure> {
         for Listed { robot, about, .. } in &robots {
             let _ = writeln!(page, "  {robot:<14} {about}");
         }
-        page + "\nTry: cranny plan 021 --robot ur5e-mobile, or cranny robot add URDF\n"
+        page + "\nTry: cranny plan 021 --robot ur5e_mobile, or cranny robot add URDF\n"
     };
     text::answer(&robots, page, output)?;
     Ok(Answer::Done)
@@ -210,7 +211,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
     setup.write(&folder)?;
     let added = Added { folder: &folder, choices: &setup.choices, joints: setup.robot.joint_names() };
     let page = || {
-        let mut page = format!("{}: {} joints move\n", setup.name, setup.robot.dof());
+        let mut page = format!("{}: {}\n", setup.name, moving(&setup.robot));
         for choice in &setup.choices {
             let _ = writeln!(page, "  {:<16}{}", choice.what, choice.chosen);
             let _ = writeln!(page, "  {:<16}because {}; otherwise: {}", "", choice.why, choice.otherwise);
@@ -244,8 +245,14 @@ fn check(arguments: &CheckArguments, output: Output) -> Result<Answer, Failure> 
     Ok(if findings.is_sound() { Answer::Done } else { Answer::No })
 }
 
+/// How many joints move.
+fn moving(robot: &Robot) -> String {
+    let verb = if robot.dof() == 1 { "moves" } else { "move" };
+    format!("{} {verb}", counted(robot.dof(), "joint"))
+}
+
 fn page(robot: &Robot, findings: &RobotFindings, picture: Option<&Path>) -> String {
-    let mut page = format!("{}: {} joints move\n", robot.name(), robot.dof());
+    let mut page = format!("{}: {}\n", robot.name(), moving(robot));
     for joint in &findings.joints {
         let _ = writeln!(page, "  {joint}");
     }

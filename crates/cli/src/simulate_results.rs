@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 use cranny_bench::statistics::wilson;
 use cranny_bench::{BenchError, Results, SimulatedGrasp, StoredTrial, source_of};
+use cranny_file::counted;
 use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{GraspOutcome, GraspRow, GraspTest};
@@ -25,7 +26,8 @@ use crate::{Answer, text};
 
 Each grasp at which a solved trial ends is tried once, as `cranny simulate grasps` does it: the hand alone, in the
 scenario of the trial. What came of it is kept in the same file, in a table simulated_grasps, in the place of what was
-kept there under the same settings; trials stay as they are.")]
+kept there under the same settings; trials stay as they are. A scenario that cannot be simulated, such as one whose
+target has no mass, is skipped and named; then the exit code is 1.")]
 pub struct SimulateResultsArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]
@@ -50,9 +52,19 @@ struct Simulated {
     scenarios: usize,
     grasps: usize,
     held: usize,
+    /// Scenarios that cannot be simulated: their trials count nowhere.
+    skipped: Vec<Skipped>,
     /// Whether Ctrl-C left grasps over; then nothing is written.
     stopped: bool,
     planners: Vec<PlannerGrasps>,
+}
+
+#[derive(Serialize)]
+struct Skipped {
+    scenario: String,
+    /// Solved trials.
+    trials: usize,
+    reason: String,
 }
 
 #[derive(Clone, Copy, Serialize)]
@@ -101,7 +113,7 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
         entry.1.extend(trial.record.grasp);
     }
     // All of them are opened before the first is simulated: what is wrong is said at once.
-    let mut tests = Vec::new();
+    let (mut tests, mut skipped) = (Vec::new(), Vec::new());
     for (key, (trial, chosen)) in wanted {
         let own = &trial.record.trial;
         let source = source_of(&results, &own.scenario, &own.scenario_hash, None).map_err(|fault| match fault {
@@ -117,14 +129,31 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
         let scenario = open_scenario(&source, &OpenOptions::default(), output)?;
         let (last, count) = (chosen.last().copied().unwrap_or(0), scenario.grasps.len());
         if last >= count {
-            let problem =
-                format!("a trial ends at grasp {last} of {}, which has {count} grasps", scenario.id);
+            let problem = format!(
+                "a trial ends at grasp {last} of {}, which has {}",
+                scenario.id,
+                counted(count, "grasp")
+            );
             return Err(Failure::File { path: file.clone(), problem });
         }
         let hand = robot_hand(&scenario.robot);
-        let test =
-            GraspTest::of_scenario(&scenario, &hand, &TargetPhysics::default(), arguments.support_only)?;
-        tests.push((key, test, scenario.grasps, chosen.into_iter().collect::<Vec<_>>()));
+        match GraspTest::of_scenario(&scenario, &hand, &TargetPhysics::default(), arguments.support_only) {
+            Ok(test) => tests.push((key, test, scenario.grasps, chosen.into_iter().collect::<Vec<_>>())),
+            Err(reason) => {
+                let trials = solved.iter().filter(|trial| scenario_of(trial) == key).count();
+                skipped.push(Skipped { scenario: scenario.id, trials, reason: reason.to_string() });
+            }
+        }
+    }
+    for Skipped { scenario, trials, reason } in &skipped {
+        let trials = counted(*trials, "solved trial");
+        text::note(&format!(
+            "{scenario} is skipped with its {trials}, for it cannot be simulated: {reason}"
+        ))?;
+    }
+    if tests.is_empty() {
+        let problem = "none of its scenarios can be simulated".to_owned();
+        return Err(Failure::File { path: file.clone(), problem });
     }
     drop(results);
 
@@ -155,11 +184,12 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
         scenarios,
         grasps: rows.len(),
         held: rows.values().filter(|row| is_held(row)).count(),
+        skipped,
         stopped,
         planners: of_planners(&solved, &rows),
     };
     text::answer(&simulated, || simulated.page(), output)?;
-    Ok(if stopped { Answer::No } else { Answer::Done })
+    Ok(if stopped || !simulated.skipped.is_empty() { Answer::No } else { Answer::Done })
 }
 
 fn scenario_of(trial: &StoredTrial) -> ScenarioKey {
@@ -210,7 +240,7 @@ fn of_planners(solved: &[StoredTrial], rows: &Rows) -> Vec<PlannerGrasps> {
             robust_score: robust.map(|scores| scores.iter().sum::<f64>() / solved.max(1) as f64),
         }
     };
-    of_planner.into_iter().map(planner).collect()
+    of_planner.into_iter().filter(|(_, rows)| !rows.is_empty()).map(planner).collect()
 }
 
 impl Simulated {
@@ -218,9 +248,8 @@ impl Simulated {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let Self { results, grasps, held, scenarios, .. } = self;
         let results = results.display();
-        let mut page = format!(
-            "{results}: {held} of {grasps} grasps in {scenarios} scenarios are held; solved trials:\n"
-        );
+        let (grasps, scenarios) = (counted(*grasps, "grasp"), counted(*scenarios, "scenario"));
+        let mut page = format!("{results}: {held} of {grasps} held, in {scenarios}; solved trials:\n");
         for PlannerGrasps {
             planner,
             criterion,
@@ -242,6 +271,9 @@ impl Simulated {
                 page,
                 "  {planner:<14}{criterion:<6} {held} of {solved} end at a grasp that is held ({share}{sure}){robust}"
             );
+        }
+        for Skipped { scenario, trials, .. } in &self.skipped {
+            let _ = writeln!(page, "  skipped: {scenario} with {}", counted(*trials, "solved trial"));
         }
         let end = if self.stopped {
             "stopped before the end, so nothing is kept"

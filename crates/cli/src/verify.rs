@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use cranny_file::counted;
 use cranny_plan::{Audit, AuditSettings, Criterion, audit_with};
 use cranny_scenario::{GivenGrasps, PlanFile, read_waypoints};
 use serde::Serialize;
@@ -72,7 +73,7 @@ fn page(answered: &Answered, way_points: usize) -> String {
         ""
     };
     let but_for = text::but_for(&audit.not_checked);
-    let mut page = format!("{word}{by}{but_for}: {way_points} way points\n");
+    let mut page = format!("{word}{by}{but_for}: {}\n", counted(way_points, "way point"));
     for (what, file) in [("robot", robot), ("grasps", grasps)] {
         if let Some(file) = file {
             let _ = writeln!(page, "  {what:<12}{}, which the plan names", file.display());
@@ -84,7 +85,9 @@ fn page(answered: &Answered, way_points: usize) -> String {
     if let Some(more) = audit.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         let _ = writeln!(page, "  …           {more} more; --json lists them all");
     }
-    if let Some(goal) = &audit.goal {
+    // A path that misses its goal is told so above.
+    let is_told = audit.violations.iter().any(|violation| violation.kind() == "goal");
+    if let Some(goal) = audit.goal.as_ref().filter(|_| !is_told) {
         let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);
         let _ = writeln!(
             page,

@@ -189,6 +189,20 @@ fn the_grasps_of_a_campaign_are_tried_once_each() {
         results.query_row("SELECT count(*) FROM simulated_grasps", [], |row| row.get(0)).expect("a count")
     };
     assert_eq!(document["grasps"], rows());
+    // What weighs nothing is skipped, and the rest is not.
+    std::fs::create_dir(folder.join("light")).expect("a folder");
+    let (scenario, grasps) = ("mine/scenario.yaml", "mine/grasps.csv");
+    let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("a file");
+    let light = read(scenario).replace("  mass_kg: 0.058\n", "");
+    std::fs::write(folder.join("light/scenario.yaml"), light).expect("written");
+    std::fs::copy(folder.join(grasps), folder.join("light/grasps.csv")).expect("copied");
+    let both = "bench run --scenarios ./mine,./light --planners reach --runs 3 -o both.db";
+    assert!(cranny(both).status.success());
+    let (code, of_both) = answer(folder, &["results", "both.db", "--support-only", "--trials", "1"]);
+    assert_eq!((code, &of_both["scenarios"], &of_both["planners"]), (1, &1.into(), &document["planners"]));
+    let skipped = &of_both["skipped"][0];
+    assert_eq!((&skipped["scenario"], &skipped["trials"]), (&"light".into(), &3.into()));
+    assert!(skipped["reason"].as_str().is_some_and(|reason| reason.contains("mass_kg")), "{skipped}");
     // The campaign is as it was, and goes on.
     assert!(cranny("bench report results.db -o report.json").status.success());
     assert!(cranny("bench run --scenarios ./mine --planners reach --runs 4 -o results.db").status.success());
