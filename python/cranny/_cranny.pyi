@@ -430,6 +430,7 @@ def plan(
     score: str = "geometric",
     carry: str | ArrayLike | None = None,
     clear_m: float = 0.05,
+    watch: LivePage | None = None,
 ) -> Plan: ...
 def verify_path(
     scenario: Scenario | MoveItProblem,

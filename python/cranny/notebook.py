@@ -90,8 +90,8 @@ def show(
     """Shows a scenario, with a plan where one is given: a View, which a notebook draws.
 
     With `live`, opens the viewer in the browser, and returns its page: `page.pose(q)` and `page.plan(plan)` show what
-    a script comes to, as it comes, `page.close()` (or the end of a `with`) ends it. `open_browser=False` leaves it at
-    `page.url`.
+    a script comes to, as it comes, `cranny.plan(scenario, watch=page)` shows how a search grows, `page.close()` (or the
+    end of a `with`) ends it. `open_browser=False` leaves it at `page.url`.
 
     >>> import cranny
     >>> scenario = cranny.Scenario("021")

@@ -3,15 +3,16 @@
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 
-use cranny_view::{PageFeed, PageLimits, PageServer, ViewError};
+use cranny_view::{PageFeed, PageLimits, PageServer, TreeRecording, ViewError, WatchedSearch};
 use pyo3::prelude::*;
 use tokio::sync::oneshot;
 
 use crate::array::configuration;
 use crate::fault::{bad_value, fault};
-use crate::picture::page_of;
+use crate::picture::{page_of, page_with_tree};
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
+use crate::task::Task;
 
 /// The viewer's page of a scenario, served to this machine until it is closed (`close`, `with`, or when it is forgotten).
 /// Who has opened `url` sees at once what `pose` and `plan` are told.
@@ -118,6 +119,28 @@ impl PyLivePage {
 }
 
 impl PyLivePage {
+    /// Watches a search of a task: its trees are seen as they grow.
+    pub fn watch(&self, task: &Task) -> PyResult<WatchedSearch> {
+        self.check_open()?;
+        let (shown, robot) = (&self.scenario.get().scenario, task.problem.robot());
+        if shown.robot.joint_names() != robot.joint_names() {
+            return Err(bad_value(format!(
+                "watch: the page shows '{}', whose robot has other joints than that of '{}'",
+                shown.id, task.source.scenario
+            )));
+        }
+        Ok(self.feed.watch(robot.clone()))
+    }
+
+    /// Shows the plan that came of a search with its trees; of a page that was closed meanwhile nothing.
+    pub fn show_with_tree(&self, plan: &PyPlan, search_tree: TreeRecording) -> PyResult<()> {
+        if self.check_open().is_err() {
+            return Ok(());
+        }
+        let (page, _) = page_with_tree(self.scenario.get(), Some(plan), Some(search_tree))?;
+        self.feed.show(&page, true).map_err(fault)
+    }
+
     fn check_open(&self) -> PyResult<()> {
         let is_open = self.server.lock().unwrap_or_else(PoisonError::into_inner).is_some();
         if is_open { Ok(()) } else { Err(bad_value("this page is closed")) }

@@ -8,7 +8,7 @@ use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_view::{
     Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
-    ShownPath, StandardView, ViewError,
+    ShownPath, StandardView, TreeRecording, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -107,6 +107,15 @@ pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyR
 
 /// What the viewer's page shows of a scenario, and what postures are judged in.
 pub fn page_of(scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<(PageData, PageCells)> {
+    page_with_tree(scenario, plan, None)
+}
+
+/// The same with the trees of the search that the plan came of.
+pub fn page_with_tree(
+    scenario: &PyScenario,
+    plan: Option<&PyPlan>,
+    search_tree: Option<TreeRecording>,
+) -> PyResult<(PageData, PageCells)> {
     let shown = &scenario.scenario;
     let exact = scenario.exact_problem(Margins::default())?;
     let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
@@ -115,8 +124,9 @@ pub fn page_of(scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<(PageDa
         let problem = &plan.task.problem;
         let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
         let cells = plan.file.task_cells(problem).map_err(fault)?;
-        PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells)
-            .map_err(fault)
+        let shown = PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells)
+            .map_err(fault)?;
+        Ok(PagePlan { search_tree, ..shown })
     };
     let plans = plan.map(of_plan).transpose()?;
     let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;

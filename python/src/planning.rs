@@ -4,16 +4,18 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Budget, CarryEnd, OptimiseSettings, TimingMethod, audit_with};
+use cranny_plan::{AuditSettings, Budget, CarryEnd, Observer, OptimiseSettings, TimingMethod, audit_with};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
 
 use crate::array::Configurations;
 use crate::fault::{bad_value, fault};
 use crate::interrupt::InterruptObserver;
 use crate::json::settings_of;
+use crate::live_page::PyLivePage;
 use crate::plan::PyPlan;
 use crate::task::Task;
 use crate::verification::PyVerification;
@@ -62,14 +64,16 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
 /// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
-/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces.
+/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `watch`: a
+/// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
+/// plan with them.
 ///
 /// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
-    carry=None, clear_m=0.05))]
+    carry=None, clear_m=0.05, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -95,6 +99,7 @@ pub fn plan(
     score: &str,
     carry: Option<&Bound<'_, PyAny>>,
     clear_m: f64,
+    watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
@@ -133,15 +138,46 @@ pub fn plan(
         audit: AuditSettings::default(),
         ..Request::default()
     };
-    let mut observer = InterruptObserver::new();
+    let watched = watch.map(|page| page.get().watch(&task)).transpose()?;
+    let mut observer = PlanObserver { interrupt: InterruptObserver::new(), watched };
     let found = py.detach(|| solve(&task.problem, &request, &mut observer));
+    let PlanObserver { interrupt, watched } = observer;
     // Ctrl-C goes before whatever the search says of it.
-    observer.result()?;
+    interrupt.result()?;
     let answer = found.map_err(fault)?;
     let file = PlanFile::of(&answer, &task.source);
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));
-    Ok(PyPlan { task, file, trajectory, is_valid })
+    let plan = PyPlan { task, file, trajectory, is_valid };
+    if let (Some(page), Some(watched)) = (watch, watched) {
+        let page = page.get();
+        py.detach(|| page.show_with_tree(&plan, watched.end()))?;
+    }
+    Ok(plan)
+}
+
+/// Ends a search on Ctrl-C, and lets a page see it if one watches.
+struct PlanObserver {
+    interrupt: InterruptObserver,
+    watched: Option<WatchedSearch>,
+}
+
+impl Observer for PlanObserver {
+    fn node_added(&mut self, tree: usize, q: &[f64], parent: Option<usize>) {
+        if let Some(watched) = &mut self.watched {
+            watched.node_added(tree, q, parent);
+        }
+    }
+
+    fn search_ended(&mut self) {
+        if let Some(watched) = &mut self.watched {
+            watched.search_ended();
+        }
+    }
+
+    fn should_stop(&self) -> bool {
+        self.interrupt.should_stop()
+    }
 }
 
 /// Judges a path (N, dof), whoever made it, by the criterion of `scenario` (a Scenario or a MoveItProblem), as

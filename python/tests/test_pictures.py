@@ -74,5 +74,34 @@ def test_a_live_page_hears_postures_and_plans_as_they_come(scenario: cranny.Scen
         _asked(f"{page.url}page.json")
 
 
+def test_a_search_is_watched_while_it_runs(scenario: cranny.Scenario) -> None:
+    seen: list[int] = []
+    with cranny.show(scenario, live=True, open_browser=False) as page:
+
+        def look() -> None:
+            after = 0
+            while True:
+                news = _asked(f"{page.url}news?after={after}")
+                if news["page"] == 1:
+                    return
+                after = news["changes"]
+                if news["tree"]:
+                    seen.append(news["tree"]["nodes"])
+
+        browser = threading.Thread(target=look)
+        browser.start()
+        plan = cranny.plan(scenario, "rrt", iterations=20_000, watch=page)
+        browser.join()
+        assert seen == sorted(seen) and seen[-1] > 0
+        (shown,) = _asked(f"{page.url}page.json")["plans"]
+        assert shown["outcome"] and shown["search_tree"]["parents"]
+        assert cranny.plan(scenario, "rrt", iterations=20_000).path.tobytes() == plan.path.tobytes()
+        other = cranny.Scenario.of(cranny.Robot.builtin("ur5e"), [], name="other")
+        with pytest.raises(ValueError, match="other joints"):
+            cranny.plan(other.with_goals(other.robot.sample(1)), watch=page)
+    with pytest.raises(ValueError, match="closed"):
+        cranny.plan(scenario, watch=page)
+
+
 def test_a_scenario_that_is_shown_is_a_view(scenario: cranny.Scenario) -> None:
     assert isinstance(cranny.show(scenario), cranny.View)

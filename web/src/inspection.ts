@@ -31,7 +31,7 @@ export interface Inspection {
   readonly frames: number;
   /** Whether no frame is drawn or due. */
   readonly isIdle: boolean;
-  /** Nodes of the search tree that are shown, 0 without one. */
+  /** Nodes of the search tree that are shown, of the plan or of a search that is going on; 0 without one. */
   readonly treeNodes: number;
   /** From the call of the page's address to its first frame, in milliseconds. */
   readonly loadMs: number;
@@ -90,7 +90,7 @@ export function openInspection(stage: Stage, scene: SceneView, view: View, live:
     },
     get treeNodes() {
       const tree = scene.trees.get(view.state.plan);
-      return view.state.layers.tree && tree ? tree.shown : 0;
+      return view.state.layers.tree ? (tree?.shown ?? scene.growing.count) : 0;
     },
     get loadMs() {
       return loadMs;

@@ -116,7 +116,12 @@ export function openPage(host: HTMLElement, data: PageData): void {
       requestAnimationFrame((now_ms) => {
         openInspection(stage, scene, view, live, now_ms);
         if (player.canPlay && !isStill) view.set({ isPlaying: true });
-        if (data.feed !== undefined) void followFeed(data.feed, view);
+        if (data.feed !== undefined) {
+          void followFeed(data.feed, view, scene.growing, () => {
+            shell.tellSearch(scene.growing.count);
+            stage.invalidate();
+          });
+        }
       });
     }
     isFirst = false;
@@ -149,7 +154,7 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
     ["path", hasPath],
     ["ghosts", hasPath],
     ["closest", plans.some(({ clearance }) => clearance !== null)],
-    ["tree", plans.some(({ tree }) => tree !== null)],
+    ["tree", data.feed !== undefined || plans.some(({ tree }) => tree !== null)],
     ["others", plans.length > 1],
     ["floor", data.floor_area !== null],
     ["glass", data.nodes.some(({ role }) => role === "obstacle")],

@@ -4,6 +4,7 @@ import { type StandardView, framing } from "./framing.ts";
 import { GhostView } from "./ghost_view.ts";
 import { fewGrasps } from "./grasp_choice.ts";
 import { GraspView } from "./grasp_view.ts";
+import { GrowingTree } from "./growing_tree.ts";
 import { LightView } from "./light_view.ts";
 import { MeshGeometries } from "./mesh_geometry.ts";
 import { NodeView, onParent } from "./node_view.ts";
@@ -29,6 +30,8 @@ export class SceneView {
   readonly bounds: SceneBounds;
   /** Of the plans that recorded their search, by index of the plan. */
   readonly trees = new Map<number, TreeView>();
+  /** Of a search that is going on. */
+  readonly growing = new GrowingTree();
   posture: Posture;
   private readonly nodes: NodeView;
   private readonly collision: NodeView;
@@ -81,6 +84,7 @@ export class SceneView {
       this.ghosts.ghosts,
       this.ghosts.others,
       this.closest.group,
+      this.growing.lines,
       ...this.paths.map((path) => path.group),
       ...[...this.trees.values()].map((tree) => tree.group),
     );
@@ -185,6 +189,7 @@ export class SceneView {
   }
 
   private showTree({ plan, layers, treeNodes }: ViewState): void {
+    this.growing.lines.visible = layers.tree;
     for (const [index, tree] of this.trees) {
       tree.group.visible = layers.tree && index === plan;
       tree.show(treeNodes ?? tree.count);

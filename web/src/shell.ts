@@ -1,4 +1,5 @@
 import { button, element } from "./element.ts";
+import { count } from "./figures.ts";
 import { STANDARD_VIEWS, type StandardView } from "./framing.ts";
 import { icon } from "./icons.ts";
 import type { PageData } from "./page_data.ts";
@@ -20,6 +21,7 @@ export class Shell {
   readonly dock = element("div", { class: "dock-place" });
   private readonly tools = element("nav", { class: "tools", "aria-label": "Tools" });
   private readonly said = element("div", { class: "said-over", role: "status" });
+  private readonly searching = element("span", { class: "searching", role: "status" });
   private readonly title: HTMLElement;
   private readonly toggle: HTMLButtonElement;
   private isPanelOpen = !NARROW.matches;
@@ -33,6 +35,7 @@ export class Shell {
       element("h1", {}, data.name),
     );
     if (plans.length === 1) this.title.append(verdictMark(plans[0]));
+    this.title.append(this.searching);
     this.toggle = button("Settings (h)", icon("panel"), () => this.togglePanel());
     this.toggle.setAttribute("aria-controls", "panel");
     this.element = element(
@@ -50,6 +53,11 @@ export class Shell {
       this.isPanelOpen = !NARROW.matches;
       this.showPanel();
     });
+  }
+
+  /** Says that a search is going on, and how many nodes it has. */
+  tellSearch(nodes: number): void {
+    this.searching.textContent = `searching: ${count(nodes)} ${nodes === 1 ? "node" : "nodes"}`;
   }
 
   /** Calls `listener` now and whenever panels cover more or less of the scene. */

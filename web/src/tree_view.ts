@@ -112,7 +112,7 @@ function ends(positions: Float32Array, parents: Uint32Array): Float32Array {
 }
 
 /** The colour of its tree for both ends of each line. */
-function paint(trees: Uint32Array): Uint8Array {
+export function paint(trees: Uint32Array): Uint8Array {
   const palette = new Map<number, number[]>();
   const both = new Uint8Array(6 * trees.length);
   trees.forEach((tree, node) => {

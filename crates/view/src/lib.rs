@@ -46,6 +46,8 @@ mod stroke;
 mod task_scene;
 mod tree_recording;
 mod verdict;
+mod watched_search;
+mod watched_tree;
 mod welding;
 
 /// The licences of Cranny and of all that its programs, its Python package and the viewer's page are made of.
@@ -70,3 +72,4 @@ pub use shown_carry::{ShownCarry, ShownMode};
 pub use shown_path::ShownPath;
 pub use task_scene::SceneSettings;
 pub use tree_recording::TreeRecording;
+pub use watched_search::WatchedSearch;

@@ -107,6 +107,14 @@ impl Served {
                     None => told(StatusCode::BAD_REQUEST, TEXT, "after how many changes? news?after=0"),
                 }
             }
+            (&Method::GET, "/tree") => {
+                let question = request.uri().query().and_then(search_and_nodes);
+                match question.map(|(search, after)| self.feed.nodes(search, after)) {
+                    Some(Some(nodes)) => json(StatusCode::OK, &nodes),
+                    Some(None) => told(StatusCode::NOT_FOUND, TEXT, "this search is not watched any more"),
+                    None => told(StatusCode::BAD_REQUEST, TEXT, "of which search? tree?search=1&after=0"),
+                }
+            }
             (&Method::GET | &Method::HEAD, path) if path != "/verdict" => match page_bundle::asset(path) {
                 Some(asset) => told(StatusCode::OK, asset.kind, asset.bytes.into_owned()),
                 None => told(StatusCode::NOT_FOUND, TEXT, "there is no such file"),
@@ -132,6 +140,12 @@ impl Served {
             Err(fault) => refused(StatusCode::BAD_REQUEST, fault.to_string()),
         }
     }
+}
+
+/// `search=S&after=N`.
+fn search_and_nodes(query: &str) -> Option<(u64, usize)> {
+    let (search, after) = query.split_once('&')?;
+    Some((search.strip_prefix("search=")?.parse().ok()?, after.strip_prefix("after=")?.parse().ok()?))
 }
 
 fn told(status: StatusCode, kind: &'static str, body: impl Into<Bytes>) -> Answer {

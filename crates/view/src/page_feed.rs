@@ -5,12 +5,14 @@ use serde::Serialize;
 use tokio::sync::watch;
 use tokio::time::timeout;
 
-use crate::{PageData, ViewError};
+use crate::watched_tree::{NewNodes, WatchedTree};
+use crate::{PageData, TreeRecording, ViewError};
 
 /// So long a page waits for news in one question; less than a connection may last.
 const HOLD: Duration = Duration::from_secs(20);
 
-/// What a served page shows, and how to change that while it is served: another page, or another posture of the robot.
+/// What a served page shows, and how to change that while it is served: another page, another posture of the robot, the
+/// trees of a search that is going on.
 #[derive(Clone, Debug)]
 pub struct PageFeed {
     told: watch::Sender<Told>,
@@ -20,6 +22,9 @@ pub struct PageFeed {
 struct Told {
     page: Bytes,
     news: News,
+    /// How many searches were watched so far, and the last, until another page is shown.
+    searches: u64,
+    tree: Option<WatchedTree>,
 }
 
 /// What a page hears.
@@ -29,8 +34,19 @@ pub(crate) struct News {
     changes: u64,
     /// How many pages were there before this one; who shows another loads this one.
     page: u64,
-    /// How the robot stands (m, rad); `None`: as the page has it.
+    /// How often the robot was told how to stand, on this page.
+    poses: u64,
+    /// How it stands (m, rad); `None`: as the page has it.
     q: Option<Vec<f64>>,
+    /// How far the search is that is watched, if one is.
+    tree: Option<TreeNews>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct TreeNews {
+    /// Which search: each begins with no node.
+    search: u64,
+    nodes: usize,
 }
 
 impl PageFeed {
@@ -48,8 +64,8 @@ impl PageFeed {
     }
 
     fn of(page: Vec<u8>) -> Self {
-        let news = News { changes: 0, page: 0, q: None };
-        Self { told: watch::Sender::new(Told { page: page.into(), news }) }
+        let news = News { changes: 0, page: 0, poses: 0, q: None, tree: None };
+        Self { told: watch::Sender::new(Told { page: page.into(), news, searches: 0, tree: None }) }
     }
 
     /// Shows another page, the robot as that has it.
@@ -61,7 +77,8 @@ impl PageFeed {
         let page = page.served(has_verdicts, Some(number))?;
         self.told.send_modify(|told| {
             told.page = page.into();
-            told.news = News { changes: told.news.changes + 1, page: number, q: None };
+            told.news = News { changes: told.news.changes + 1, page: number, poses: 0, q: None, tree: None };
+            told.tree = None;
         });
         Ok(())
     }
@@ -70,8 +87,41 @@ impl PageFeed {
     pub fn pose(&self, q: Option<Vec<f64>>) {
         self.told.send_modify(|told| {
             told.news.changes += 1;
+            told.news.poses += 1;
             told.news.q = q;
         });
+    }
+
+    /// Begins a search that is watched; `recording` has no node yet.
+    pub(crate) fn begin_search(&self, recording: TreeRecording) -> WatchedTree {
+        let search = self.told.borrow().searches + 1;
+        let tree = WatchedTree::new(search, recording);
+        let of_feed = tree.clone();
+        self.told.send_modify(|told| {
+            told.searches = search;
+            told.tree = Some(of_feed);
+            told.news.changes += 1;
+            told.news.tree = Some(TreeNews { search, nodes: 0 });
+        });
+        tree
+    }
+
+    /// Says how many nodes a search has, if it is still the one that is watched.
+    pub(crate) fn tell_nodes(&self, search: u64, nodes: usize) {
+        self.told.send_if_modified(|told| {
+            let is_watched = told.news.tree.is_some_and(|tree| tree.search == search && tree.nodes < nodes);
+            if is_watched {
+                told.news.changes += 1;
+                told.news.tree = Some(TreeNews { search, nodes });
+            }
+            is_watched
+        });
+    }
+
+    /// The nodes of a search after so many; nothing of one that is not watched any more.
+    pub(crate) fn nodes(&self, search: u64, after: usize) -> Option<NewNodes> {
+        let tree = self.told.borrow().tree.clone().filter(|tree| tree.search == search)?;
+        Some(tree.after(after))
     }
 
     /// What is shown now.

@@ -58,10 +58,16 @@ impl TreeRecording {
     }
 
     pub(crate) fn rows(&self) -> SearchTreeRows {
+        self.rows_after(0)
+    }
+
+    /// Those of the nodes after so many.
+    pub(crate) fn rows_after(&self, nodes: usize) -> SearchTreeRows {
+        let nodes = nodes.min(self.len());
         SearchTreeRows {
-            positions: number_row::floats32(self.positions.iter().copied().flatten()),
-            parents: number_row::unsigned32(self.parents.iter().copied()),
-            trees: number_row::unsigned32(self.trees.iter().copied()),
+            positions: number_row::floats32(self.positions[nodes..].iter().copied().flatten()),
+            parents: number_row::unsigned32(self.parents[nodes..].iter().copied()),
+            trees: number_row::unsigned32(self.trees[nodes..].iter().copied()),
         }
     }
 }

@@ -7,9 +7,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Margins};
+use cranny_plan::Observer as _;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings, ViewError};
+use cranny_view::{PageCells, PageData, PageFeed, PageLimits, PageServer, PageSettings, ViewError};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
@@ -19,6 +20,7 @@ struct Running {
     /// What stands before every path: `/` and the token.
     inside: String,
     cell: Arc<Cell>,
+    feed: PageFeed,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ViewError>>>,
 }
@@ -43,14 +45,16 @@ impl Running {
         let (stop, told) = oneshot::channel();
         let (tell_ready, ready) = mpsc::channel();
         let of_server = Some(PageCells::of(cell.clone(), &[]));
+        let feed = PageFeed::new(&page, true).expect("a page");
+        let of_thread = feed.clone();
         let thread = std::thread::spawn(move || {
             let stop = async {
                 let _ = told.await;
             };
-            server.serve(&page, of_server, stop, || tell_ready.send(()).expect("somebody waits"))
+            server.serve_feed(of_thread, of_server, stop, || tell_ready.send(()).expect("somebody waits"))
         });
         ready.recv().expect("it is ready");
-        Self { port: address.port(), inside, cell, stop: Some(stop), thread: Some(thread) }
+        Self { port: address.port(), inside, cell, feed, stop: Some(stop), thread: Some(thread) }
     }
 
     fn host(&self) -> String {
@@ -137,6 +141,36 @@ fn the_page_itself_is_served_where_the_program_has_one() {
     assert!(head.contains("content-type: text/html") && head.contains("script-src 'self'"), "{head}");
     assert!(body.to_lowercase().starts_with("<!doctype html>"));
     assert_eq!(server.get("/index.html", &server.host()).2, body);
+}
+
+#[test]
+fn a_search_that_is_watched_is_handed_out_as_it_grows() {
+    let server = Running::start();
+    let asked = |path: &str| {
+        let (status, _, body) = server.get(path, &server.host());
+        (status, serde_json::from_str::<Value>(&body).unwrap_or(body.into()))
+    };
+    let mut search = server.feed.watch(server.cell.robot().clone());
+    assert_eq!(asked("/news?after=0").1["tree"], json!({"search": 1, "nodes": 0}));
+    let q = vec![0.0; server.cell.robot().dof()];
+    search.node_added(0, &q, None);
+    search.node_added(0, &q, Some(0));
+    search.search_ended();
+    let news = asked("/news?after=1").1;
+    assert_eq!((&news["tree"], &news["poses"]), (&json!({"search": 1, "nodes": 2}), &0.into()));
+    let bytes = |row: &Value| row.as_str().map_or(0, |text| text.len() / 4 * 3);
+    let (status, all) = asked("/tree?search=1&after=0");
+    assert_eq!((status, &all["from"], bytes(&all["positions"])), (200, &0.into(), 2 * 3 * 4));
+    let last = asked("/tree?search=1&after=1").1;
+    assert_eq!((&last["from"], bytes(&last["positions"])), (&1.into(), 3 * 4));
+    assert_eq!(asked("/tree?search=1&after=9").1["positions"], "");
+    assert_eq!((asked("/tree?search=2&after=0").0, asked("/tree?search=x").0), (404, 400));
+    // Another search is in the place of the first, whose nodes nobody hears of any more.
+    let second = server.feed.watch(server.cell.robot().clone());
+    search.node_added(0, &q, Some(0));
+    search.search_ended();
+    assert_eq!(asked("/news?after=0").1["tree"], json!({"search": 2, "nodes": 0}));
+    assert_eq!((asked("/tree?search=1&after=0").0, search.end().len(), second.end().len()), (404, 3, 0));
 }
 
 #[test]

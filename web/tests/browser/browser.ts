@@ -42,6 +42,7 @@ export async function serve(
   data: PageData,
   judge?: (q: number[]) => Verdict,
   news?: (after: number) => Promise<unknown>,
+  nodes?: (after: number) => unknown,
 ): Promise<{ address: string; close(): Promise<void> }> {
   const server: Server = createServer((request, response) => {
     const path = new URL(request.url ?? "/", "http://localhost").pathname;
@@ -51,6 +52,9 @@ export async function serve(
     } else if (path === "/news" && news) {
       const after = Number(new URL(request.url ?? "/", "http://localhost").searchParams.get("after"));
       void news(after).then((told) => response.end(JSON.stringify(told)));
+    } else if (path === "/tree" && nodes) {
+      const after = Number(new URL(request.url ?? "/", "http://localhost").searchParams.get("after"));
+      response.end(JSON.stringify(nodes(after)));
     } else if (path === "/verdict" && judge) {
       let body = "";
       request.on("data", (part) => (body += part));
