@@ -71,6 +71,8 @@ pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) 
     let elapsed_s = begin.elapsed().as_secs_f64();
     // What it started and left behind, too: nobody reads on.
     system::kill_group(id);
+    // Where there are no groups, it alone; that it is gone already is what is wanted.
+    let _ = child.kill();
     leash.hold(None);
     let status = child.wait()?;
     process_group::end_descendants();
