@@ -61,4 +61,15 @@ mod tests {
             assert_eq!(wide_opening(&robot), None, "{}", builtin.name);
         }
     }
+
+    #[test]
+    fn a_hand_that_is_said_to_open_wider_than_it_does_is_doubted() {
+        let folder = tempfile::tempdir().unwrap();
+        let urdf = RecipeRobot::of_the_paper().unwrap().write(folder.path()).unwrap();
+        let file = folder.path().join("robot.yaml");
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replace("opening_m: 0.08", "opening_m: 0.12")).unwrap();
+        let doubt = wide_opening(&RecipeRobot::load(&urdf).unwrap().robot).unwrap();
+        assert!(doubt.contains("120.0 mm") && doubt.contains("80.0 mm apart"), "{doubt}");
+    }
 }
