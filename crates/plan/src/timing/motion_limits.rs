@@ -116,7 +116,7 @@ mod tests {
         let smooth = [whole, joint(1.0, Some(1.0), None)];
         assert!(MotionLimits::new(&names, &smooth, TimingMethod::TimeOptimal).is_ok());
         assert!(refusal(&smooth, TimingMethod::JerkLimited).contains("no jerk limit"));
-        assert!(refusal(&[whole], TimingMethod::TimeOptimal).contains("1 values"));
+        assert!(refusal(&[whole], TimingMethod::TimeOptimal).contains("1 value,"));
         for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let text = refusal(&[joint(value, Some(1.0), None), whole], TimingMethod::TimeOptimal);
             assert!(text.contains("'shoulder'") && text.contains("velocity"), "{text}");

@@ -70,6 +70,6 @@ mod tests {
         let text = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, text.replace("opening_m: 0.08", "opening_m: 0.12")).unwrap();
         let doubt = wide_opening(&RecipeRobot::load(&urdf).unwrap().robot).unwrap();
-        assert!(doubt.contains("120.0 mm") && doubt.contains("80.0 mm apart"), "{doubt}");
+        assert!(doubt.contains("120.0 mm") && doubt.contains("81.1 mm apart"), "{doubt}");
     }
 }
