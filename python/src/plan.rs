@@ -63,6 +63,14 @@ impl PyPlan {
         self.file.segments.iter().map(segment).collect()
     }
 
+    /// How far things may be from where the plan has them while every segment stays proven, each kind of error by itself: a
+    /// dictionary of "object" (before the hand closes), "slip" (in the hand), "base" and "joints", each a dictionary (m, rad)
+    /// or None where nothing is there to touch; None where there is no proof.
+    #[getter]
+    fn robustness<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.file.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
+    }
+
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
@@ -138,19 +146,19 @@ impl PyPlan {
         py.detach(|| PySamples::of(&trajectory, rate)).map_err(fault)
     }
 
-    /// The same for the way to the grasp by itself and, where the target is carried on, for the way from there, each from 0
-    /// on: between them the hand closes.
+    /// The same for the way to the grasp by itself and, where the target is carried on, for the way from there, and, where it
+    /// is put down, for the way off it, each from 0 on: between them the hand closes, and opens.
     #[pyo3(signature = (rate=100.0))]
     fn sample_ways(&self, py: Python<'_>, rate: f64) -> PyResult<Vec<PySamples>> {
         let trajectory = self.timed()?;
         py.detach(|| PySamples::of_ways(&trajectory, rate)).map_err(fault)
     }
 
-    /// The hand as `cranny.ros` commands it: how far the fingers are apart before and after they close (m), and their force
-    /// (N); None where they close on nothing.
-    fn _closing(&self) -> PyResult<Option<([f64; 2], f64)>> {
+    /// The hand as `cranny.ros` commands it: how far the fingers are apart on each of these ways (m), and their force (N);
+    /// None where they close on nothing.
+    fn _closing(&self) -> PyResult<Option<(Vec<f64>, f64)>> {
         let force_n = robot_hand(self.task.problem.robot()).closing_force_n;
-        Ok(self.timed()?.openings_m().map(|openings_m| (openings_m, force_n)))
+        Ok(self.timed()?.openings_m().map(|openings_m| (openings_m.to_vec(), force_n)))
     }
 
     /// Judges the path again, as anybody's: from the way points alone.

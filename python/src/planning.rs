@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Budget, CarryEnd, Observer, OptimiseSettings, TimingMethod, audit_with};
+use cranny_plan::{
+    AuditSettings, Budget, CarryEnd, Observer, OptimiseSettings, PlaceSettings, TimingMethod, audit_with,
+};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use cranny_solve::{Carry, Request, Timing, solve};
@@ -17,6 +19,7 @@ use crate::interrupt::InterruptObserver;
 use crate::json::settings_of;
 use crate::live_page::PyLivePage;
 use crate::plan::PyPlan;
+use crate::scenario::PyScenario;
 use crate::task::Task;
 use crate::verification::PyVerification;
 use crate::whole;
@@ -35,6 +38,17 @@ fn carry_of(value: &Bound<'_, PyAny>, clear_m: f64, robot: &Robot) -> PyResult<C
     }
     let ends = Configurations::read(value, "carry", robot)?.rows(robot.dof())?;
     Ok(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() })
+}
+
+/// The margin about the target of a scenario that may be so far from where it is thought to be (m, rad).
+fn object_margin_m(scenario: &Bound<'_, PyAny>, [translation_m, rotation_rad]: [f64; 2]) -> PyResult<f64> {
+    if !(translation_m.is_finite() && translation_m >= 0.0 && rotation_rad.is_finite() && rotation_rad >= 0.0)
+    {
+        return Err(bad_value("robust is a translation (m) and a rotation (rad), both at least 0"));
+    }
+    let scenario = scenario.cast::<PyScenario>().map_err(|_| bad_value("robust needs a Scenario"))?;
+    let margin_m = scenario.get().scenario.object_margin_m(translation_m, rotation_rad);
+    margin_m.ok_or_else(|| bad_value("robust: there is no target that could be elsewhere"))
 }
 
 /// Names of the planners that there are.
@@ -64,7 +78,10 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
 /// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
-/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `watch`: a
+/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
+/// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
+/// robot goes "home" or `then` stays, "stay". `robust`: how far (m, rad) the target may be from where it is thought to be,
+/// before the hand closes and in the hand; `plan.robustness` says how far anyway. `watch`: a
 /// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
 /// plan with them.
 ///
@@ -73,7 +90,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
-    carry=None, clear_m=0.05, watch=None))]
+    carry=None, place=None, then="home", clear_m=0.05, robust=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -98,11 +115,15 @@ pub fn plan(
     blend: bool,
     score: &str,
     carry: Option<&Bound<'_, PyAny>>,
+    place: Option<&str>,
+    then: &str,
     clear_m: f64,
+    robust: Option<[f64; 2]>,
     watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
-    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
+    let object_margin_m = robust.map(|error| object_margin_m(scenario, error)).transpose()?.unwrap_or(0.0);
+    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, object_margin_m })?;
     if strict_pairs {
         task.problem = task.problem.checking_all_pairs();
     }
@@ -134,8 +155,23 @@ pub fn plan(
             blend,
             is_demanded: false,
         }),
-        carry: carry.map(|carry| carry_of(carry, clear_m, task.problem.robot())).transpose()?,
+        carry: match (carry, place) {
+            (Some(_), Some(_)) => return Err(bad_value("carry and place exclude each other")),
+            (Some(carry), None) => Some(carry_of(carry, clear_m, task.problem.robot())?),
+            (None, Some(place)) => {
+                let then = then
+                    .parse()
+                    .map_err(|_| bad_value(format!("then is '{then}', but 'home' or 'stay' is expected")))?;
+                let goal = task.problem.place(place).map_err(fault)?.clone();
+                Some(Carry {
+                    end: CarryEnd::Place(PlaceSettings { goal, clear_m, then }),
+                    ..Carry::default()
+                })
+            }
+            (None, None) => None,
+        },
         audit: AuditSettings::default(),
+        robustness: true,
         ..Request::default()
     };
     let watched = watch.map(|page| page.get().watch(&task)).transpose()?;

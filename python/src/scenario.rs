@@ -204,6 +204,12 @@ impl PyScenario {
         shaped(py, self.scenario.start.clone(), &[self.scenario.start.len()])
     }
 
+    /// Names of the places where the target can be put down.
+    #[getter]
+    fn places(&self) -> Vec<String> {
+        self.scenario.places.iter().map(|place| place.name.clone()).collect()
+    }
+
     /// How the target can be grasped.
     #[getter]
     fn grasps(&self) -> PyGrasps {

@@ -44,15 +44,8 @@ pub fn millimetres(text: &str) -> Result<f64, String> {
 /// How far a pose may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseError {
-    translation_m: f64,
-    rotation_rad: f64,
-}
-
-impl PoseError {
-    /// How far it moves anything that is within `lever_m` of what it turns about, in metres, at most.
-    pub fn farthest_m(self, lever_m: f64) -> f64 {
-        self.translation_m + self.rotation_rad * lever_m
-    }
+    pub translation_m: f64,
+    pub rotation_rad: f64,
 }
 
 /// Millimetres and degrees.

@@ -7,7 +7,6 @@ use cranny_plan::{
 };
 use cranny_scenario::{PlanFile, read_waypoints, write_trajectory_csv};
 use cranny_solve::{Carry, Request, Timing, solve};
-use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
@@ -15,32 +14,12 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::ik;
 use crate::output_file;
-use crate::plan_page;
+use crate::plan_page::{self, Answered};
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
 use crate::task::Demand;
 use crate::text;
-
-/// What `plan --json` prints; the keys stay.
-#[derive(Serialize)]
-pub struct Answered<'a> {
-    #[serde(flatten)]
-    pub plan: &'a PlanFile,
-    pub planning_time_s: f64,
-    pub preparation_time_s: f64,
-    pub shortcut_time_s: Option<f64>,
-    pub iterations: u64,
-    pub valid: bool,
-    pub start_faults: Vec<String>,
-    pub plan_file: Option<&'a Path>,
-    pub duration_s: Option<f64>,
-    pub timing_time_s: Option<f64>,
-    pub trajectory_file: Option<&'a Path>,
-    /// Why there is no trajectory.
-    #[serde(skip)]
-    pub untimed: Option<String>,
-}
 
 pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();

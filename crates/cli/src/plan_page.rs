@@ -1,13 +1,34 @@
 use std::fmt::Write;
+use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_plan::{GraspFailure, Improvement, Outcome, Statistics};
 use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
+use serde::Serialize;
 
-use crate::plan::Answered;
 use crate::text::{self, degrees, millimetres};
+
+/// What `plan --json` prints; the keys stay.
+#[derive(Serialize)]
+pub struct Answered<'a> {
+    #[serde(flatten)]
+    pub plan: &'a PlanFile,
+    pub planning_time_s: f64,
+    pub preparation_time_s: f64,
+    pub shortcut_time_s: Option<f64>,
+    pub iterations: u64,
+    pub valid: bool,
+    pub start_faults: Vec<String>,
+    pub plan_file: Option<&'a Path>,
+    pub duration_s: Option<f64>,
+    pub timing_time_s: Option<f64>,
+    pub trajectory_file: Option<&'a Path>,
+    /// Why there is no trajectory.
+    #[serde(skip)]
+    pub untimed: Option<String>,
+}
 
 /// The first cost, each that is a twentieth below the one before it here, and the last: all stand in the plan file.
 fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {

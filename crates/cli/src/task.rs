@@ -53,12 +53,11 @@ impl Task {
         let scenario = open_scenario(&arguments.id, &options, output)?;
         let mut margins = arguments.margins.or(margins);
         if let Some(error) = robust {
-            let target = scenario.target.and_then(|target| scenario.world.bodies()[target].ball());
-            let ball = target.ok_or_else(|| {
+            let margin_m = scenario.object_margin_m(error.translation_m, error.rotation_rad);
+            margins.object_margin_m = margin_m.ok_or_else(|| {
                 let problem = "there is no target that could be elsewhere".to_owned();
                 Failure::Flag { flag: "robust", problem }
             })?;
-            margins.object_margin_m = error.farthest_m(ball.radius_m);
         }
         let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {

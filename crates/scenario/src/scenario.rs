@@ -124,6 +124,13 @@ impl Scenario {
         }
     }
 
+    /// What must be kept free about the target that may be so far from where it is thought to be, moved and turned about the
+    /// middle of a ball around it at once, in metres; `None` without a target.
+    pub fn object_margin_m(&self, translation_m: f64, rotation_rad: f64) -> Option<f64> {
+        let ball = self.world.bodies()[self.target?].ball()?;
+        Some(translation_m + rotation_rad * ball.radius_m)
+    }
+
     /// The scenario with another robot lifted or lowered so that the ground that it stands on is the floor, as far as both
     /// are said. The planning frame goes with it.
     pub(crate) fn on_its_ground(self, options: &OpenOptions) -> Result<Self, ScenarioError> {

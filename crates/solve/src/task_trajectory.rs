@@ -114,9 +114,9 @@ impl TaskTrajectory {
         self.hand_motions().get(1).map(|motion| [motion.from_s, motion.until_s])
     }
 
-    /// How far the fingers are apart before they close, and after that, in metres, if they do.
-    pub fn openings_m(&self) -> Option<[f64; 2]> {
-        self.hand_motions().first().map(|motion| motion.openings_m)
+    /// How far the fingers are apart on each leg, in metres; `None` where the hand does nothing.
+    pub fn openings_m(&self) -> Option<&[f64]> {
+        (self.legs.len() > 1).then_some(&self.openings_m)
     }
 
     /// Seconds from the beginning to the end.
