@@ -7,7 +7,7 @@ use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
 use crate::scenario_choice::{choose_scenarios, matches};
-use crate::{BenchError, CarryTo, PathDemand, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
+use crate::{BenchError, PathDemand, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
 
 /// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
 pub const MOST_TRIALS: u64 = 1_000_000;
@@ -279,12 +279,12 @@ impl Campaign {
             registry: registry.clone(),
             planner: Some(name.clone()),
             score: *score,
-            carry: self.demand.carry.map(CarryTo::carry),
+            carry: self.demand.carry.map(|carry| carry.carry(problem)).transpose()?,
             ..cranny_solve::Request::default()
         };
         asked.check(problem)?;
-        if let Some(carry) = self.demand.carry {
-            Carrier::new(problem, carry.carry().lift_off)?;
+        if let Some(carry) = &asked.carry {
+            Carrier::new(problem, carry.lift_off)?;
         }
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
         let planner = registry.planner_with(name, settings)?;

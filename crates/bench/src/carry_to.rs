@@ -1,4 +1,4 @@
-use cranny_plan::CarryEnd;
+use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, PlanError, Problem};
 use cranny_solve::Carry;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
@@ -14,6 +14,8 @@ pub enum CarryTo {
     Home,
     /// To where it is clear of everything but floors, by [`CarryEnd::CLEAR_M`].
     Out,
+    /// To the first place of its scenario, where it is put down, and the robot goes home.
+    Place,
 }
 
 impl CarryTo {
@@ -23,11 +25,23 @@ impl CarryTo {
     }
 
     /// What a planner is asked for.
-    pub(crate) fn carry(self) -> Carry {
+    ///
+    /// # Errors
+    /// [`PlanError::Place`] for a scenario without a place to put anything down.
+    pub(crate) fn carry(self, problem: &Problem) -> Result<Carry, PlanError> {
         let end = match self {
             Self::Home => CarryEnd::Home,
             Self::Out => CarryEnd::Out { clear_m: CarryEnd::CLEAR_M },
+            Self::Place => {
+                let none = || PlanError::Place {
+                    problem: "the scenario has no place to put its target down (`places` in scenario.yaml)"
+                        .to_owned(),
+                };
+                let goal = problem.places().first().ok_or_else(none)?.clone();
+                let (clear_m, then) = (PlaceSettings::CLEAR_M, AfterPlacing::Home);
+                CarryEnd::Place(PlaceSettings { goal, clear_m, then })
+            }
         };
-        Carry { end, ..Carry::default() }
+        Ok(Carry { end, ..Carry::default() })
     }
 }

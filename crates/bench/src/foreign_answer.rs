@@ -135,7 +135,7 @@ fn check_carrying(segments: &[Segment], carries: bool) -> Result<(), String> {
         }
         None if carries && !segments.is_empty() => {
             Err("the path ends at the grasp, but the trial carries the target on: name protocol 2 and give segments \
-                 `reach`, `lift-off` and `carry`"
+                 `reach`, `lift-off`, `carry` and what follows"
                 .to_owned())
         }
         _ => Ok(()),

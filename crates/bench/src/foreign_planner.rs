@@ -5,7 +5,7 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
-use cranny_plan::{CarryEnd, Criterion, Statistics};
+use cranny_plan::{CarryEnd, Criterion, PlaceSettings, PlaceSpot, Problem, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
 use cranny_solve::{Carry, Segment};
 use serde_json::json;
@@ -222,7 +222,7 @@ impl ForeignFiles {
             "tip": robot.links()[robot.tip()].name,
             "goal_configuration": task.goal,
             "target": problem.target().and_then(|target| Some(&problem.cell()?.world().bodies()[target].name)),
-            "carry": task.carry.map(asked_to_carry),
+            "carry": task.carry.and_then(|carry| asked_to_carry(carry, problem)),
             "margin_m": margin_m,
             "grasp_margin_m": grasp_margin_m,
             "files": {
@@ -318,16 +318,31 @@ impl ForeignFiles {
     }
 }
 
-/// What a program is told of where the target is to be carried.
-fn asked_to_carry(carry: CarryTo) -> serde_json::Value {
-    let Carry { end, lift_off } = carry.carry();
-    let clear_m = match end {
-        CarryEnd::Out { clear_m } => Some(clear_m),
-        _ => None,
+/// What a program is told of where the target is to be carried; nothing where that is no place.
+fn asked_to_carry(carry: CarryTo, problem: &Problem) -> Option<serde_json::Value> {
+    // Where there is no place, nobody came so far.
+    let Carry { end, lift_off } = carry.carry(problem).ok()?;
+    let (clear_m, place) = match end {
+        CarryEnd::Out { clear_m } => (Some(clear_m), None),
+        CarryEnd::Place(PlaceSettings { goal, clear_m, then }) => {
+            let (on, pose, size_m) = match &goal.spot {
+                PlaceSpot::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
+                PlaceSpot::Target(pose) => (None, pose, None),
+            };
+            let pose = rows_of_pose(pose);
+            let place =
+                json!({"name": goal.name, "on": on, "pose": pose, "size_m": size_m, "then": then.name()});
+            (Some(clear_m), Some(place))
+        }
+        CarryEnd::Home | CarryEnd::Configurations(_) => (None, None),
     };
-    json!({
+    let mut asked = json!({
         "to": carry.name(),
         "clear_m": clear_m,
         "lift_off": {"most_m": lift_off.most_m, "clear_m": lift_off.clear_m, "slack_m": lift_off.slack_m},
-    })
+    });
+    if let (Some(keys), Some(place)) = (asked.as_object_mut(), place) {
+        keys.insert("place".to_owned(), place);
+    }
+    Some(asked)
 }

@@ -72,7 +72,7 @@ pub fn run(
                 },
                 seed: trial.seed,
                 keep_path: true,
-                carry: carry.map(CarryTo::carry),
+                carry: carry.map(|carry| carry.carry(&opened.problem)).transpose()?,
                 // A path to one goal is judged below.
                 audit: if aimed.is_some() {
                     AuditSettings { clearances: Clearances::None, ..settings }
@@ -118,7 +118,7 @@ fn audit_task(
     carry: Option<CarryTo>,
     settings: AuditSettings,
 ) -> Result<Audit, PlanError> {
-    let carry = carry.map(CarryTo::carry);
+    let carry = carry.map(|carry| carry.carry(problem)).transpose()?;
     let carrier = carry.as_ref().map(|carry| Carrier::new(problem, carry.lift_off)).transpose()?;
     audit_segments(problem, carrier.as_ref(), segments, carry.as_ref().map(|carry| &carry.end), settings)
 }

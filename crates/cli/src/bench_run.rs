@@ -90,8 +90,8 @@ pub struct RunArguments {
     #[arg(long)]
     no_clearance: bool,
     /// Carry the target on once it is grasped: `home`, to where the robot started, or `out`, to where it is 50 mm clear of
-    /// everything but the floor
-    #[arg(long, value_name = "home|out", value_parser = carry_to)]
+    /// everything but the floor; or `place`, to the first place of its scenario, where it is put down
+    #[arg(long, value_name = "home|out|place", value_parser = carry_to)]
     carry: Option<CarryTo>,
     /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
@@ -128,7 +128,7 @@ fn outcome(text: &str) -> Result<TrialOutcome, String> {
 }
 
 fn carry_to(text: &str) -> Result<CarryTo, String> {
-    text.parse().map_err(|_| "give `home` or `out`".to_owned())
+    text.parse().map_err(|_| "give `home`, `out` or `place`".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
