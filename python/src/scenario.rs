@@ -138,6 +138,7 @@ impl PyScenario {
             has_grasp_set: grasps.is_some() || target.is_none(),
             ik: Vec::new(),
             places: Vec::new(),
+            steps: Vec::new(),
             export: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;

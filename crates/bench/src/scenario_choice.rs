@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use cranny_scenario::{CatalogueEntry, Identity, built_in};
+use cranny_scenario::{BuiltInTask, CatalogueEntry, Identity, built_in};
 
 use crate::BenchError;
 
@@ -24,9 +24,10 @@ const ALL: &str = "all";
 pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchError> {
     let mut chosen: Vec<ChosenScenario> = Vec::new();
     for word in words {
-        // All are the twenty of the paper; those that bring the object in are asked for by their ids.
-        let is_named =
-            |entry: &&CatalogueEntry| matches(word, entry.id) && !(word == ALL && entry.is_insertion);
+        // All are the twenty of the paper; those that bring the object in, or clear the way, are asked for by their ids.
+        let is_named = |entry: &&CatalogueEntry| {
+            matches(word, entry.id) && (word != ALL || entry.task == BuiltInTask::Pick)
+        };
         let built_in: Vec<&str> = built_in().filter(is_named).map(|entry| entry.id).collect();
         let sources = if built_in.is_empty() {
             vec![path_of(word)?]

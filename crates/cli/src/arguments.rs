@@ -95,6 +95,7 @@ pub struct TaskArguments {
   cranny plan 015 --carry out --clear 100
   cranny plan 012 --place outside --then stay
   cranny plan 021 --robust 2,3
+  cranny plan 213 --steps
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
@@ -146,6 +147,9 @@ pub struct PlanArguments {
     /// hand. A grasp with which it cannot be brought there is none
     #[arg(long, value_name = "PLACE", conflicts_with_all = ["carry", "optimise", "blend"])]
     pub place: Option<String>,
+    /// Pick and put down what the scenario's `steps` name, one after the other, each in the world that the one before leaves
+    #[arg(long, conflicts_with_all = ["moveit", "carry", "place", "optimise", "blend", "grasps", "rate"])]
+    pub steps: bool,
     /// With --place: where the robot goes once its hand has left the target
     #[arg(long, value_enum, value_name = "WHERE", default_value_t = ThenArgument::Home, requires = "place")]
     pub then: ThenArgument,

@@ -32,6 +32,7 @@ mod output_file;
 mod page_task;
 mod plan;
 mod plan_page;
+mod plan_steps;
 mod plan_task;
 mod progress;
 mod recording;

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use cranny_plan::Registry;
-use cranny_scenario::{CatalogueEntry, catalogue, insertions};
+use cranny_scenario::{CatalogueEntry, catalogue, insertions, sequences};
 use serde::Serialize;
 
 use crate::Answer;
@@ -14,6 +14,8 @@ struct Listing {
     scenarios: Vec<Listed>,
     /// Those in which the target lies outside, and is to be put inside.
     insertions: Vec<Listed>,
+    /// Those of several steps.
+    sequences: Vec<Listed>,
     planners: Vec<&'static str>,
 }
 
@@ -32,7 +34,8 @@ pub fn run(registry: &Registry, output: Output) -> Result<Answer, Failure> {
     };
     let scenarios = catalogue().iter().map(listed).collect();
     let insertions = insertions().iter().map(listed).collect();
-    let listing = Listing { scenarios, insertions, planners: registry.names() };
+    let sequences = sequences().iter().map(listed).collect();
+    let listing = Listing { scenarios, insertions, sequences, planners: registry.names() };
     if output.json {
         text::print_json(&listing)?;
         return Ok(Answer::Done);
@@ -43,6 +46,10 @@ pub fn run(registry: &Registry, output: Output) -> Result<Answer, Failure> {
     }
     page.push_str("\nWith the target outside at first (`--place inside`):\n");
     for Listed { id, environment, summary } in &listing.insertions {
+        let _ = writeln!(page, "  {id}  {environment}: {summary}");
+    }
+    page.push_str("\nOf several steps (`--steps`):\n");
+    for Listed { id, environment, summary } in &listing.sequences {
         let _ = writeln!(page, "  {id}  {environment}: {summary}");
     }
     let _ = writeln!(page, "\nPlanners: {}", listing.planners.join(", "));

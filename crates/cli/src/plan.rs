@@ -15,6 +15,7 @@ use crate::file_kind::FileKind;
 use crate::ik;
 use crate::output_file;
 use crate::plan_page::{self, Answered};
+use crate::plan_steps;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
@@ -22,6 +23,11 @@ use crate::task::Demand;
 use crate::text;
 
 pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
+    if arguments.steps {
+        let request = Request { registry: registry.clone(), ..request(arguments, None) };
+        let file = destination(arguments, &arguments.task.id, output)?;
+        return plan_steps::plan(arguments, &request, &file, output);
+    }
     let begin = Instant::now();
     let demand = Demand { robust: arguments.robust, ..Demand::default() };
     let PlanTask { source, grasps, problem } =

@@ -44,6 +44,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         grasps: GraspSet::default(),
         ik: Vec::new(),
         places: Vec::new(),
+        steps: Vec::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;
     let frames = scenario.robot.frames_at(&scenario.start);

@@ -3,18 +3,25 @@ use std::path::PathBuf;
 
 use cranny_file::counted;
 use cranny_plan::{Audit, AuditSettings, Criterion, audit_with};
-use cranny_scenario::{GivenGrasps, PlanFile, read_waypoints};
+use cranny_scenario::{GivenGrasps, PlanFile, SequencePlan, read_waypoints};
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
+use crate::plan_steps;
 use crate::plan_task::{PlanTask, check_plan, read_plan};
 use crate::task::Demand;
 use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
+    // What is no file can be read once only.
+    if file.is_file()
+        && let Some(plans) = SequencePlan::read(file)?
+    {
+        return plan_steps::verify(&plans, arguments, output);
+    }
     let plan = read_plan(file)?;
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
     // What flags say goes before it.

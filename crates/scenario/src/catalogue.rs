@@ -14,10 +14,21 @@ pub struct CatalogueEntry {
     pub family: Family,
     /// The value of the family's dial, in metres.
     pub parameter_m: f64,
-    /// Whether the object lies outside at first, and is to be put where the paper has it ([`Family::INSIDE`]).
-    pub is_insertion: bool,
+    /// What is to be done.
+    pub task: BuiltInTask,
     scenario: &'static str,
     grasps: &'static str,
+}
+
+/// What is to be done in a built-in scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuiltInTask {
+    /// The object is to be grasped, and may be put down outside ([`Family::OUTSIDE`]).
+    Pick,
+    /// The object lies outside at first, and is to be put where the paper has it ([`Family::INSIDE`]).
+    Insert,
+    /// Columns stand in the way, which are to be taken away before the object is.
+    Clear,
 }
 
 /// All built-in scenarios, by id: the twenty of the paper.
@@ -31,16 +42,22 @@ pub fn insertions() -> &'static [CatalogueEntry] {
     &INSERTIONS
 }
 
+/// The built-in scenarios of several steps: what stands in the way is put aside, then the object; by id: `2`, environment,
+/// level.
+pub fn sequences() -> &'static [CatalogueEntry] {
+    &SEQUENCES
+}
+
 /// All that is built in.
 pub fn built_in() -> impl Iterator<Item = &'static CatalogueEntry> {
-    CATALOGUE.iter().chain(&INSERTIONS)
+    CATALOGUE.iter().chain(&INSERTIONS).chain(&SEQUENCES)
 }
 
 /// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its
 /// environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and the parameter
 /// as it is said.
 macro_rules! entries {
-    ($is_insertion:literal, $($family:ident, $environment:literal, $before:literal, $after:literal {
+    ($task:ident, $($family:ident, $environment:literal, $before:literal, $after:literal {
         $($id:literal: $parameter_m:literal = $said:literal,)*
     })*) => {
         [$($(CatalogueEntry {
@@ -49,7 +66,7 @@ macro_rules! entries {
             description: concat!($before, $said, $after),
             family: Family::$family,
             parameter_m: $parameter_m,
-            is_insertion: $is_insertion,
+            task: BuiltInTask::$task,
             scenario: include_str!(concat!("../scenarios/", $id, "/scenario.yaml")),
             grasps: include_str!(concat!("../scenarios/", $id, "/grasps.csv")),
         },)*)*]
@@ -57,7 +74,7 @@ macro_rules! entries {
 }
 
 const CATALOGUE: [CatalogueEntry; 20] = entries! {
-    false,
+    Pick,
     Shelf, "screwdriver in a shelf", "the screwdriver lies ", " m behind the front edge" {
         "011": 0.113 = "0.11",
         "012": 0.213 = "0.21",
@@ -89,7 +106,7 @@ const CATALOGUE: [CatalogueEntry; 20] = entries! {
 };
 
 const INSERTIONS: [CatalogueEntry; 12] = entries! {
-    true,
+    Insert,
     Shelf, "screwdriver into a shelf", "the screwdriver is to lie ", " m behind the front edge" {
         "111": 0.113 = "0.11",
         "113": 0.313 = "0.31",
@@ -109,6 +126,19 @@ const INSERTIONS: [CatalogueEntry; 12] = entries! {
         "141": 0.86 = "0.86",
         "143": 0.70 = "0.70",
         "145": 0.54 = "0.54",
+    }
+};
+
+const SEQUENCES: [CatalogueEntry; 3] = entries! {
+    Clear,
+    Shelf, "screwdriver behind two columns in a shelf", "the screwdriver lies ", " m behind the front edge" {
+        "213": 0.313 = "0.31",
+    }
+    Gap, "box behind two columns in a gap", "the gap between the walls is ", " m wide" {
+        "235": 0.32 = "0.32",
+    }
+    Gate, "banana behind three columns in a gate", "the gate's opening is ", " m wide and high" {
+        "245": 0.54 = "0.54",
     }
 };
 
@@ -151,8 +181,11 @@ impl CatalogueEntry {
     /// None on a sound build.
     pub fn recipe(&self, maker: &FamilyMaker) -> Result<Recipe, ScenarioError> {
         let title = format!("{}, {}: {}", self.id, self.environment, self.description);
-        let recipe =
-            if self.is_insertion { maker.insertion(self.parameter_m) } else { maker.at(self.parameter_m) };
+        let recipe = match self.task {
+            BuiltInTask::Pick => maker.at(self.parameter_m),
+            BuiltInTask::Insert => maker.insertion(self.parameter_m),
+            BuiltInTask::Clear => maker.clearing(self.parameter_m),
+        };
         Ok(Recipe { title, ..recipe? })
     }
 

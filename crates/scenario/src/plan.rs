@@ -6,6 +6,7 @@ pub(crate) mod file;
 pub(crate) mod place;
 pub(crate) mod reading;
 pub(crate) mod segment;
+pub(crate) mod sequence;
 pub(crate) mod timing;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_csv;

@@ -10,7 +10,7 @@ use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
-use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, TargetPhysics};
+use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, Step, TargetPhysics};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -43,6 +43,8 @@ pub struct Scenario {
     pub ik: Vec<Vec<f64>>,
     /// Where the target can be put down.
     pub places: Vec<PlaceGoal>,
+    /// What is to be picked and put down, in order; often nothing.
+    pub steps: Vec<Step>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,

@@ -4,7 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
-use cranny_scenario::{CatalogueEntry, Family, FamilyMaker, RecipeRobot, SceneScale, catalogue, insertions};
+use cranny_scenario::{
+    CatalogueEntry, Family, FamilyMaker, RecipeRobot, SceneScale, catalogue, insertions, sequences,
+};
 use strum::VariantArray as _;
 
 /// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
@@ -16,7 +18,9 @@ fn the_files_of_the_twenty_are_what_their_recipes_make() {
             let robot = RecipeRobot::of_the_paper().unwrap();
             FamilyMaker::new(family, robot, SceneScale::PAPER, CatalogueEntry::GRASP_SEED).unwrap()
         };
-        for entry in catalogue().iter().chain(insertions()).filter(|entry| entry.family == family) {
+        for entry in
+            catalogue().iter().chain(insertions()).chain(sequences()).filter(|entry| entry.family == family)
+        {
             let recipe = entry.recipe(&maker).unwrap();
             if std::env::var_os("CRANNY_WRITE").is_some() {
                 recipe.write_folder(&scenarios.join(entry.id)).unwrap();

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use cranny_collision::Cell;
 use cranny_plan::{Carrier, CarryEnd, Grip, Placed, Placer, PlanError};
+use cranny_spatial::Pose;
 
 use crate::{Mode, Segment};
 
@@ -39,6 +40,11 @@ impl TaskCells {
         let near = placer.grip_at(&grip, down)?;
         let put_down = near.zip(placer.open(&grip, down).ok());
         Ok(put_down.map(|put_down| Self { grip, put_down: Some(put_down) }))
+    }
+
+    /// Pose of the first solid of the object where it was put down, if it was.
+    pub fn placed(&self) -> Option<&Pose> {
+        self.put_down.as_ref().map(|(_, placed)| &placed.world_from_held)
     }
 
     /// Robot and world in a mode; `None` for the way to the grasp, which is that of the problem.

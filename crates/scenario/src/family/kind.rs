@@ -171,6 +171,40 @@ impl Family {
         PlaceGoal { name: Self::OUTSIDE.to_owned(), spot }
     }
 
+    /// The mirror of the place outside.
+    pub(crate) fn other_side(self) -> PlaceGoal {
+        let PlaceGoal { spot, .. } = self.outside();
+        let spot = match spot {
+            PlaceSpot::Surface { on, pose, size_m } => {
+                let mirror_m = 2.0 * (MIDDLE_M - pose.translation.x);
+                PlaceSpot::Surface { on, pose: Pose::translation(mirror_m, 0.0, 0.0) * pose, size_m }
+            }
+            target @ PlaceSpot::Target(_) => target,
+        };
+        PlaceGoal { name: Self::OTHER_SIDE.to_owned(), spot }
+    }
+
+    /// Columns that stand in the way, one hand wide each.
+    pub(crate) fn columns(self) -> Vec<RecipeBody> {
+        /// As wide as a hand can hold, in metres.
+        const WIDTH_M: f64 = 0.07;
+        let (across_m, away_m, height_m): (&[f64], f64, f64) = match self {
+            Self::Shelf => (&[0.915, 1.065], 0.7, 0.33),
+            Self::Table => (&[0.9, 1.1], 0.7, 0.3),
+            Self::Gap => (&[0.92, 1.08], 0.55, 0.7),
+            Self::Gate => (&[0.83, 1.0, 1.17], 0.45, 0.48),
+        };
+        let floor_m = if self == Self::Shelf { self.support_m() } else { 0.0 };
+        let column = |(index, x_m): (usize, &f64)| {
+            let middle = Pose::translation(*x_m, away_m, floor_m + 0.5 * height_m);
+            let size = Vector::new(WIDTH_M, WIDTH_M, height_m);
+            RecipeBody::new(&format!("column {}", index + 1), middle, RecipeShape::Cuboid(size))
+        };
+        across_m.iter().enumerate().map(column).collect()
+    }
+
+    /// What the place on the other side of the object is called.
+    pub const OTHER_SIDE: &str = "other side";
     /// What the place outside is called.
     pub const OUTSIDE: &str = "outside";
     /// What the place is called where the paper has the object, in scenarios where it starts outside.

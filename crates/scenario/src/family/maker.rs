@@ -2,7 +2,7 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, HandFilter, PlaceGoal, PlaceSpot, robot_hand};
+use cranny_plan::{APPROACH_M, AfterPlacing, HandFilter, PlaceGoal, PlaceSpot, robot_hand};
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
@@ -10,7 +10,7 @@ use cranny_spatial::{Pose, Stream, Vector};
 use crate::family::kind::Resting;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale,
+    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale, Step,
 };
 
 /// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
@@ -141,6 +141,30 @@ impl FamilyMaker {
         self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
     }
 
+    /// The scenario at a value of the dial (m) with columns in the way ([`Family::columns`]), which are to be put down on the
+    /// other side before the object is outside.
+    ///
+    /// # Errors
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    pub fn clearing(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
+        let columns = self.family.columns().into_iter().map(|column| self.scale.clutter(column)).collect();
+        let placement = self.paper_placement(parameter_m);
+        let recipe = self.scenario(parameter_m, &placement, columns, GraspChoice::Covering)?;
+        let outside = recipe.places.clone().into_iter();
+        let places = outside.chain([self.scale.place(self.family.other_side())]).collect();
+        let to = |pick: &RecipeBody, place: &str| Step {
+            pick: pick.name.clone(),
+            place: place.to_owned(),
+            then: AfterPlacing::Home,
+        };
+        let names: Vec<String> = self.family.columns().into_iter().map(|column| column.name).collect();
+        let columns = recipe.obstacles.iter().filter(|body| names.contains(&body.name));
+        let aside = columns.map(|column| to(column, Family::OTHER_SIDE));
+        let taken = recipe.target.iter().map(|target| to(target, Family::OUTSIDE));
+        let steps = aside.chain(taken).collect();
+        Ok(Recipe { places, steps, ..recipe })
+    }
+
     /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
     /// many grasps as the hand can take there: at most 200, perhaps none.
     ///
@@ -226,6 +250,7 @@ impl FamilyMaker {
             start: self.robot.start(),
             robot: self.robot.clone(),
             places: vec![self.scale.place(family.outside())],
+            steps: Vec::new(),
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

@@ -160,6 +160,9 @@ impl Legible {
         for entry in &file.places {
             faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
         }
+        for entry in &file.steps {
+            faults.extend(layout.step(entry, file).err());
+        }
         robot.filter(|_| was_there("robot"))
     }
 }

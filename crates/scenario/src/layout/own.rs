@@ -15,12 +15,12 @@ use crate::files::number_table;
 use crate::files::sizes;
 use crate::files::yaml;
 use crate::layout::own_file::{
-    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
+    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry, StepEntry,
 };
 use crate::robot::file;
 use crate::{
     BUILTIN_ROBOTS, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
-    ScenarioError, TargetPhysics, scenario,
+    ScenarioError, Step, TargetPhysics, scenario,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -128,6 +128,7 @@ pub(crate) fn open_texts(
         has_grasp_set: texts.grasps.is_some(),
         ik,
         places,
+        steps: file.steps.iter().map(|step| layout.step(step, &file)).collect::<Result<_, _>>()?,
         export: None,
     }
     .on_its_ground(options)?
@@ -316,6 +317,25 @@ impl Layout<'_> {
             }
         };
         Ok(PlaceGoal { name: name.value.clone(), spot })
+    }
+
+    /// A step of a task.
+    pub fn step(&self, entry: &Spanned<StepEntry>, file: &ScenarioFile) -> Result<Step, ScenarioError> {
+        let Spanned { value: StepEntry { pick, place, then }, referenced, .. } = entry;
+        let refuse = |problem: String| ScenarioError::Place { at: self.at(*referenced), problem };
+        let bodies = file.obstacles.iter().chain(&file.target).map(|body| body.name.value.as_str());
+        let places = file.places.iter().map(|place| place.value.name.value.as_str());
+        for (what, name, known) in
+            [("body", pick, bodies.collect::<Vec<_>>()), ("place", place, places.collect())]
+        {
+            if !known.contains(&name.as_str()) {
+                let known = known.join(", ");
+                return Err(refuse(format!(
+                    "there is no {what} '{name}' for this step (there are: {known})"
+                )));
+            }
+        }
+        Ok(Step { pick: pick.clone(), place: place.clone(), then: *then })
     }
 
     /// What the entry of the target says of its mass and friction.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use cranny_plan::Criterion;
+use cranny_plan::{AfterPlacing, Criterion};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -52,6 +52,10 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "Vec<PlaceEntry>")]
     pub places: Vec<Spanned<PlaceEntry>>,
+    /// What is to be picked and put down, in order (`cranny plan --steps`).
+    #[serde(default)]
+    #[schemars(with = "Vec<StepEntry>")]
+    pub steps: Vec<Spanned<StepEntry>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }
@@ -133,6 +137,29 @@ pub(crate) struct PlaceEntry {
     /// Instead of a rectangle: the pose that the target is to have.
     #[schemars(with = "Option<PoseEntry>")]
     pub target_pose: Option<Spanned<PoseEntry>>,
+}
+
+/// A step of a task.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StepEntry {
+    /// The target, or an obstacle.
+    pub pick: String,
+    /// A place of this file.
+    pub place: String,
+    /// Where the robot goes then: `home`, or nowhere, `stay`.
+    #[serde(default)]
+    #[schemars(with = "Option<ThenName>")]
+    pub then: AfterPlacing,
+}
+
+/// How files spell where a robot goes once it has put something down.
+#[derive(JsonSchema)]
+#[schemars(rename = "Then", rename_all = "kebab-case")]
+#[allow(dead_code, reason = "nobody makes one: its names are read as those of the other")]
+pub(crate) enum ThenName {
+    Home,
+    Stay,
 }
 
 /// A pose; what is left out is zero.

@@ -4,7 +4,9 @@ use cranny_plan::PlaceGoal;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
-use crate::{ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics};
+use crate::{
+    ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, Step, TargetPhysics,
+};
 
 /// A scenario in the making: what its files will say. Poses are in the scene, whose floor is z = 0; grasps are in the
 /// planning frame.
@@ -28,6 +30,8 @@ pub struct Recipe {
     pub ik: Vec<Vec<f64>>,
     /// Where the target can be put down, in the scene.
     pub places: Vec<PlaceGoal>,
+    /// What is to be picked and put down, in order.
+    pub steps: Vec<Step>,
 }
 
 /// A body of a [`Recipe`].
@@ -94,6 +98,7 @@ impl Recipe {
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
+            steps: scenario.steps.clone(),
             places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
     }
@@ -120,6 +125,7 @@ impl Recipe {
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             has_grasp_set: true,
+            steps: self.steps.clone(),
             places: {
                 let planning_from_scene = self.robot.planning_from_scene();
                 self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect()

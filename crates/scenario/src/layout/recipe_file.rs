@@ -7,11 +7,11 @@ use cranny_grasp::csv_text;
 use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_spatial::{Pose, Rotation};
 
-use crate::ScenarioError;
 use crate::files::atomic_file::write_into;
 use crate::layout::own;
 use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::robot::in_folder::{ROBOT, write_robot};
+use crate::{ScenarioError, Step};
 
 /// The folder of a scenario's meshes.
 const MESHES: &str = "meshes";
@@ -89,6 +89,13 @@ impl Recipe {
         }
         for place in &self.places {
             self.write_place(place, &mut text);
+        }
+        if !self.steps.is_empty() {
+            text.push_str("steps:\n");
+        }
+        for Step { pick, place, then } in &self.steps {
+            let [pick, place] = [pick, place].map(|name| serde_json::Value::from(name.as_str()));
+            let _ = writeln!(text, "  - {{pick: {pick}, place: {place}, then: {}}}", then.name());
         }
         text
     }

@@ -90,6 +90,7 @@ pub(crate) fn open_with(
         grasps: grasps(folder)?,
         has_grasp_set: true,
         places: Vec::new(),
+        steps: Vec::new(),
         ik,
         export: exported.map(|exported| exported.surface),
     }

@@ -10,7 +10,6 @@ use cranny_plan::{
 use cranny_solve::{Answer, Carry, Request, Robustness};
 use serde::{Deserialize, Serialize};
 
-use crate::PlanFileError;
 use crate::plan::betterment::{PlanOptimisation, PlanShortening};
 use crate::plan::place::PlanPlace;
 use crate::plan::timing::PlanTiming;
@@ -249,9 +248,7 @@ impl PlanFile {
     /// [`PlanFileError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In
     /// both cases what stood there before is untouched.
     pub fn write(&self, path: &Path) -> Result<(), ScenarioError> {
-        if let Some(field) = self.field_not_finite() {
-            return Err(PlanFileError::NotFinite { path: path.to_owned(), field }.into());
-        }
+        self.check_finite(path)?;
         let mut text = serde_json::to_string_pretty(self)
             .map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason: reason.into() })?;
         text.push('\n');
@@ -266,6 +263,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::PlanFileError;
     use crate::plan::segment::segments_of;
 
     fn plan() -> PlanFile {

@@ -66,6 +66,19 @@ impl PlanFile {
         Ok(plan)
     }
 
+    /// Whether a plan that was read with others from `path` holds together.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), ScenarioError> {
+        check_format(path, self.format.as_deref())?;
+        self.check_waypoints(path, self.joint_names.len())?;
+        check_segments(path, &mut self.clone())
+    }
+
+    /// Whether JSON can hold all of its numbers.
+    pub(crate) fn check_finite(&self, path: &Path) -> Result<(), ScenarioError> {
+        let fault = |field| PlanFileError::NotFinite { path: path.to_owned(), field }.into();
+        self.field_not_finite().map_or(Ok(()), |field| Err(fault(field)))
+    }
+
     /// The way points of the plan, which was read from `path`.
     ///
     /// # Errors

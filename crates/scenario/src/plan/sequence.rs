@@ -1,0 +1,152 @@
+use std::path::Path;
+
+use cranny_collision::Margins;
+use cranny_plan::{Audit, AuditSettings, CarryEnd, Observer, PlaceSettings};
+use cranny_solve::{Carry, Request, SolveError, solve};
+use serde::{Deserialize, Serialize};
+
+use crate::{PlanFile, PlanSource, Scenario, ScenarioError, write_whole_file};
+
+/// The plans of a scenario's steps, each in the world that the one before it leaves: what the plan file of several steps
+/// holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SequencePlan {
+    /// [`Self::FORMAT`].
+    pub format: String,
+    /// Id of the scenario.
+    pub scenario: String,
+    /// The plan of each step, in order: all of them, or up to the first that has none.
+    pub steps: Vec<PlanFile>,
+    /// From the first way point to the last, in seconds; `None` where a step has no path, or no time.
+    pub duration_s: Option<f64>,
+}
+
+/// Of a file its format alone.
+#[derive(Deserialize)]
+struct Head {
+    #[serde(default)]
+    format: Option<String>,
+}
+
+impl SequencePlan {
+    /// The format that this version writes.
+    pub const FORMAT: &str = "cranny-sequence/1";
+
+    /// Plans the steps of a scenario one after the other, until one has no path. What a request says of where things are
+    /// carried is not asked: the steps say that.
+    ///
+    /// # Errors
+    /// [`SequenceError`]: of the scenario, or of a search.
+    pub fn solve(
+        scenario: &Scenario,
+        source: &PlanSource,
+        request: &Request,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SequenceError> {
+        let mut now = scenario.clone();
+        let mut steps = Vec::new();
+        for step in &scenario.steps {
+            let problem = now.at_step(step)?.problem(source.margins)?;
+            let goal = problem.place(&step.place).map_err(ScenarioError::from)?.clone();
+            let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: step.then };
+            let carry = Some(Carry { end: CarryEnd::Place(place), ..Carry::default() });
+            let answer = solve(&problem, &Request { carry, ..request.clone() }, observer)?;
+            let plan = PlanFile::of(&answer, source);
+            let is_solved = answer.is_solved();
+            if is_solved {
+                now = now.after(&plan, &problem)?;
+            }
+            steps.push(plan);
+            if !is_solved {
+                break;
+            }
+        }
+        let is_whole = steps.len() == scenario.steps.len();
+        let durations = steps.iter().map(|plan| plan.timing.as_ref().map(|timing| timing.duration_s));
+        let duration_s = durations.sum::<Option<f64>>().filter(|_| is_whole);
+        Ok(Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s })
+    }
+
+    /// What the judge says of each plan, in the world that those before it leave; nothing of what follows one that does not
+    /// hold.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Plan`] for what is no plan of the scenario's steps.
+    pub fn audit(
+        &self,
+        scenario: &Scenario,
+        margins: Margins,
+        settings: AuditSettings,
+    ) -> Result<Vec<Audit>, ScenarioError> {
+        let mut now = scenario.clone();
+        let mut audits = Vec::new();
+        for (step, plan) in scenario.steps.iter().zip(&self.steps) {
+            let problem = now.at_step(step)?.problem(margins)?;
+            // Whatever the file says: the steps say what is picked and where it goes.
+            let goes = plan.place.as_ref().map(|place| (place.name.as_str(), place.then));
+            if goes != Some((step.place.as_str(), step.then)) {
+                return Err(cranny_plan::PlanError::Segments.into());
+            }
+            let Some(audit) = plan.audit(&problem, settings)? else { break };
+            let is_valid = audit.valid;
+            audits.push(audit);
+            if !is_valid {
+                break;
+            }
+            now = now.after(plan, &problem)?;
+        }
+        Ok(audits)
+    }
+
+    /// Whether every step has a path, and the last of the verdicts says that all hold.
+    pub fn is_solved(&self, scenario: &Scenario, audits: &[Audit]) -> bool {
+        audits.len() == scenario.steps.len() && audits.iter().all(|audit| audit.valid)
+    }
+
+    /// Reads a file of this format; `None` for a JSON file of another.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with file and line if it cannot be read, or holds a plan that is none.
+    pub fn read(path: &Path) -> Result<Option<Self>, ScenarioError> {
+        let text = cranny_file::TABLE
+            .bytes(path)
+            .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+        let head: Result<Head, _> = cranny_file::json(&text);
+        if !head.is_ok_and(|head| head.format.as_deref() == Some(Self::FORMAT)) {
+            return Ok(None);
+        }
+        let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
+        let plans: Self = cranny_file::json(&text).map_err(malformed)?;
+        for plan in &plans.steps {
+            plan.check(path)?;
+        }
+        Ok(Some(plans))
+    }
+
+    /// Writes the plans, as a whole or not at all.
+    ///
+    /// # Errors
+    /// As [`PlanFile::write`].
+    pub fn write(&self, path: &Path) -> Result<(), ScenarioError> {
+        for plan in &self.steps {
+            plan.check_finite(path)?;
+        }
+        let unwritable = |reason: serde_json::Error| ScenarioError::Unwritable {
+            path: path.to_owned(),
+            reason: reason.into(),
+        };
+        let text = serde_json::to_string_pretty(self).map_err(unwritable)? + "\n";
+        write_whole_file(path, text.as_bytes())
+    }
+}
+
+/// Why the steps of a scenario were not planned.
+#[derive(Debug, thiserror::Error)]
+pub enum SequenceError {
+    /// What the scenario says.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// What the search says.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
