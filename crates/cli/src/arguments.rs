@@ -103,6 +103,7 @@ pub struct TaskArguments {
     .required(false)
     .required_unless_present("moveit")
     .default_value_if("moveit", ArgPredicate::IsPresent, "")))]
+#[expect(clippy::struct_excessive_bools, reason = "a flag of the command each")]
 pub struct PlanArguments {
     #[command(flatten)]
     pub task: TaskArguments,

@@ -1,8 +1,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_plan::{Problem, Registry};
-use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_plan::{PlanError, Problem, Registry};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, SequencePlan, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
@@ -358,6 +358,9 @@ fn scene(
     rate_hz: f64,
     output: Output,
 ) -> Result<Scene, Failure> {
+    if let Some(plans) = plan.map(SequencePlan::read).transpose()?.flatten() {
+        return scene_of_steps(id, &plans, arguments, rate_hz, output);
+    }
     let read = plan.map(read_plan).transpose()?.flatten();
     let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
         read.as_ref().and_then(|plan| file(plan).as_ref()).map(PathBuf::from)
@@ -386,6 +389,24 @@ fn scene(
         }
         (_, None) => None,
     };
+    Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
+}
+
+/// What is seen of a scenario while its steps are carried out.
+fn scene_of_steps(
+    id: &str,
+    plans: &SequencePlan,
+    arguments: &RenderArguments,
+    rate_hz: f64,
+    output: Output,
+) -> Result<Scene, Failure> {
+    let of_plan = plans.steps.first().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
+    let options = OpenOptions { robot: arguments.robot.clone().or(of_plan), ..OpenOptions::default() };
+    let scenario = open_scenario(id, &options, output)?;
+    let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None);
+    let steps = plans.steps.iter().map(|plan| Ok((plan, timed(plan)?)));
+    let steps = steps.collect::<Result<Vec<_>, PlanError>>()?;
+    let path = ShownPath::of_steps(&scenario.robot, &steps, rate_hz)?;
     Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
 }
 

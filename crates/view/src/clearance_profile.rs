@@ -32,7 +32,7 @@ impl ClearanceProfile {
     /// without them nothing is said of the rest of the path. What it rests on counts from the end of the lift-off on, and
     /// until it is set down.
     pub fn along(path: &ShownPath, cell: &Cell, cells: Option<&TaskCells>, most: usize) -> Option<Self> {
-        let shown = path.carry.as_ref().map_or(path.times_s.len(), |carry| match cells {
+        let shown = path.carries.first().map_or(path.times_s.len(), |carry| match cells {
             Some(_) => path.times_s.len(),
             None => path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0]),
         });
@@ -92,7 +92,7 @@ fn stretches<'a, 'b>(
     cells: Option<&'a TaskCells>,
     places: &'b [usize],
 ) -> Vec<Stretch<'a, 'b>> {
-    let Some((carry, cells)) = path.carry.as_ref().zip(cells) else {
+    let Some((carry, cells)) = path.carries.first().zip(cells) else {
         return vec![Stretch { cell: Cow::Borrowed(empty), places }];
     };
     let until = |from: usize, time_s: f64| {

@@ -138,7 +138,7 @@ impl PagePlan {
             waypoint_times_s: row(|path| &path.waypoint_times_s),
             is_timed: path.is_some_and(|path| path.is_timed),
             path_length: self.path_length,
-            carry: path.and_then(|path| path.carry.as_ref()).map(CarryEntry::of),
+            carry: path.and_then(|path| path.carries.first()).map(CarryEntry::of),
             grasp: self.grasp(),
             clearance: profile.as_ref().map(ClearanceProfile::rows),
             blocked: self.failures.iter().map(BlockedGrasp::of).collect(),

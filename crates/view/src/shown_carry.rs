@@ -69,6 +69,14 @@ impl ShownCarry {
         })
     }
 
+    /// The same so much later, in seconds.
+    pub(crate) fn later_by(mut self, time_s: f64) -> Self {
+        for mode in &mut self.modes {
+            (mode.from_s, mode.until_s) = (mode.from_s + time_s, mode.until_s + time_s);
+        }
+        self
+    }
+
     /// From when to when the hand closes, in seconds.
     pub fn closes_s(&self) -> [f64; 2] {
         self.hand_moves_s(false).unwrap_or_default()

@@ -19,8 +19,8 @@ pub struct ShownPath {
     /// Whether the limits of the robot give it its time; else it has none, and is shown at an even pace: a length
     /// of 1 (metres and radians alike) in a second.
     pub is_timed: bool,
-    /// What becomes of the object, of a path on which it is carried away.
-    pub carry: Option<ShownCarry>,
+    /// What becomes of each object that is carried away, one after the other.
+    pub carries: Vec<ShownCarry>,
 }
 
 /// How fast a path without timing is shown, in the plain norm of `q` (m and rad alike) per second: a robot at
@@ -78,8 +78,39 @@ impl ShownPath {
                 None => leg,
             });
         }
-        let carry = ShownCarry::of(robot, plan, &times_s).filter(|_| times_s.len() > 1);
-        Ok(shown.map(|shown| Self { grasp: plan.grasp, carry, ..shown }))
+        let carries =
+            ShownCarry::of(robot, plan, &times_s).filter(|_| times_s.len() > 1).into_iter().collect();
+        Ok(shown.map(|shown| Self { grasp: plan.grasp, carries, ..shown }))
+    }
+
+    /// The paths of several plans, each from where the one before ends, in the same way; `None` where none has a path.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn of_steps(
+        robot: &Robot,
+        steps: &[(&PlanFile, Option<TaskTrajectory>)],
+        rate_hz: f64,
+    ) -> Result<Option<Self>, ViewError> {
+        let mut whole: Option<Self> = None;
+        for (plan, timed) in steps {
+            let Some(step) = Self::of_plan(robot, plan, timed.as_ref(), rate_hz)? else { break };
+            whole = Some(match whole {
+                Some(whole) => whole.followed_by(step),
+                None => Self { grasp: None, ..step },
+            });
+        }
+        Ok(whole)
+    }
+
+    /// The path, and one that begins where it ends.
+    fn followed_by(mut self, next: Self) -> Self {
+        let begin_s = self.ends_s();
+        self.times_s.extend(next.times_s[1..].iter().map(|time_s| begin_s + time_s));
+        self.configurations.extend_from_slice(&next.configurations[1..]);
+        self.waypoint_times_s.extend(next.waypoint_times_s[1..].iter().map(|time_s| begin_s + time_s));
+        self.carries.extend(next.carries.into_iter().map(|carry| carry.later_by(begin_s)));
+        self
     }
 
     /// The path, a stop in which the hand moves, and the leg that follows.
@@ -112,7 +143,14 @@ impl ShownPath {
         let (times_s, configurations) =
             trajectory.samples(rate_hz)?.map(|sample| (sample.time_s, sample.position)).unzip();
         let waypoint_times_s = trajectory.waypoint_times_s().to_vec();
-        Ok(Self { times_s, configurations, waypoint_times_s, grasp: None, is_timed: true, carry: None })
+        Ok(Self {
+            times_s,
+            configurations,
+            waypoint_times_s,
+            grasp: None,
+            is_timed: true,
+            carries: Vec::new(),
+        })
     }
 
     /// At an even pace, each edge in a whole number of steps.
@@ -123,7 +161,7 @@ impl ShownPath {
             waypoint_times_s: vec![0.0],
             grasp: None,
             is_timed: false,
-            carry: None,
+            carries: Vec::new(),
         };
         let rate_hz = within(rate_hz, path_length(waypoints) / UNTIMED_SPEED);
         let mut begin_s = 0.0;

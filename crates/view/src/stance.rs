@@ -9,7 +9,7 @@ use crate::ShownCarry;
 pub(crate) struct Stance<'a> {
     robot: Cow<'a, Robot>,
     frames: LinkFrames,
-    carry: Option<Carrying<'a>>,
+    carries: Vec<Carrying<'a>>,
 }
 
 struct Carrying<'a> {
@@ -17,7 +17,6 @@ struct Carrying<'a> {
     /// What is held is all of the planning frame, as it lies in the hand that closes: where it is later is by how much the
     /// object has moved.
     tip_from_held: Pose,
-    held: usize,
     /// By how much the object has moved once it is put down.
     placed: Option<Pose>,
 }
@@ -28,27 +27,29 @@ pub(crate) struct Placed {
     pub local: Vec<Pose>,
     /// The origin of the gripper frame.
     pub tip: Point,
-    /// By how much what is carried has moved, in the planning frame.
-    pub carried: Option<Pose>,
+    /// By how much each thing that is carried has moved, in the planning frame.
+    pub carried: Vec<Pose>,
 }
 
 impl<'a> Stance<'a> {
-    pub fn of(robot: &'a Robot, carry: Option<&'a ShownCarry>) -> Self {
-        let holding = carry.map(|carry| robot.holding(&carry.object));
-        let held = holding.as_ref().and_then(Robot::held_link);
-        let carry = carry.zip(held).map(|(shown, held)| {
+    pub fn of(robot: &'a Robot, carries: &'a [ShownCarry]) -> Self {
+        let carrying = |shown: &'a ShownCarry| {
             let tip_from_held = robot.frames_at(&shown.grasp).link(robot.tip()).inverse();
             let put_down = |q: &Vec<f64>| robot.frames_at(q).link(robot.tip()) * tip_from_held;
-            Carrying { shown, tip_from_held, held, placed: shown.placed.as_ref().map(put_down) }
-        });
-        let robot = holding.map_or(Cow::Borrowed(robot), Cow::Owned);
-        Self { frames: robot.frames(), robot, carry }
+            Carrying { shown, tip_from_held, placed: shown.placed.as_ref().map(put_down) }
+        };
+        let all = carries.iter().map(carrying).collect();
+        let robot =
+            carries.first().map_or(Cow::Borrowed(robot), |carry| Cow::Owned(robot.holding(&carry.object)));
+        Self { frames: robot.frames(), robot, carries: all }
     }
 
     /// At a configuration and an instant in seconds.
     pub fn at(&mut self, q: &[f64], time_s: f64) -> Placed {
-        let Self { robot, frames, carry } = self;
-        if let Some(Carrying { shown, tip_from_held, .. }) = carry {
+        let Self { robot, frames, carries } = self;
+        // One thing at a time is held.
+        let at_hand = carries.iter().rfind(|carrying| time_s >= carrying.shown.closes_s()[0]);
+        if let Some(Carrying { shown, tip_from_held, .. }) = at_hand.or(carries.first()) {
             let hold = Hold { tip_from_held: *tip_from_held, closing: shown.closing_at(time_s) };
             robot.place_held(&hold, frames);
         }
@@ -57,15 +58,16 @@ impl<'a> Stance<'a> {
             Some(parent) => frames.link(parent).inv_mul(frames.link(index)),
             None => *frames.link(index),
         };
-        let moved = |Carrying { shown, held, placed, .. }: &Carrying| match placed {
-            Some(placed) if shown.is_placed_at(time_s) => *placed,
-            _ if shown.is_held_at(time_s) => *frames.link(*held),
+        let held = robot.held_link().map(|held| *frames.link(held));
+        let moved = |Carrying { shown, placed, .. }: &Carrying| match (placed, held) {
+            (Some(placed), _) if shown.is_placed_at(time_s) => *placed,
+            (_, Some(held)) if shown.is_held_at(time_s) => held,
             _ => Pose::identity(),
         };
         Placed {
             local: robot.links().iter().enumerate().map(local).collect(),
             tip: frames.link(robot.tip()).translation.vector.into(),
-            carried: carry.as_ref().map(moved),
+            carried: carries.iter().map(moved).collect(),
         }
     }
 

@@ -59,9 +59,10 @@ impl Scene {
     ) -> Result<Self, ViewError> {
         let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
         let carried = scene.add_robot(scenario, path)?;
+        let objects = path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str());
         scene.add_bodies(scenario.world.bodies(), scenario.target);
-        if let Some(carried) = carried {
-            scene.carry_target(&carried);
+        for (object, moved) in objects.zip(&carried) {
+            scene.carry(scenario, object, moved);
         }
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
@@ -111,15 +112,15 @@ impl Scene {
         scene
     }
 
-    /// Adds the robot, and returns by how much what it carries away has moved at each instant of the path.
+    /// Adds the robot, and returns by how much each thing that it carries away has moved at each instant of the path.
     fn add_robot(
         &mut self,
         scenario: &Scenario,
         path: Option<&ShownPath>,
-    ) -> Result<Option<Vec<Pose>>, ViewError> {
+    ) -> Result<Vec<Vec<Pose>>, ViewError> {
         let robot = &scenario.robot;
         let meshes = robot_look::link_meshes(robot, self)?;
-        let mut stance = Stance::of(robot, path.and_then(|path| path.carry.as_ref()));
+        let mut stance = Stance::of(robot, path.map_or(&[], |path| &path.carries));
         let start = stance.at(path.map_or(&scenario.start, |path| &path.configurations[0]), 0.0).local;
         // Links are the first nodes: node and link have the same index.
         for (index, (link, mesh)) in robot.links().iter().zip(meshes).enumerate() {
@@ -131,7 +132,7 @@ impl Scene {
                 role: Role::Link(index),
             });
         }
-        let Some(path) = path else { return Ok(None) };
+        let Some(path) = path else { return Ok(Vec::new()) };
         let instants = path.configurations.iter().zip(&path.times_s);
         let rows: Vec<Placed> = instants.map(|(q, &time_s)| stance.at(q, time_s)).collect();
         let has_joint = |&link: &usize| robot.ancestors(link).last().is_some_and(|m| m.child_link == link);
@@ -143,18 +144,25 @@ impl Scene {
             waypoint_times_s: path.waypoint_times_s.clone(),
             configurations: path.configurations.clone(),
             gripper_path: rows.iter().map(|row| row.tip).collect(),
-            modes: path.carry.iter().flat_map(|carry| carry.modes.clone()).collect(),
+            modes: path.carries.iter().flat_map(|carry| carry.modes.clone()).collect(),
         });
-        Ok(rows.into_iter().map(|row| row.carried).collect())
+        let of_one = |index: usize| rows.iter().map(|row| row.carried[index]).collect();
+        Ok((0..path.carries.len()).map(of_one).collect())
     }
 
-    /// The target goes along: `carried` is by how much it has moved at each instant.
-    fn carry_target(&mut self, carried: &[Pose]) {
+    /// A body goes along: `moved` is by how much it has moved at each instant. Without a name it is the target.
+    fn carry(&mut self, scenario: &Scenario, object: &str, moved: &[Pose]) {
         let Some(motion) = &mut self.motion else { return };
-        let targets = self.nodes.iter().enumerate().filter(|(_, node)| node.role == Role::Target);
-        motion.tracks.extend(targets.map(|(index, node)| Track {
+        let body = scenario.world.bodies().iter().position(|body| body.name == object).or(scenario.target);
+        let is_it = |role: Role| match role {
+            Role::Target => body == scenario.target,
+            Role::Obstacle(index) => body == Some(index),
+            _ => false,
+        };
+        let nodes = self.nodes.iter().enumerate().filter(|(_, node)| is_it(node.role));
+        motion.tracks.extend(nodes.map(|(index, node)| Track {
             node: index,
-            poses: carried.iter().map(|moved| moved * node.parent_from_node).collect(),
+            poses: moved.iter().map(|moved| moved * node.parent_from_node).collect(),
         }));
     }
 

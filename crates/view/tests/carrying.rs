@@ -70,7 +70,7 @@ fn is_near(a: &Pose, b: &Pose) -> bool {
 }
 
 fn carry_of(path: &ShownPath) -> &ShownCarry {
-    path.carry.as_ref().expect("something is carried")
+    path.carries.first().expect("something is carried")
 }
 
 #[test]
