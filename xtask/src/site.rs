@@ -37,6 +37,7 @@ const SUMMARY: &str = "# Summary
   - [All of a campaign file](docs/campaigns.md)
   - [On a cluster](docs/cluster.md)
 - [Carrying things out](docs/carrying_out.md)
+- [Putting things down](docs/placing.md)
 - [Physics](docs/physics.md)
 
 # Reference

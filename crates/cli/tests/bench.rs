@@ -191,7 +191,10 @@ fn bad_campaigns_are_refused_before_anything_is_written() {
         (&["--scenarios", "021", "--planners", "reach", "--runs", "0"], &["--runs"]),
         (&["--scenarios", "021", "--planners", "reach", "--time-limit", "soon"], &["soon"]),
         (&["--scenarios", "021", "--planners", "ik-rrt", "--carry", "home"], &["ik-rrt", "only `reach`"]),
-        (&["--scenarios", "021", "--planners", "reach", "--carry", "away"], &["away", "`home` or `out`"]),
+        (
+            &["--scenarios", "021", "--planners", "reach", "--carry", "away"],
+            &["away", "`home`, `out` or `place`"],
+        ),
         (&["bad.yaml"], &["bad.yaml:2", "planers"]),
         (&["none.yaml"], &["none.yaml"]),
     ];

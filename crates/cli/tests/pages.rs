@@ -173,6 +173,7 @@ pages! {
     first_plan: "docs/first_plan.md",
     index: "docs/index.md",
     physics: "docs/physics.md",
+    placing: "docs/placing.md",
     robots: "docs/robots.md",
     your_campaign: "docs/your_campaign.md",
     your_object: "docs/your_object.md",

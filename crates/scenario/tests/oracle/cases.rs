@@ -8,7 +8,10 @@ use std::sync::{Arc, Mutex, Once, OnceLock};
 use std::time::Duration;
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Budget, Criterion, Outcome, Problem, Registry, ShortcutSettings, Unobserved, shortcut};
+use cranny_plan::{
+    AfterPlacing, Budget, CarryEnd, Criterion, Outcome, PlaceSettings, PlaceSpot, Problem, Registry,
+    ShortcutSettings, Unobserved, shortcut,
+};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Carry, Request, solve};
 
@@ -26,6 +29,8 @@ pub struct Case {
     /// The ways of the target in the closed hand: the first from where the hand closed to where the target is off what it
     /// rested on, the second from there home.
     pub carried: Option<[Vec<Vec<f64>>; 2]>,
+    /// All pieces of a task that puts the target down outside and goes home.
+    pub placed: Option<Vec<Vec<Vec<f64>>>>,
 }
 
 /// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
@@ -64,7 +69,26 @@ fn case(folder: &Path) -> Case {
         start: problem.start().to_vec(),
         path: path(&scenario.id, &problem),
         carried: carried(&problem),
+        placed: placed(&scenario, &problem),
     }
+}
+
+/// A task that puts the target down where the built-in scenario of the same id would.
+fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> {
+    let own = Scenario::open(&scenario.id, &OpenOptions::default()).unwrap();
+    let mut goal = own.places[0].clone();
+    if let PlaceSpot::Surface { on, .. } = &mut goal.spot {
+        // What is called otherwise there.
+        let bodies = scenario.world.bodies();
+        let known = bodies.iter().find(|body| body.name.contains(on.as_str()));
+        *on = known.unwrap_or_else(|| panic!("{}: no {on}", scenario.id)).name.clone();
+    }
+    let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
+    let carry = Some(Carry { end: CarryEnd::Place(place), ..Carry::default() });
+    let answer = solve(problem, &Request { carry, ..Request::default() }, &mut Unobserved).unwrap();
+    assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
+    let pieces: Vec<_> = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
+    (!pieces.is_empty()).then_some(pieces)
 }
 
 /// Lift-off and carry of a task that takes the target home.

@@ -143,6 +143,19 @@ impl Oracle {
         Pictures { frames: self.robot.frames(), links, obstacles }
     }
 
+    /// The same with the target where a hand that closed on it at `grasp` lets it go at `down`.
+    pub fn pictures_with_target_moved(&self, grasp: &[f64], down: &[f64]) -> Pictures<'_> {
+        let tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
+        let moved = tip(down) * tip(grasp).inverse();
+        let mut pictures = self.pictures();
+        let target = self.obstacles.last().map_or(0, |target| target.parts.len());
+        let first = pictures.obstacles.len() - target;
+        for (_, part) in &mut pictures.obstacles[first..] {
+            part.move_to(&moved);
+        }
+        pictures
+    }
+
     pub fn look_at(&self, q: &[f64], pictures: &mut Pictures) {
         self.robot.forward_kinematics(q, &mut pictures.frames);
         for (placed, link) in pictures.links.iter_mut().zip(&self.links) {
