@@ -35,6 +35,16 @@ struct RestingContact {
     separation_m: f64,
 }
 
+/// Which of the directions along which two things are separate is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Enough {
+    /// That along which they are farthest apart.
+    Best,
+    /// Any along which they are as far apart as they are: that between their nearest points, which takes longest to find, only
+    /// where no other is.
+    Any,
+}
+
 /// The direction is that of the signed separation if it is less by no more than this, in metres.
 const HOLLOW_M: f64 = 5e-5;
 
@@ -57,7 +67,7 @@ impl Cell {
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
-        self.resting_of(body, &extent, (&world_from_held, &placed), clear_m)
+        self.resting_of(body, &extent, (&world_from_held, &placed), clear_m, Enough::Best)
     }
 
     /// How a body of the world would rest with its first solid elsewhere, as [`Self::resting`].
@@ -78,7 +88,7 @@ impl Cell {
         let moved = moved_to(thing, world_from_held);
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (moved * part.world_from_solid, &part.solid)).collect();
-        self.resting_of(body, extent, (world_from_held, &placed), clear_m)
+        self.resting_of(body, extent, (world_from_held, &placed), clear_m, Enough::Any)
     }
 
     fn resting_of(
@@ -87,6 +97,7 @@ impl Cell {
         extent: &Extent,
         (world_from_held, placed): (&Pose, &[(Pose, &Solid)]),
         clear_m: f64,
+        enough: Enough,
     ) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
         let mut resting = Resting { extent: extent.clone(), contacts: Vec::new() };
@@ -102,17 +113,22 @@ impl Cell {
             });
             let depth_m = depths.fold(0.0, f64::max);
             let signed_m = if gap.upper_m > 0.0 { gap.lower_m } else { -depth_m };
-            let along = directions(placed, part).into_iter().filter_map(|direction| {
-                let top_m = reach_along(part, &direction)?;
-                let separation_m = extent.lowest_along(world_from_held, &direction) - top_m;
-                Some(RestingContact { part: index, body: *other, direction, top_m, separation_m })
-            });
-            let best = along.max_by(|a, b| a.separation_m.total_cmp(&b.separation_m));
+            let along = |directions: Vec<Vector>| {
+                let along = directions.into_iter().filter_map(|direction| {
+                    let top_m = reach_along(part, &direction)?;
+                    let separation_m = extent.lowest_along(world_from_held, &direction) - top_m;
+                    Some(RestingContact { part: index, body: *other, direction, top_m, separation_m })
+                });
+                along.max_by(|a, b| a.separation_m.total_cmp(&b.separation_m))
+            };
+            let is_it = |best: &RestingContact| best.separation_m >= signed_m - HOLLOW_M;
+            let first = if enough == Enough::Any { along(axes(part)).filter(is_it) } else { None };
+            let best = first.or_else(|| along([axes(part), between(placed, part)].concat()));
             let hollow = || CollisionError::Hollow {
                 name: thing.name.clone(),
                 other: self.world().bodies()[*other].name.clone(),
             };
-            let best = best.filter(|best| best.separation_m >= signed_m - HOLLOW_M).ok_or_else(hollow)?;
+            let best = best.filter(is_it).ok_or_else(hollow)?;
             // Nearer than at rest is what is nearer than it is at rest, whatever the direction can show of that.
             let separation_m = best.separation_m.max(signed_m);
             resting.contacts.push(RestingContact { separation_m, ..best });
@@ -270,15 +286,18 @@ fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
     Some(farthest + direction.dot(&world_from_solid.translation.vector))
 }
 
-/// Directions along which a part and a body may be separate: the axes of the part, upwards, and between their nearest
-/// points.
-fn directions(placed: &[(Pose, &Solid)], part: &Part) -> Vec<Vector> {
+/// Directions along which a part and a body may be separate: the axes of the part, and upwards …
+fn axes(part: &Part) -> Vec<Vector> {
     let axes = [Vector::x(), Vector::y(), Vector::z()].map(|axis| part.world_from_solid.rotation * axis);
     let mut directions: Vec<Vector> = axes.iter().flat_map(|axis| [*axis, -axis]).collect();
     directions.push(Vector::z());
+    directions
+}
+
+/// … and between their nearest points.
+fn between(placed: &[(Pose, &Solid)], part: &Part) -> Vec<Vector> {
     let nearest = placed
         .iter()
         .filter_map(|(pose, solid)| closest_points(&part.solid, &part.world_from_solid, solid, pose));
-    directions.extend(nearest.filter_map(|[from, to]| (to - from).try_normalize(1e-9)));
-    directions
+    nearest.filter_map(|[from, to]| (to - from).try_normalize(1e-9)).collect()
 }

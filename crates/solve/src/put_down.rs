@@ -12,9 +12,9 @@ const ATTEMPTS: usize = 32;
 /// Configurations at one placement that are looked at.
 const CONFIGURATIONS: usize = 2;
 /// So many ends of ways down are enough for a search of the way there.
-const ENOUGH_ENDS: usize = 6;
-/// Places from which nobody finds back that are given up before the grasp is.
-const MOST_DEAD_ENDS: usize = 3;
+const ENOUGH_ENDS: usize = 4;
+/// Ways down that are given up, because nothing leads on from where they end, before the grasp is.
+const MOST_DEAD_ENDS: usize = 4;
 /// What tells the random starts from other draws of the same seed.
 const STARTS_STREAM: u64 = 0x91ac_e001;
 
@@ -25,6 +25,9 @@ pub(crate) struct PutDown {
     seed: u64,
 }
 
+/// The way off an object, and the way back with the problem that it solves, if there is one.
+type Leaving = (Vec<Vec<f64>>, Option<(Vec<Vec<f64>>, Problem)>);
+
 /// The pieces that follow a lift-off: those that can be shortened with the problem that they solve.
 pub(crate) struct WayDown {
     pub carry: (Vec<Vec<f64>>, Problem),
@@ -33,13 +36,8 @@ pub(crate) struct WayDown {
     pub back: Option<(Vec<Vec<f64>>, Problem)>,
 }
 
-/// Where a way down begins, and what follows it.
-struct Descent {
-    above: Vec<f64>,
-    set_down: Vec<Vec<f64>>,
-    retreat: Vec<Vec<f64>>,
-    placed: Placed,
-}
+/// A way down, from where it begins on, at whose end the hand can open.
+type Descent = Vec<Vec<f64>>;
 
 impl PutDown {
     pub fn new(
@@ -59,9 +57,10 @@ impl PutDown {
 
     /// A way from the end of a lift-off to a place, and off it.
     ///
-    /// 1. Places where the arm can set the object down, open its hand and retreat.
-    /// 2. A way to where one of the ways down begins; where none is found directly, by where the robot started from.
-    /// 3. A way back for the empty hand, if it is to go back.
+    /// 1. Places where the arm can set the object down and open its hand.
+    /// 2. A way to where one of the ways down begins: by where the robot started from, along the way that led to the grasp as
+    ///    far as it is free; where that fails, directly.
+    /// 3. A way off the object for the open hand, and back, if it is to go back.
     pub fn find(
         &mut self,
         ways_out: &mut WaysOut,
@@ -72,25 +71,40 @@ impl PutDown {
     ) -> Result<WayDown, FailureReason> {
         // 1.
         let mut descents = self.descents(grip, off, observer)?;
+        let mut reason = FailureReason::NotBroughtThere;
         for _ in 0..MOST_DEAD_ENDS {
             // 2.
-            let (path, problem) = transfer(ways_out, grip, off, reach, &descents, observer)?;
-            let at = descents.iter().position(|descent| Some(&descent.above) == path.last());
-            let Descent { set_down, retreat, placed, .. } =
-                descents.swap_remove(at.ok_or(FailureReason::NotBroughtThere)?);
-            let carry = (path, problem);
-            if self.placer.settings().then == AfterPlacing::Stay {
-                return Ok(WayDown { carry, set_down, retreat, back: None });
-            }
+            let carry = transfer(ways_out, grip, off, reach, &descents, observer)?;
+            let at = descents.iter().position(|descent| descent.first() == carry.0.last());
+            let set_down = descents.swap_remove(at.ok_or(FailureReason::NotBroughtThere)?);
             // 3.
-            if let Some(back) = self.way_back(ways_out, &placed, &retreat, observer) {
-                return Ok(WayDown { carry, set_down, retreat, back: Some(back) });
+            match self.leave(ways_out, grip, &set_down, observer) {
+                Ok((retreat, back)) => return Ok(WayDown { carry, set_down, retreat, back }),
+                Err(met) => reason = met,
             }
             if descents.is_empty() {
                 break;
             }
         }
-        Err(FailureReason::NotReturned)
+        Err(reason)
+    }
+
+    /// The way off the object where it was set down, and the way back with the problem that it solves, if there is to be one.
+    fn leave(
+        &self,
+        ways_out: &mut WaysOut,
+        grip: &Grip,
+        set_down: &Descent,
+        observer: &dyn Observer,
+    ) -> Result<Leaving, FailureReason> {
+        let down = set_down.last().ok_or(FailureReason::NotBroughtThere)?;
+        let placed = self.placer.open(grip, down)?;
+        let retreat = placed.retreat(down, self.placer.settings().clear_m)?;
+        if self.placer.settings().then == AfterPlacing::Stay {
+            return Ok((retreat, None));
+        }
+        let back = self.way_back(ways_out, &placed, &retreat, observer).ok_or(FailureReason::NotReturned)?;
+        Ok((retreat, Some(back)))
     }
 
     fn descents(
@@ -168,10 +182,8 @@ impl PutDown {
     }
 
     fn descent(&self, placement: &Placement, grip: &Grip, q: &[f64]) -> Result<Descent, FailureReason> {
-        let set_down = self.placer.set_down(grip, placement, q)?;
-        let placed = self.placer.open(grip, q)?;
-        let retreat = placed.retreat(q, self.placer.settings().clear_m)?;
-        Ok(Descent { above: set_down[0].clone(), set_down, retreat, placed })
+        self.placer.opens(grip, q)?;
+        self.placer.set_down(grip, placement, q)
     }
 
     fn way_back(
@@ -197,15 +209,21 @@ fn transfer(
     observer: &mut dyn Observer,
 ) -> Result<(Vec<Vec<f64>>, Problem), FailureReason> {
     let not_there = |_: PlanError| FailureReason::NotBroughtThere;
-    let ends: Vec<Vec<f64>> = descents.iter().map(|descent| descent.above.clone()).collect();
+    let ends: Vec<Vec<f64>> = descents.iter().filter_map(|descent| descent.first()).cloned().collect();
     let carrying = |from: &[f64], to: &[Vec<f64>]| grip.carrying(from, to.to_vec()).map_err(not_there);
-    let mut path = ways_out.search(carrying(off, &ends)?, observer).map_err(not_there)?;
-    if path.is_none() {
+    let by_start = |ways_out: &mut WaysOut, observer: &mut dyn Observer| {
         let (mut out, _) = ways_out.find(grip, off, reach, observer)?;
         let from = out.pop().ok_or(FailureReason::NotCarried)?;
         let on = ways_out.search(carrying(&from, &ends)?, observer).map_err(not_there)?;
-        path = on.map(|on| [out, on].concat());
-    }
+        Ok(on.map(|on| [out, on].concat()))
+    };
+    let path = match by_start(ways_out, observer) {
+        Ok(Some(path)) => Some(path),
+        Ok(None) | Err(FailureReason::NotCarried) => {
+            ways_out.search(carrying(off, &ends)?, observer).map_err(not_there)?
+        }
+        Err(reason) => return Err(reason),
+    };
     let path = path.ok_or(FailureReason::NotBroughtThere)?;
     let end = path[path.len() - 1..].to_vec();
     Ok((path, carrying(off, &end)?))

@@ -19,6 +19,8 @@ const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
 const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
+/// A hand that can be at none of so many places is not tried at others: what it touches is mostly what carries the object.
+const ENOUGH_TO_REFUSE: usize = 16;
 /// Between two configurations of a retreat, in metres, and how far it goes at most.
 const RUNG_M: f64 = 0.01;
 const MOST_RETREAT_M: f64 = 0.5;
@@ -225,12 +227,12 @@ impl Placer {
         &self.settings
     }
 
-    /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at every placement: what it
-    /// touched at the first. `None` if it can at one, as far as the hand alone is concerned.
+    /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at the first placements: what it
+    /// touched at the first of all. `None` if it can at one, as far as the hand alone is concerned.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
         let mut first = FailureReason::NoPlace;
-        for (index, placement) in self.placements().enumerate() {
+        for (index, placement) in self.placements().take(ENOUGH_TO_REFUSE).enumerate() {
             match placement.hand_contact(tip_from_held) {
                 Ok(None) => return None,
                 Ok(Some([a, b])) if index == 0 => first = FailureReason::PlaceBlocked { first: a, second: b },
@@ -275,6 +277,22 @@ impl Placer {
         Ok(way.into_iter().rev().collect())
     }
 
+    /// Whether the hand can open there, but for what it then leaves.
+    ///
+    /// # Errors
+    /// What the fingers meet.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn opens(&self, grip: &Grip, q: &[f64]) -> Result<(), FailureReason> {
+        let [_, carrying] = grip.cells();
+        let contact = carrying.closing_contact(q, &mut carrying.scratch());
+        contact.map_or(Ok(()), |contact| {
+            let [first, second] = contact.names(carrying);
+            Err(FailureReason::OpeningCollides { first, second })
+        })
+    }
+
     /// Opens the hand where it has put the object down.
     ///
     /// # Errors
@@ -283,11 +301,7 @@ impl Placer {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn open(&self, grip: &Grip, q: &[f64]) -> Result<Placed, FailureReason> {
-        let [_, carrying] = grip.cells();
-        if let Some(contact) = carrying.closing_contact(q, &mut carrying.scratch()) {
-            let [first, second] = contact.names(carrying);
-            return Err(FailureReason::OpeningCollides { first, second });
-        }
+        self.opens(grip, q)?;
         let world_from_held = self.held_at(grip, q);
         let before = self.carrier.problem().cell().ok_or(FailureReason::NoPlace)?;
         let after =

@@ -14,7 +14,12 @@ use crate::plan::segment::{PlanSegment, segments_of};
 /// [`ScenarioError::Content`] for another.
 pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
     let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
-    Err(fault(path, format!("its format is '{other}', but this version reads '{}'", PlanFile::FORMAT)))
+    let hint = if other.starts_with("cranny-sequence/") {
+        "; a plan of several steps is for `verify`, and for pictures of `render`"
+    } else {
+        ""
+    };
+    Err(fault(path, format!("its format is '{other}', but this version reads '{}'{hint}", PlanFile::FORMAT)))
 }
 
 /// Checks the segments of a plan that was read, or makes that of one written before there were any.
