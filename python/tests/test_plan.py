@@ -187,3 +187,32 @@ def test_other_threads_run_while_a_batch_is_computed(cell: cranny.Cell, scenario
     stop.set()
     other.join()
     assert counts[0] > 5
+
+
+def test_a_plan_puts_its_target_down_and_says_what_it_forgives() -> None:
+    scenario = cranny.Scenario("021")
+    assert scenario.places == ["outside"]
+    plan = cranny.plan(scenario, place="outside")
+    assert plan and plan.verify()
+    modes = [piece["mode"] for piece in plan.segments]
+    assert modes == ["reach", "lift-off", "carry", "set-down", "retreat", "return"]
+    assert [piece["attached"] for piece in plan.segments] == [None, "ball", "ball", "ball", None, None]
+    samples = plan.sample(100.0)
+    assert samples.openings is not None and samples.openings[0] == samples.openings[-1] == 0.08
+    assert samples.openings.min() < 0.07
+    assert len(plan.sample_ways(50.0)) == 3
+    stays = cranny.plan(scenario, place="outside", then="stay", clear_m=0.1)
+    assert stays and [piece["mode"] for piece in stays.segments][-1] == "retreat"
+    robustness = plan.robustness
+    assert robustness is not None and set(robustness) == {"object", "slip", "base", "joints"}
+    assert robustness["base"]["translation_m"] > 0.0 and robustness["joints"]["turning_rad"] > 0.0
+    robust = cranny.plan(scenario, robust=(0.003, 0.0))
+    assert robust and robust.robustness is not None and robust.robustness["object"]["translation_m"] >= 0.0029
+    for wrong, says in [
+        ({"place": "moon"}, "no place 'moon'"),
+        ({"place": "outside", "carry": "home"}, "exclude"),
+        ({"place": "outside", "then": "away"}, "then is 'away'"),
+        ({"robust": (-1.0, 0.0)}, "at least 0"),
+    ]:
+        with pytest.raises(ValueError, match=says):
+            cranny.plan(scenario, **wrong)

@@ -27,5 +27,6 @@ mod quicker;
 mod released_layout;
 mod round_trip;
 mod sharing;
+mod steps;
 mod target_object;
 mod twenty;

@@ -2,12 +2,14 @@
 
 use cranny_collision::{Body, Cell, Margins, Part, World};
 use cranny_plan::{
-    AfterPlacing, Audit, AuditSettings, CarryEnd, Clearances, Outcome, PlaceGoal, PlaceSettings, PlaceSpot,
-    PlanError, Problem, Unobserved, Violation,
+    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Clearances, LiftOffSettings, Outcome, PlaceGoal,
+    PlaceSettings, PlaceSpot, PlanError, Problem, Unobserved, Violation,
 };
 use cranny_robot::between;
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{Answer, Carry, Mode, Request, Robustness, SolveError, TaskCells, Timing, solve};
+use cranny_solve::{
+    Answer, Carry, Mode, Request, Robustness, SolveError, TaskCells, Timing, audit_segments, solve,
+};
 use cranny_spatial::nalgebra::UnitQuaternion;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
@@ -111,6 +113,13 @@ fn the_target_is_brought_to_a_pose() {
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(upright) };
     let answer = placed(&problem, PlaceSettings { goal, ..place });
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.audit);
+    // In the air, or in the floor, nothing can be let go.
+    for off_m in [0.02, -0.005] {
+        let spot = PlaceSpot::Target(Pose::translation(-0.1, -0.15, off_m) * now);
+        let goal = PlaceGoal { name: "there".to_owned(), spot };
+        let place = PlaceSettings { goal, ..settings(&problem, AfterPlacing::Home) };
+        assert_ne!(placed(&problem, place).outcome, Outcome::Solved, "{off_m}");
+    }
     let ended = moved(&answer, &problem) * now;
     assert!((ended.translation.vector - upright.translation.vector).norm() < 1e-4);
     assert!(ended.rotation.angle_to(&upright.rotation) < 1e-3);
@@ -172,6 +181,18 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     deep[2] += 0.3;
     through.segments[3].waypoints.insert(1, deep);
     assert!(!audit_of(&through, &problem).valid);
+    // A jump between two pieces: no file has one, but a caller may.
+    for piece in [1, 2, 3, 4, 5] {
+        let mut segments: Vec<_> = plan.segments.iter().map(|segment| segment.segment().unwrap()).collect();
+        let jump = segments[piece].waypoints[0].iter().map(|value| value + 1e-3).collect();
+        segments[piece].waypoints[0] = jump;
+        let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
+        let end = plan.carry_end(&problem).unwrap();
+        let audit =
+            audit_segments(&problem, Some(&carrier), &segments, end.as_ref(), AuditSettings::default())
+                .unwrap();
+        assert!(audit.violations.iter().any(|violation| violation.kind() == "start"), "piece {piece}");
+    }
     // What is not there is an error, and not a verdict.
     let mut unknown = plan.clone();
     unknown.place.as_mut().unwrap().name = "nowhere".to_owned();

@@ -6,5 +6,6 @@ mod carrying;
 mod page_data;
 mod page_server;
 mod pictures;
+mod placing;
 mod recordings;
 mod scenes;

@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    AfterPlacing, Budget, Carrier, CarryEnd, FailureReason, Goal, LiftOffSettings, Outcome, PlaceSettings,
-    Problem, Unobserved,
+    AfterPlacing, AuditSettings, Budget, Carrier, CarryEnd, Clearances, FailureReason, Goal, LiftOffSettings,
+    Outcome, PlaceSettings, Problem, Unobserved,
 };
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Carry, Request, solve};
@@ -75,7 +75,8 @@ fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
         for seed in 0..seeds {
             let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
             let carry = Some(carry_to(end, &problem));
-            let request = Request { seed, budget, carry, ..Request::default() };
+            let audit = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
+            let request = Request { seed, budget, carry, audit, ..Request::default() };
             let answer = solve(&problem, &request, &mut Unobserved).expect("a good problem");
             solved += u64::from(answer.outcome == Outcome::Solved);
             valid += u64::from(answer.is_solved());

@@ -88,11 +88,11 @@ fn lift_off(
     path: TaskPath<'_>,
     settings: AuditSettings,
 ) -> Result<(), PlanError> {
-    let (Some(_), Some(off)) = (path.reach.last(), path.lift_off.last()) else {
+    let (Some(from), Some(off)) = (path.reach.last(), path.lift_off.last()) else {
         return Err(PlanError::EmptyPath);
     };
     let before = path.reach.len() - 1;
-    let near = Near { carrier, grip, resting: carrier.resting(), path: path.lift_off, before };
+    let near = Near { carrier, grip, resting: carrier.resting(), from, path: path.lift_off, before };
     near.judge(audit, settings, |place| Violation::LiftOff { place })?;
     let way_point = near.last();
     if let Some((length_m, most_m)) = near.too_long_m() {
@@ -109,6 +109,8 @@ struct Near<'a> {
     carrier: &'a Carrier,
     grip: &'a Grip,
     resting: &'a Resting,
+    /// Where the piece before it ends.
+    from: &'a [f64],
     path: &'a [Vec<f64>],
     /// How many edges there are before it.
     before: usize,
@@ -122,8 +124,7 @@ impl Near<'_> {
         settings: AuditSettings,
         comes_nearer: fn(Place) -> Violation,
     ) -> Result<(), PlanError> {
-        let Some(first) = self.path.first() else { return Err(PlanError::EmptyPath) };
-        let lifting = self.grip.lifting(first, first)?;
+        let lifting = self.grip.lifting(self.from, self.from)?;
         let anywhere = AuditSettings { at_goal: false, ..settings };
         append(audit, audit_with(&lifting, self.path, anywhere)?, self.before);
         let mut scratch = lifting.exact_cell("audit")?.scratch();
@@ -189,7 +190,9 @@ fn place(
     settings: AuditSettings,
 ) -> Result<(), PlanError> {
     let PlacePath { placer, set_down, retreat, back, .. } = place;
-    let (Some(above), Some(down), Some(off)) = (set_down.first(), set_down.last(), retreat.last()) else {
+    let (Some(from), Some(above), Some(down), Some(off)) =
+        (path.carry.last(), set_down.first(), set_down.last(), retreat.last())
+    else {
         return Err(PlanError::EmptyPath);
     };
     let mut before = path.reach.len() + path.lift_off.len() + path.carry.len() - 3;
@@ -202,7 +205,7 @@ fn place(
     }
     if let Some(placement) = placement {
         let grip = &placement.grip_near(grip)?;
-        let near = Near { carrier, grip, resting: placement.resting(), path: set_down, before };
+        let near = Near { carrier, grip, resting: placement.resting(), from, path: set_down, before };
         near.judge(audit, settings, |place| Violation::SetDown { place })?;
         if let Some((length_m, most_m)) = near.too_long_m() {
             audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });

@@ -14,6 +14,8 @@ use crate::{Carrier, FailureReason, Goal, Grip, PlaceSettings, PlaceSpot, PlanEr
 const GAP_M: f64 = 3e-4;
 /// How far above it may be at most, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
+/// How deep it may be in what it rests on, in metres: what is said of where things stand is rounded.
+const MOST_SUNK_M: f64 = 1e-3;
 /// How far an object may reach over the edge of a surface, in metres: rounding.
 const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
@@ -188,7 +190,7 @@ impl Placer {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
                     format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be")
                 };
-                return (!off.is_exact()).then(fault);
+                return if off.is_exact() { self.fault_of_rest(resting) } else { Some(fault()) };
             }
             PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
         };
@@ -214,12 +216,23 @@ impl Placer {
         if over_m.is_nan() || over_m > OVERHANG_M {
             return Some(format!("it reaches {:.2} mm over the edge of '{name}'", over_m * 1e3));
         }
-        let mut bodies = resting.bodies().map(|(body, _)| body).peekable();
-        if bodies.peek().is_none() {
-            return Some(format!("at '{name}' there is nothing that it could rest on"));
+        self.fault_of_rest(resting).or_else(|| {
+            let mut others = resting.bodies().map(|(body, _)| self.carrier.body_name(body));
+            Some(format!("it is too near to {}", others.find(|other| other != on)?))
+        })
+    }
+
+    /// What is wrong with how an object rests: on nothing, or in something.
+    fn fault_of_rest(&self, resting: &Resting) -> Option<String> {
+        let deepest = resting.bodies().min_by(|a, b| a.1.total_cmp(&b.1));
+        match deepest {
+            None => Some(format!("at '{}' there is nothing that it could rest on", self.settings.goal.name)),
+            Some((body, separation_m)) if separation_m < -MOST_SUNK_M => {
+                let (mm, other) = (-separation_m * 1e3, self.carrier.body_name(body));
+                Some(format!("it is {mm:.2} mm deep in {other}"))
+            }
+            Some(_) => None,
         }
-        let other = bodies.map(|body| self.carrier.body_name(body)).find(|other| other != on)?;
-        Some(format!("it is too near to {other}"))
     }
 
     /// How an object is put down.

@@ -1,0 +1,74 @@
+//! Tasks of several steps.
+
+use cranny_collision::Margins;
+use cranny_plan::{AfterPlacing, AuditSettings, Clearances, Outcome, PlanError, Unobserved};
+use cranny_scenario::{OpenOptions, PlanSource, Scenario, ScenarioError, SequencePlan, Step, sequences};
+use cranny_solve::{Request, Timing};
+
+fn solved(id: &str) -> (Scenario, SequencePlan) {
+    let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
+    let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
+    let request = Request { timing: Some(Timing::default()), ..Request::default() };
+    let plans = SequencePlan::solve(&scenario, &source, &request, &mut Unobserved).unwrap();
+    (scenario, plans)
+}
+
+const SETTINGS: AuditSettings = AuditSettings { at_goal: true, clearances: Clearances::None };
+
+#[test]
+fn what_stands_in_the_way_is_put_aside_and_then_the_object() {
+    for entry in sequences() {
+        let (scenario, plans) = solved(entry.id);
+        let outcomes: Vec<Outcome> = plans.steps.iter().map(|plan| plan.outcome).collect();
+        assert_eq!(outcomes, vec![Outcome::Solved; scenario.steps.len()], "{}", entry.id);
+        assert!(plans.duration_s.unwrap() > 10.0);
+        let audits = plans.audit(&scenario, Margins::default(), SETTINGS).unwrap();
+        assert!(plans.is_solved(&scenario, &audits), "{}", entry.id);
+        // Each begins where the one before ends.
+        for pair in plans.steps.windows(2) {
+            assert_eq!(pair[0].waypoints.last(), pair[1].waypoints.first());
+        }
+    }
+}
+
+#[test]
+fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
+    let (scenario, plans) = solved("213");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("213.plan.json");
+    plans.write(&file).unwrap();
+    let read = SequencePlan::read(&file).unwrap().unwrap();
+    assert_eq!(read, plans);
+    let valid = |plans: &SequencePlan| -> Result<bool, ScenarioError> {
+        Ok(plans.is_solved(&scenario, &plans.audit(&scenario, Margins::default(), SETTINGS)?))
+    };
+    assert!(valid(&plans).unwrap());
+    // The screwdriver alone, or before what stands in the way; the order is given, and columns are no screwdrivers.
+    let short = SequencePlan { steps: plans.steps[..2].to_vec(), ..plans.clone() };
+    assert!(!valid(&short).unwrap());
+    let mut swapped = plans.clone();
+    swapped.steps.swap(0, 1);
+    assert!(!valid(&swapped).unwrap());
+    // Another place than the step says.
+    let mut elsewhere = plans.clone();
+    elsewhere.steps[0].place.as_mut().unwrap().name = "outside".to_owned();
+    assert!(matches!(valid(&elsewhere), Err(ScenarioError::Plan(PlanError::Segments))));
+    // Another file is none of these, and half a one is a fault.
+    plans.steps[0].write(&file).unwrap();
+    assert_eq!(SequencePlan::read(&file).unwrap(), None);
+    std::fs::write(&file, r#"{"format": "cranny-sequence/1", "steps": 3}"#).unwrap();
+    assert!(SequencePlan::read(&file).unwrap_err().to_string().contains("213.plan.json"));
+}
+
+#[test]
+fn what_a_step_picks_becomes_the_target() {
+    let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
+    let step =
+        |pick: &str| Step { pick: pick.to_owned(), place: "outside".to_owned(), then: AfterPlacing::Stay };
+    let own = scenario.at_step(&step("screwdriver")).unwrap();
+    assert!(own.has_grasp_set && own.target == scenario.target);
+    let column = scenario.at_step(&step("column 1")).unwrap();
+    assert!(!column.has_grasp_set && column.grasps.is_empty());
+    assert_eq!(column.world.bodies()[column.target.unwrap()].name, "column 1");
+    assert!(scenario.at_step(&step("vase")).unwrap_err().to_string().contains("vase"));
+}
