@@ -141,7 +141,7 @@ impl FamilyMaker {
         self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
     }
 
-    /// The scenario at a value of the dial (m) with columns in the way ([`Family::columns`]), which are to be put down on the
+    /// The scenario at a value of the dial (m) with columns in the way, which are to be put down on the
     /// other side before the object is outside.
     ///
     /// # Errors

@@ -245,7 +245,7 @@ impl PlanFile {
     /// Writes the plan, as a whole or not at all.
     ///
     /// # Errors
-    /// [`PlanFileError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In
+    /// [`PlanFileError::NotFinite`](crate::PlanFileError::NotFinite) for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In
     /// both cases what stood there before is untouched.
     pub fn write(&self, path: &Path) -> Result<(), ScenarioError> {
         self.check_finite(path)?;
