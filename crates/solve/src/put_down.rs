@@ -70,7 +70,7 @@ impl PutDown {
         observer: &mut dyn Observer,
     ) -> Result<WayDown, FailureReason> {
         // 1.
-        let mut descents = self.descents(grip, off, observer)?;
+        let mut descents = self.descents(ways_out, grip, off, observer)?;
         let mut reason = FailureReason::NotBroughtThere;
         for _ in 0..MOST_DEAD_ENDS {
             // 2.
@@ -82,7 +82,7 @@ impl PutDown {
                 Ok((retreat, back)) => return Ok(WayDown { carry, set_down, retreat, back }),
                 Err(met) => reason = met,
             }
-            if descents.is_empty() {
+            if descents.is_empty() || ways_out.left().is_zero() {
                 break;
             }
         }
@@ -109,6 +109,7 @@ impl PutDown {
 
     fn descents(
         &self,
+        ways_out: &WaysOut,
         grip: &Grip,
         off: &[f64],
         observer: &dyn Observer,
@@ -121,7 +122,7 @@ impl PutDown {
                 Err(met) if is_later(&met, &reason) => reason = met,
                 Err(_) => {}
             }
-            if descents.len() >= ENOUGH_ENDS || observer.should_stop() {
+            if descents.len() >= ENOUGH_ENDS || observer.should_stop() || ways_out.left().is_zero() {
                 break;
             }
         }

@@ -86,7 +86,7 @@ fn solve_once(
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
     let (mut task, mut watch) = match &request.carry {
-        Some(carry) => (Some(Task::new(&problem, carry, seed, observer)?), None),
+        Some(carry) => (Some(Task::new(&problem, carry, (seed, budget.time), observer)?), None),
         None => (None, Some(observer)),
     };
     let observer: &mut dyn Observer = match (&mut task, &mut watch) {

@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use cranny_plan::{
     Carrier, CarryEnd, FailureReason, GraspFailure, Grip, LiftOffSettings, Observer, PlanError, Problem,
     ShortcutSettings, shortcut,
@@ -41,11 +43,11 @@ impl<'a> Task<'a> {
     pub fn new(
         problem: &Problem,
         carry: &Carry,
-        seed: u64,
+        (seed, time): (u64, Duration),
         observer: &'a mut dyn Observer,
     ) -> Result<Self, PlanError> {
         let carrier = Carrier::new(problem, carry.lift_off)?;
-        let ways_out = WaysOut::new(problem, &carrier, &carry.end, seed)?;
+        let ways_out = WaysOut::new(problem, &carrier, &carry.end, (seed, time))?;
         let put_down = match &carry.end {
             CarryEnd::Place(place) => Some(PutDown::new(problem, &carrier, place, seed)?),
             _ => None,

@@ -1,3 +1,5 @@
+use std::time::{Duration, Instant};
+
 use cranny_plan::{
     Budget, Carrier, CarryEnd, FailureReason, Goal, Grip, Observer, Outcome, PlanError, Problem, search,
 };
@@ -29,12 +31,21 @@ pub(crate) struct WaysOut {
     is_home: bool,
     limits: Vec<[f64; 2]>,
     pub seed: u64,
+    /// When all of it has to end.
+    begin: Instant,
+    time: Duration,
     /// Searches that ended without a way.
     exhausted: u32,
 }
 
 impl WaysOut {
-    pub fn new(problem: &Problem, carrier: &Carrier, end: &CarryEnd, seed: u64) -> Result<Self, PlanError> {
+    /// Ways of this problem's target, for so long from now on.
+    pub fn new(
+        problem: &Problem,
+        carrier: &Carrier,
+        end: &CarryEnd,
+        (seed, time): (u64, Duration),
+    ) -> Result<Self, PlanError> {
         let ends = carrier.ends(end).unwrap_or_default();
         if !ends.is_empty() {
             // They fit the robot.
@@ -42,7 +53,7 @@ impl WaysOut {
         }
         let is_home = ends.iter().any(|end| end == problem.start());
         let limits = problem.robot().limits().iter().map(|limits| [limits.lower, limits.upper]).collect();
-        Ok(Self { end: end.clone(), ends, is_home, limits, seed, exhausted: 0 })
+        Ok(Self { end: end.clone(), ends, is_home, limits, seed, begin: Instant::now(), time, exhausted: 0 })
     }
 
     /// A way from the end of a lift-off, and the problem that it solves. It may join the way that led to the grasp, from
@@ -82,6 +93,11 @@ impl WaysOut {
         Ok((path, problem))
     }
 
+    /// What is left of the time.
+    pub fn left(&self) -> Duration {
+        self.time.saturating_sub(self.begin.elapsed())
+    }
+
     /// A way that solves a problem, if a search finds it that is as long as is worth it here.
     pub fn search(
         &mut self,
@@ -90,7 +106,7 @@ impl WaysOut {
     ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
         let planner = cranny_plan::default_planner(&problem);
         let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
-        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, ..Budget::default() };
+        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, time: self.left() };
         let report = search(planner.as_ref(), &mut problem, &budget, self.seed, &mut Stop(observer))?;
         self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
