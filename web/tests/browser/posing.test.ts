@@ -73,6 +73,7 @@ test("a search that is going on is seen growing, and what stands there stays", a
   await page.waitForFunction((nodes) => window.cranny?.treeNodes === nodes, first);
   assert.match((await page.locator(".searching").textContent()) ?? "", /^searching: 40 nodes$/);
   await page.keyboard.press("Escape");
+  await rest(page);
   const stood = await look(page, "q");
   const calls = await look(page, "drawCalls");
   more();
