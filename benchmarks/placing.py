@@ -62,7 +62,7 @@ def plot(tables: list[str]) -> None:
         places = [place + 0.27 * (index - 1) for place in range(len(rows))]
         axes.bar(places, [int(row[2 + index]) for row in rows], width=0.26, color=colour, label=stage)
     axes.set_xticks(range(len(rows)), [row[0] for row in rows], rotation=90)
-    axes.set_ylabel("grasps, of 200")
+    axes.set_ylabel("grasps")
     axes.legend(frameon=False, ncols=3)
     axes.spines[["top", "right"]].set_visible(False)
     figure.tight_layout()
