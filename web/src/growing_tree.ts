@@ -23,6 +23,7 @@ export class GrowingTree {
   search: number | null = null;
   count = 0;
   private positions = new Float32Array(3 * FIRST_NODES);
+  private isAsked = true;
 
   constructor() {
     const look = { vertexColors: true, transparent: true, opacity: OPACITY, depthWrite: false };
@@ -38,6 +39,13 @@ export class GrowingTree {
     this.search = search;
     this.count = 0;
     this.lines.geometry.setDrawRange(0, 0);
+    this.show(this.isAsked);
+  }
+
+  /** Without nodes there is nothing to draw. */
+  show(isAsked: boolean): void {
+    this.isAsked = isAsked;
+    this.lines.visible = isAsked && this.count > 0;
   }
 
   add({ search, from, positions, parents, trees }: NewNodes): void {
@@ -61,6 +69,7 @@ export class GrowingTree {
     }
     this.count = count;
     this.lines.geometry.setDrawRange(0, 2 * count);
+    this.show(this.isAsked);
   }
 
   private attribute(name: "position" | "color"): BufferAttribute {

@@ -189,7 +189,7 @@ export class SceneView {
   }
 
   private showTree({ plan, layers, treeNodes }: ViewState): void {
-    this.growing.lines.visible = layers.tree;
+    this.growing.show(layers.tree);
     for (const [index, tree] of this.trees) {
       tree.group.visible = layers.tree && index === plan;
       tree.show(treeNodes ?? tree.count);
