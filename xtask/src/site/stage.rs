@@ -41,7 +41,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// A live page and a picture of each built-in scenario, with the way out.
+    /// A live page and a picture of each built-in scenario, with the way out, or in; those of several steps have no page.
     pub fn draw_gallery(&self) -> Result<(), String> {
         let live = self.source.join("docs/live");
         fs::create_dir_all(&live).map_err(|error| told(&live, &error))?;
@@ -49,18 +49,21 @@ impl Stage<'_> {
         let scenarios: Vec<(&str, &str)> = listing
             .lines()
             .filter_map(|line| line.trim().split_once("  "))
-            .filter(|(id, _)| id.len() == 3 && id.bytes().all(|byte| byte.is_ascii_digit()))
+            .filter(|(id, _)| {
+                id.len() == 3 && id.bytes().all(|byte| byte.is_ascii_digit()) && !id.starts_with('2')
+            })
             .collect();
         let mut page = String::from(
-            "# Gallery\n\nThe twenty scenarios, each with a plan that takes its object out. A picture opens a live page: turn \
-             it, play it, look at the clearance along the way.\n\n<div class=\"gallery\" style=\"display: grid; gap: 1rem; \
+            "# Gallery\n\nThe twenty scenarios, each with a plan that takes its object out, and twelve in which it is \
+             brought in. A picture opens a live page: turn it, play it, look at the clearance along the way.\n\n<div class=\"gallery\" style=\"display: grid; gap: 1rem; \
              grid-template-columns: repeat(auto-fill, minmax(16rem, 1fr));\">\n",
         );
         for (id, description) in &scenarios {
             let file = |ending: &str| live.join(format!("{id}{ending}")).display().to_string();
             let (plan, html, png) = (file(".plan.json"), file(".html"), file(".png"));
             // An honest no, where no way out is found, is shown as the way in.
-            let carried = self.cranny(&["plan", id, "--carry", "home", "--quiet", "-o", &plan]).status();
+            let task = if id.starts_with('1') { ["--place", "inside"] } else { ["--carry", "home"] };
+            let carried = self.cranny(&[&["plan", id, "--quiet", "-o", &plan], &task[..]].concat()).status();
             if !carried.is_ok_and(|status| status.success()) {
                 step::succeed(self.cranny(&["plan", id, "--quiet", "-o", &plan]))?;
             }
