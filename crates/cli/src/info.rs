@@ -23,6 +23,8 @@ struct Info {
     start_faults: Vec<String>,
     bodies: Vec<Body>,
     target: Option<String>,
+    places: Vec<String>,
+    steps: usize,
     grasps: usize,
     scored_grasps: usize,
     known_ik_solutions: usize,
@@ -54,6 +56,8 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
             .map(|body| Body { name: body.name.clone(), parts: body.parts.len() })
             .collect(),
         target: scenario.target.map(|target| world.bodies()[target].name.clone()),
+        places: scenario.places.iter().map(|place| place.name.clone()).collect(),
+        steps: scenario.steps.len(),
         grasps: scenario.grasps.len(),
         scored_grasps: scenario.grasps.grasps().iter().filter(|g| g.score.is_some()).count(),
         known_ik_solutions: scenario.ik.len(),
@@ -81,6 +85,12 @@ fn page(info: &Info) -> String {
         let name = if index == 0 { "bodies" } else { "" };
         let role = if info.target.as_ref() == Some(&body.name) { "  (target)" } else { "" };
         line(name, format!("{} ({}){role}", body.name, counted(body.parts, "part")));
+    }
+    for (index, place) in info.places.iter().enumerate() {
+        line(if index == 0 { "places" } else { "" }, place.clone());
+    }
+    if info.steps > 0 {
+        line("steps", info.steps.to_string());
     }
     line("grasps", format!("{} ({} scored)", info.grasps, info.scored_grasps));
     line("known IK", counted(info.known_ik_solutions, "configuration"));

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use cranny_plan::{Audit, AuditSettings, Outcome};
+use cranny_plan::{Audit, AuditSettings};
 use cranny_scenario::{PlanFile, PlanSource, SequenceError, SequencePlan};
 use cranny_solve::Request;
 use serde::Serialize;
@@ -44,14 +44,12 @@ pub fn plan(
         ..PlanSource::default()
     };
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let plans =
+    let (plans, is_solved) =
         SequencePlan::solve(&scenario, &source, request, &mut progress).map_err(|fault| match fault {
             SequenceError::Scenario(fault) => Failure::from(fault),
             SequenceError::Solve(fault) => Failure::from(fault),
         })?;
     progress.finish();
-    let is_solved = plans.steps.len() == scenario.steps.len()
-        && plans.steps.iter().all(|plan| plan.outcome == Outcome::Solved);
     let is_written = is_solved || arguments.output.is_some();
     if is_written {
         output_file::check(file, FileKind::Plan, output)?;

@@ -16,10 +16,7 @@ use crate::text::{self, degrees, millimetres};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
-    // What is no file can be read once only.
-    if file.is_file()
-        && let Some(plans) = SequencePlan::read(file)?
-    {
+    if let Some(plans) = SequencePlan::read(file)? {
         return plan_steps::verify(&plans, arguments, output);
     }
     let plan = read_plan(file)?;
@@ -39,7 +36,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
     }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let says_more = |plan: &&PlanFile| plan.segments.len() > 1 || plan.own_grasp.is_some();
+    let says_more = |plan: &&PlanFile| plan.is_task() || plan.own_grasp.is_some();
     let telling = plan.as_ref().filter(says_more).cloned();
     // A pipe can be read once only.
     let path = match plan {

@@ -200,6 +200,11 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
         unknown.audit(&problem, AuditSettings::default()),
         Err(PlanError::UnknownPlace { known, .. }) if known == "'outside'"
     ));
+    // A way to the grasp alone does not put anything down, whatever is said.
+    let mut reach = plan.clone();
+    reach.segments.truncate(1);
+    reach.waypoints = reach.segments[0].waypoints.clone();
+    assert!(matches!(reach.audit(&problem, AuditSettings::default()), Err(PlanError::Segments)));
     // Without what it says of a place, its segments are no task.
     let placeless = PlanFile { place: None, ..plan };
     assert!(matches!(placeless.audit(&problem, AuditSettings::default()), Err(PlanError::Segments)));

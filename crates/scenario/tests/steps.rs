@@ -9,7 +9,8 @@ fn solved(id: &str) -> (Scenario, SequencePlan) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
     let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
     let request = Request { timing: Some(Timing::default()), ..Request::default() };
-    let plans = SequencePlan::solve(&scenario, &source, &request, &mut Unobserved).unwrap();
+    let (plans, is_solved) = SequencePlan::solve(&scenario, &source, &request, &mut Unobserved).unwrap();
+    assert!(is_solved, "{id}");
     (scenario, plans)
 }
 
@@ -53,6 +54,10 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
     let mut elsewhere = plans.clone();
     elsewhere.steps[0].place.as_mut().unwrap().name = "outside".to_owned();
     assert!(matches!(valid(&elsewhere), Err(ScenarioError::Plan(PlanError::Segments))));
+    // A hand that stays nearer than a step asks.
+    let mut near = plans.clone();
+    near.steps[0].place.as_mut().unwrap().clear_m = 0.001;
+    assert!(matches!(valid(&near), Err(ScenarioError::Plan(PlanError::Segments))));
     // Another file is none of these, and half a one is a fault.
     plans.steps[0].write(&file).unwrap();
     assert_eq!(SequencePlan::read(&file).unwrap(), None);

@@ -62,7 +62,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
 fn several_steps_are_one_motion() {
     let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
     let request = Request { timing: Some(Timing::default()), ..Request::default() };
-    let plans = SequencePlan::solve(&scenario, &source("213"), &request, &mut Unobserved).unwrap();
+    let (plans, _) = SequencePlan::solve(&scenario, &source("213"), &request, &mut Unobserved).unwrap();
     let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None).unwrap();
     let steps: Vec<_> = plans.steps.iter().map(|plan| (plan, timed(plan))).collect();
     let path = ShownPath::of_steps(&scenario.robot, &steps, 5.0).unwrap().unwrap();

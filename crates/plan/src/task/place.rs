@@ -338,13 +338,12 @@ impl Placer {
 
     /// The object where an arm has put it down; `None` in a hollow.
     pub(crate) fn placement_at(&self, world_from_held: &Pose) -> Option<Placement> {
-        let placement = self.placement(world_from_held)?;
         match &self.settings.goal.spot {
             // How it rests there, and not a little beside it, is what is mirrored.
             PlaceSpot::Target(pose) => {
                 Some(Placement { world_from_held: *world_from_held, ..self.placement(pose)? })
             }
-            PlaceSpot::Surface { .. } => Some(placement),
+            PlaceSpot::Surface { .. } => self.placement(world_from_held),
         }
     }
 }

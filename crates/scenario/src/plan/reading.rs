@@ -153,7 +153,7 @@ pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>
 
 /// What is read of a plan before the rest.
 #[derive(Deserialize)]
-struct Head {
+pub(crate) struct Head {
     #[serde(default)]
-    format: Option<String>,
+    pub format: Option<String>,
 }

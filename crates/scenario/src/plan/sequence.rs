@@ -5,7 +5,10 @@ use cranny_plan::{Audit, AuditSettings, CarryEnd, Observer, PlaceSettings, PlanE
 use cranny_solve::{Carry, Request, SolveError, solve};
 use serde::{Deserialize, Serialize};
 
-use crate::{PlanFile, PlanSource, Scenario, ScenarioError, Step, TargetPhysics, write_whole_file};
+use crate::plan::reading::Head;
+use crate::{
+    PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics, write_whole_file,
+};
 
 impl Scenario {
     /// The scenario in which what a step picks is the target. The scenario's own target has its own grasps; of anything else
@@ -60,18 +63,11 @@ pub struct SequencePlan {
     pub duration_s: Option<f64>,
 }
 
-/// Of a file its format alone.
-#[derive(Deserialize)]
-struct Head {
-    #[serde(default)]
-    format: Option<String>,
-}
-
 impl SequencePlan {
     /// The format that this version writes.
     pub const FORMAT: &str = "cranny-sequence/1";
 
-    /// Plans the steps of a scenario one after the other, until one has no path. What a request says of where things are
+    /// Plans the steps of a scenario one after the other, until one has no path that holds; and whether all have. What a request says of where things are
     /// carried is not asked: the steps say that.
     ///
     /// # Errors
@@ -81,9 +77,9 @@ impl SequencePlan {
         source: &PlanSource,
         request: &Request,
         observer: &mut dyn Observer,
-    ) -> Result<Self, SequenceError> {
+    ) -> Result<(Self, bool), SequenceError> {
         let mut now = scenario.clone();
-        let mut steps = Vec::new();
+        let (mut steps, mut solved) = (Vec::new(), 0);
         for step in &scenario.steps {
             let problem = now.at_step(step)?.problem(source.margins)?;
             let goal = problem.place(&step.place).map_err(ScenarioError::from)?.clone();
@@ -94,16 +90,18 @@ impl SequencePlan {
             let is_solved = answer.is_solved();
             if is_solved {
                 now = now.after(&plan, &problem)?;
+                solved += 1;
             }
             steps.push(plan);
             if !is_solved {
                 break;
             }
         }
-        let is_whole = steps.len() == scenario.steps.len();
+        let is_whole = solved == scenario.steps.len();
         let durations = steps.iter().map(|plan| plan.timing.as_ref().map(|timing| timing.duration_s));
         let duration_s = durations.sum::<Option<f64>>().filter(|_| is_whole);
-        Ok(Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s })
+        let format = Self::FORMAT.to_owned();
+        Ok((Self { format, scenario: scenario.id.clone(), steps, duration_s }, is_whole))
     }
 
     /// What the judge says of each plan, in the world that those before it leave; nothing of what follows one that does not
@@ -122,8 +120,8 @@ impl SequencePlan {
         for (step, plan) in scenario.steps.iter().zip(&self.steps) {
             let problem = now.at_step(step)?.problem(margins)?;
             // Whatever the file says: the steps say what is picked and where it goes.
-            let goes = plan.place.as_ref().map(|place| (place.name.as_str(), place.then));
-            if goes != Some((step.place.as_str(), step.then)) {
+            let (name, then) = (step.place.clone(), step.then);
+            if plan.place != Some(PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then }) {
                 return Err(PlanError::Segments.into());
             }
             let Some(audit) = plan.audit(&problem, settings)? else { break };
@@ -142,11 +140,14 @@ impl SequencePlan {
         audits.len() == scenario.steps.len() && audits.iter().all(|audit| audit.valid)
     }
 
-    /// Reads a file of this format; `None` for a JSON file of another.
+    /// Reads a file of this format; `None` for any other, also one that can be read once only.
     ///
     /// # Errors
     /// [`ScenarioError`] with file and line if it cannot be read, or holds a plan that is none.
     pub fn read(path: &Path) -> Result<Option<Self>, ScenarioError> {
+        if !path.is_file() || path.extension().is_none_or(|extension| extension != "json") {
+            return Ok(None);
+        }
         let text = cranny_file::TABLE
             .bytes(path)
             .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;

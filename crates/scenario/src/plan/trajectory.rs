@@ -45,6 +45,12 @@ impl PlanFile {
         self.legs().into_iter().next().unwrap_or_default()
     }
 
+    /// Whether the target was to be carried on, or is.
+    pub fn is_task(&self) -> bool {
+        let is_asked = self.carry_to.is_some() || self.carry_clear_m.is_some() || self.place.is_some();
+        is_asked || self.segments.len() > 1
+    }
+
     /// Whether its time is that of cut corners.
     pub fn is_blended(&self) -> bool {
         self.timing_asked().blend
@@ -76,11 +82,13 @@ impl PlanFile {
     /// # Errors
     /// As [`audit_segments`].
     pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
-        let carries = self.segments.len() > 1;
+        let carries = self.is_task();
         let carrier = carries.then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()?;
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
         let audit = match (self.waypoints.is_empty(), segments) {
             (true, _) => return Ok(None),
+            // Whoever says that the target is carried on must carry it on.
+            (false, Ok(segments)) if carries && segments.len() == 1 => return Err(PlanError::Segments),
             (false, Ok(segments)) if carries => {
                 let end = self.carry_end(problem)?;
                 audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?
