@@ -98,6 +98,13 @@ struct Judged<'a> {
 pub fn verify(plans: &SequencePlan, arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let demand = plans.steps.first().map(Demand::of_plan).unwrap_or_default();
     let Task { scenario, margins, .. } = Task::open(&arguments.task, demand, output)?;
+    if plans.scenario != scenario.id {
+        let planned = &plans.scenario;
+        text::note(&format!(
+            "the plan was made for scenario '{planned}', and is judged against '{}'",
+            scenario.id
+        ))?;
+    }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let audits = plans.audit(&scenario, margins, settings)?;
     let judged = Judged { valid: plans.is_solved(&scenario, &audits), steps: &audits };

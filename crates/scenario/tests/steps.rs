@@ -50,6 +50,13 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
     let mut swapped = plans.clone();
     swapped.steps.swap(0, 1);
     assert!(!valid(&swapped).unwrap());
+    // A step too many, or a scenario that has none.
+    let mut long = plans.clone();
+    long.steps.push(plans.steps[2].clone());
+    assert!(!valid(&long).unwrap());
+    let other = Scenario::open("021", &OpenOptions::default()).unwrap();
+    let judged = plans.audit(&other, Margins::default(), SETTINGS).unwrap();
+    assert!(judged.is_empty() && !plans.is_solved(&other, &judged));
     // Another place than the step says.
     let mut elsewhere = plans.clone();
     elsewhere.steps[0].place.as_mut().unwrap().name = "outside".to_owned();

@@ -135,9 +135,11 @@ impl SequencePlan {
         Ok(audits)
     }
 
-    /// Whether every step has a path, and the last of the verdicts says that all hold.
+    /// Whether the scenario has steps, each has its path and no path is without one, and all hold by these verdicts.
     pub fn is_solved(&self, scenario: &Scenario, audits: &[Audit]) -> bool {
-        audits.len() == scenario.steps.len() && audits.iter().all(|audit| audit.valid)
+        let count = scenario.steps.len();
+        let is_whole = count > 0 && self.steps.len() == count && audits.len() == count;
+        is_whole && audits.iter().all(|audit| audit.valid)
     }
 
     /// Reads a file of this format; `None` for any other, also one that can be read once only.
