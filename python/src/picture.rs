@@ -8,7 +8,7 @@ use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_view::{
     Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
-    ShownPath, StandardView, TreeRecording, ViewError,
+    ShownPath, StandardView, StepCells, TreeRecording, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -123,7 +123,8 @@ pub fn page_with_tree(
         let timed = timed_in(shown, plan)?;
         let problem = &plan.task.problem;
         let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
-        let cells = plan.file.task_cells(problem).map_err(fault)?;
+        let task = plan.file.task_cells(problem).map_err(fault)?;
+        let cells = task.map(|task| StepCells { reach: cell.clone(), task });
         let shown = PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells)
             .map_err(fault)?;
         Ok(PagePlan { search_tree, ..shown })

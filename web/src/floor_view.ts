@@ -1,20 +1,8 @@
-import {
-  BufferGeometry,
-  CircleGeometry,
-  Color,
-  Float32BufferAttribute,
-  Group,
-  LineBasicMaterial,
-  LineLoop,
-  Mesh,
-  MeshBasicMaterial,
-  PlaneGeometry,
-  ShaderMaterial,
-  ShadowMaterial,
-} from "three";
+import { CircleGeometry, Color, Group, Mesh, PlaneGeometry, ShaderMaterial, ShadowMaterial } from "three";
 import { setMatrix } from "./mesh_geometry.ts";
 import type { PageData, Point } from "./page_data.ts";
 import { compose, inverse, transformed } from "./pose.ts";
+import { rectangle } from "./rectangle.ts";
 
 /** The floor: a grid that fades into the page, and the shadows that fall on it; and where the base may stand. */
 export class FloorView {
@@ -54,7 +42,7 @@ export class FloorView {
       setMatrix(plane.matrix, shifted).decompose(plane.position, plane.quaternion, plane.scale);
       this.group.add(plane);
     }
-    this.area = data.floor_area ? floorArea(data.floor_area, (data.world_from_floor?.[2] ?? 0) + LIFT_M) : null;
+    this.area = data.floor_area ? floorArea(data.floor_area, data.world_from_floor?.[2] ?? 0) : null;
     if (this.area) this.group.add(this.area);
   }
 
@@ -66,24 +54,12 @@ export class FloorView {
   }
 }
 
-/** Above the floor, so that both can be seen. */
-const LIFT_M = 0.003;
-
 const AREA = 0x2f7de1;
 
 function floorArea({ low, high }: NonNullable<PageData["floor_area"]>, z: number): Group {
-  const group = new Group();
-  const [width, depth] = [high[0] - low[0], high[1] - low[1]];
-  const plane = new Mesh(
-    new PlaneGeometry(width, depth),
-    new MeshBasicMaterial({ color: AREA, transparent: true, opacity: 0.08, depthWrite: false }),
-  );
-  plane.position.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, z);
-  plane.renderOrder = -1;
-  const corners = [low[0], low[1], z, high[0], low[1], z, high[0], high[1], z, low[0], high[1], z];
-  const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(corners, 3));
-  group.add(plane, new LineLoop(geometry, new LineBasicMaterial({ color: AREA, transparent: true, opacity: 0.7 })));
-  return group;
+  const area = rectangle(high[0] - low[0], high[1] - low[1], AREA);
+  area.position.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, z);
+  return area;
 }
 
 const GRID_VERTEX = `

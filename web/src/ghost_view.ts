@@ -1,4 +1,5 @@
 import { type BufferGeometry, Group, type Vector3 } from "three";
+import { carriedBy } from "./carrying.ts";
 import type { Kinematics } from "./kinematics.ts";
 import type { MeshGeometries } from "./mesh_geometry.ts";
 import type { Node, Pose } from "./page_data.ts";
@@ -29,15 +30,15 @@ export class GhostView {
   private readonly ofPlans = new Map<number, Ghost>();
   private places: { copy: RobotCopy; at: Pose }[] = [];
   private readonly movers: Movers;
-  /** The nodes that a copy is of, in their order: the links, and the target. */
+  /** The nodes that a copy is of, in their order: the links, and what a plan carries. */
   private readonly copied: number[];
   private readonly geometry: () => BufferGeometry;
   private known: BufferGeometry | null = null;
 
   constructor(movers: Movers, geometries: MeshGeometries) {
     this.movers = movers;
-    const carries = movers.plans.some(({ carrying }) => carrying);
-    const isCopied = ({ role }: Node): boolean => role === "link" || (role === "target" && carries);
+    const carried = carriedBy(movers.plans);
+    const isCopied = ({ role, name }: Node): boolean => role === "link" || carried.has(name);
     this.copied = movers.nodes.flatMap((node, index) => (isCopied(node) ? [index] : []));
     // When the first copy is wanted.
     this.geometry = () => robotGeometry(this.copied.map((index) => movers.nodes[index]), geometries);
@@ -95,8 +96,8 @@ export class GhostView {
     const { copy } = ghost;
     ghost.q = q;
     // An object that stands is no ghost.
-    const isThere = (node: number): boolean => this.movers.nodes[node].role === "link" || moved !== null;
-    copy.pose(this.copied.map((node) => (isThere(node) ? worldFromNodes[node] : null)));
+    const isThere = ({ role, name }: Node): boolean => role === "link" || moved.has(name);
+    copy.pose(this.copied.map((node) => (isThere(this.movers.nodes[node]) ? worldFromNodes[node] : null)));
     const at = worldFromGripper ?? worldFromNodes[0];
     const known = this.places.find((place) => place.copy === copy);
     if (known) known.at = at;

@@ -14,6 +14,7 @@ export const LAYERS: { layer: Layer; label: string; key: string }[] = [
   { layer: "tree", label: "Search tree", key: "t" },
   { layer: "others", label: "Other plans", key: "a" },
   { layer: "floor", label: "Base area", key: "b" },
+  { layer: "places", label: "Places", key: "u" },
   { layer: "glass", label: "See through walls", key: "w" },
 ];
 

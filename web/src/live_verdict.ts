@@ -30,8 +30,8 @@ export class LiveVerdict {
     listener(this.standing);
   }
 
-  ask({ q, held }: Posture): void {
-    this.client?.ask(q, held);
+  ask({ q, during }: Posture): void {
+    this.client?.ask(q, during);
   }
 
   /** What was known is of another posture than the one that is shown. */

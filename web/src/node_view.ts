@@ -10,6 +10,7 @@ import {
   Mesh,
   MeshStandardMaterial,
 } from "three";
+import type { Moved } from "./carrying.ts";
 import type { MeshGeometries } from "./mesh_geometry.ts";
 import { setMatrix } from "./mesh_geometry.ts";
 import type { Material, Node, Pose } from "./page_data.ts";
@@ -33,17 +34,18 @@ const GLASS_OPACITY = 0.2;
 /** Corners flatter than this, in degrees, get no line. */
 const EDGE_DEG = 35;
 
-/** Where nodes are whose first ones are the links: with the links, with what the hand has `moved`, or where they stand. */
-export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[], moved: Pose | null): Pose[] {
+/** Where nodes are whose first ones are the links: with the links, where the hand has `moved` them, or where they stand. */
+export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[], moved: Moved): Pose[] {
   const poses: Pose[] = [];
   nodes.forEach((node, index) => poses.push(worldFromLinks[index] ?? onParent(node, poses, moved)));
   return poses;
 }
 
-/** Where something is that hangs on one of `parents`, or on nothing: the target has `moved`, if it has. */
-export function onParent(node: Node, parents: Pose[], moved: Pose | null): Pose {
+/** Where something is that hangs on one of `parents`, or on nothing, and may have `moved`. */
+export function onParent(node: Node, parents: Pose[], moved: Moved): Pose {
   if (node.parent !== null) return compose(parents[node.parent], node.parent_from_node);
-  return node.role === "target" && moved ? compose(moved, node.parent_from_node) : node.parent_from_node;
+  const motion = moved.get(node.name);
+  return motion ? compose(motion, node.parent_from_node) : node.parent_from_node;
 }
 
 /** Robot and bodies as meshes: what is seen, or what is checked for collision. */

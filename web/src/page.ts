@@ -135,7 +135,7 @@ function shownPlans(data: PageData, kinematics: Kinematics): ShownPlan[] {
     plan,
     trajectory: new Trajectory(plan, data.robot.start.length),
     clearance: plan.clearance ? new ClearanceCurve(plan.clearance) : null,
-    carrying: plan.carry ? new Carrying(plan.carry, kinematics) : null,
+    carrying: plan.carries.length > 0 ? new Carrying(plan.carries, kinematics, data.nodes) : null,
     tree: plan.search_tree,
     colour: colours.ofPlan(index),
     reasons: new Map(plan.blocked.map(({ grasp, reason }) => [grasp, reason])),
@@ -157,12 +157,14 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
     ["tree", data.feed !== undefined || plans.some(({ tree }) => tree !== null)],
     ["others", plans.length > 1],
     ["floor", data.floor_area !== null],
+    ["places", data.places.length > 0],
     ["glass", data.nodes.some(({ role }) => role === "obstacle")],
   ];
   return new Set(layers.flatMap(([layer, isThere]) => (isThere ? [layer] : [])));
 }
 
-/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps. */
+/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps, and where plans
+ * put something down, the places. */
 function firstView(
   data: PageData,
   plans: ShownPlan[],
@@ -172,6 +174,9 @@ function firstView(
 ): ViewState {
   const state = { ...INITIAL, ...asked };
   if (state.plan >= plans.length) state.plan = 0;
+  if (!asked.layers && plans.some(({ carrying }) => carrying?.putsDown)) {
+    state.layers = { ...state.layers, places: true };
+  }
   const last_s = Math.max(recording?.duration_s ?? 0, ...plans.map(({ trajectory }) => trajectory.duration_s));
   state.time_s = Math.min(state.time_s, last_s);
   if (state.q?.length !== data.robot.start.length) state.q = null;

@@ -33,6 +33,8 @@ export interface PageData {
   world_from_floor: Pose | null;
   /** Where the base may be placed: x and y of its two translational joints, if it has them. */
   floor_area: { low: [number, number]; high: [number, number] } | null;
+  /** Where something can be put down. */
+  places: Place[];
   /** The grasps of the scenario, all of them. */
   grasps: Grasp[];
   plans: Plan[];
@@ -102,6 +104,14 @@ export interface Node {
   role: "link" | "obstacle" | "target";
 }
 
+export interface Place {
+  name: string;
+  /** Of the middle of a rectangle, z upwards; else of the target's first part. */
+  world_from_place: Pose;
+  /** Along the x and y of the rectangle. */
+  size_m?: [number, number];
+}
+
 export interface Grasp {
   index: number;
   world_from_gripper: Pose;
@@ -129,8 +139,8 @@ export interface Plan {
   is_timed: boolean;
   /** Sum over the edges of the plain norm of what q changes by, metres and radians alike. */
   path_length: number;
-  /** What becomes of the object, of a plan that carries it away. */
-  carry?: Carry;
+  /** What becomes of each object that the plan carries away, one after the other. */
+  carries: Carry[];
   /** The scenario's grasp that the path ends at. */
   grasp: number | null;
   clearance: Clearance | null;
@@ -193,16 +203,18 @@ export interface SearchTree {
   trees: Unsigned32;
 }
 
-export interface Held {
+/** What a plan does, by index and step: what is in the hand and where everything else stands is as it is then. */
+export interface During {
   plan: number;
+  step: number;
   mode: Mode["name"];
 }
 
 /** Body of `POST verdict`. */
 export interface VerdictQuestion {
   q: number[];
-  /** What is in the hand: what a plan has there in a mode. Left out while the hand is empty. */
-  held?: Held;
+  /** Left out as long as nothing has moved, and where the robot was posed by hand. */
+  during?: During;
 }
 
 /** Its answer; 400 with `{ error: string }` for a malformed question. */

@@ -1,6 +1,7 @@
+import type { Moved } from "./carrying.ts";
 import type { Kinematics } from "./kinematics.ts";
 import { worldFromNodes } from "./node_view.ts";
-import type { Held, Node, Pose } from "./page_data.ts";
+import type { During, Node, Pose } from "./page_data.ts";
 import type { Recording } from "./recording.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { ViewState } from "./view_state.ts";
@@ -20,13 +21,12 @@ export interface Posture {
   /** Null where there is no robot. */
   worldFromGripper: Pose | null;
   worldFromNodes: Pose[];
-  /** By how much the object in the hand has moved; null while it stands. */
-  moved: Pose | null;
-  /** What is in the hand; null while it is empty. */
-  held: Held | null;
+  moved: Moved;
+  /** What is done; null as long as nothing has moved. */
+  during: During | null;
 }
 
-/** As the robot was posed by hand, the hand empty; else as the path or the recording has it, else as the scenario starts. */
+/** As the robot was posed by hand, nothing moved; else as the path or the recording has it, else as the scenario starts. */
 export function postureOf(state: ViewState, movers: Movers): Posture {
   const { plans, kinematics } = movers;
   const plan = plans[state.plan];
@@ -40,16 +40,20 @@ export function postureAlong(plan: ShownPlan, time_s: number, { nodes, kinematic
   const q = Array.from(trajectory.at(time_s));
   const worldFromLinks = kinematics.worldFromLinks(q, carrying?.closingAt(time_s));
   const worldFromGripper = worldFromLinks[kinematics.robot.tip];
-  const moved = carrying?.movedAt(time_s, worldFromGripper) ?? null;
-  const held = moved && carrying ? { plan: index, mode: carrying.modeAt(time_s) } : null;
-  return { q, worldFromLinks, worldFromGripper, worldFromNodes: worldFromNodes(nodes, worldFromLinks, moved), moved, held };
+  const moved = carrying?.movedAt(time_s, worldFromGripper) ?? NOTHING;
+  const now = moved.size > 0 ? carrying?.at(time_s) : undefined;
+  const during = now ? { plan: index, step: now.step, mode: now.name } : null;
+  return { q, worldFromLinks, worldFromGripper, worldFromNodes: worldFromNodes(nodes, worldFromLinks, moved), moved, during };
 }
 
 function standing(at: ArrayLike<number>, time_s: number, { nodes, kinematics, recording }: Movers): Posture {
   const q = Array.from(at);
   const worldFromLinks = kinematics.worldFromLinks(q);
-  const places = worldFromNodes(nodes, worldFromLinks, null);
+  const places = worldFromNodes(nodes, worldFromLinks, NOTHING);
   recording?.at(time_s).forEach((pose, node) => (places[node] = pose));
   const worldFromGripper = worldFromLinks[kinematics.robot.tip] ?? null;
-  return { q, worldFromLinks, worldFromGripper, worldFromNodes: places, moved: null, held: null };
+  return { q, worldFromLinks, worldFromGripper, worldFromNodes: places, moved: NOTHING, during: null };
 }
+
+/** Everything stands where it was. */
+const NOTHING: Moved = new Map();

@@ -1,3 +1,4 @@
+import { carriedBy } from "./carrying.ts";
 import { ClosestView } from "./closest_view.ts";
 import { FloorView } from "./floor_view.ts";
 import { type StandardView, framing } from "./framing.ts";
@@ -10,6 +11,7 @@ import { MeshGeometries } from "./mesh_geometry.ts";
 import { NodeView, onParent } from "./node_view.ts";
 import type { PageData, Pose } from "./page_data.ts";
 import { PathView } from "./path_view.ts";
+import { PlaceView } from "./place_view.ts";
 import { type Movers, type Posture, postureOf } from "./posture.ts";
 import { SceneBounds } from "./scene_bounds.ts";
 import { hidingNodes } from "./see_through.ts";
@@ -36,6 +38,7 @@ export class SceneView {
   private readonly nodes: NodeView;
   private readonly collision: NodeView;
   private readonly floor: FloorView;
+  private readonly places: PlaceView;
   private readonly light: LightView;
   private readonly ghosts: GhostView;
   private readonly paths: PathView[];
@@ -45,6 +48,8 @@ export class SceneView {
   private readonly view: View;
   private readonly plans: ShownPlan[];
   private readonly movers: Movers;
+  /** What any of the plans takes away, by name. */
+  private readonly carried: ReadonlySet<string>;
   private readonly reasons: string[];
   private readonly few: number[];
   private readonly graspIndices: number[];
@@ -59,6 +64,7 @@ export class SceneView {
     const { plans, kinematics } = movers;
     this.movers = movers;
     this.plans = plans;
+    this.carried = carriedBy(plans);
     this.reasons = reasons;
     this.few = fewGrasps(data.grasps, data.plans);
     this.graspIndices = data.grasps.map(({ index }) => index);
@@ -68,6 +74,7 @@ export class SceneView {
     this.bounds = new SceneBounds(this.nodes, movers);
     const { middle, reach_m } = this.bounds;
     this.floor = new FloorView(data, middle, reach_m);
+    this.places = new PlaceView(data, geometries);
     this.light = new LightView(middle, reach_m, stage.isSlow);
     this.spheres = new SphereView(data);
     this.grasps = new GraspView(data.grasps, plans.length);
@@ -77,6 +84,7 @@ export class SceneView {
     stage.scene.add(
       this.light.group,
       this.floor.group,
+      this.places.group,
       this.nodes.group,
       this.collision.group,
       this.spheres.group,
@@ -128,7 +136,7 @@ export class SceneView {
   /** What the plan that has the robot does, if it says so. */
   get mode(): string {
     const { plan, time_s } = this.view.state;
-    return this.plans[plan]?.carrying?.modeAt(time_s) ?? "";
+    return this.plans[plan]?.carrying?.at(time_s).name ?? "";
   }
 
   /** Where the eye stands for a standard view. */
@@ -142,6 +150,7 @@ export class SceneView {
     this.collision.group.visible = layers.collision;
     this.spheres.group.visible = layers.spheres;
     if (this.floor.area) this.floor.area.visible = layers.floor;
+    this.places.group.visible = layers.places;
     this.stage.invalidateShadows();
   }
 
@@ -202,7 +211,7 @@ export class SceneView {
     const { position } = this.stage.camera;
     const { layers } = this.view.state;
     const hiding = layers.glass
-      ? hidingNodes(this.nodes, [position.x, position.y, position.z], this.bounds.wanted)
+      ? hidingNodes(this.nodes, [position.x, position.y, position.z], this.bounds.wanted, this.carried)
       : new Set<number>();
     this.nodes.setGlass(hiding);
   }

@@ -2,11 +2,11 @@ import type { Point, Pose } from "./page_data.ts";
 import type { NodeView } from "./node_view.ts";
 import { inverse, transformed } from "./pose.ts";
 
-/** The nodes of obstacles that lie between the eye and points that should be seen. */
-export function hidingNodes(view: NodeView, eye: Point, wanted: Point[]): Set<number> {
+/** The nodes of obstacles that lie between the eye and points that should be seen, but for what is `carried`. */
+export function hidingNodes(view: NodeView, eye: Point, wanted: Point[], carried: ReadonlySet<string>): Set<number> {
   const hiding = new Set<number>();
   view.nodes.forEach((node, index) => {
-    const box = node.role === "obstacle" ? view.box(index) : null;
+    const box = node.role === "obstacle" && !carried.has(node.name) ? view.box(index) : null;
     if (!box) return;
     const nodeFromWorld: Pose = inverse(view.worldFromNodes[index]);
     const from = transformed(nodeFromWorld, eye);

@@ -1,4 +1,4 @@
-import type { Held, Verdict, VerdictQuestion } from "./page_data.ts";
+import type { During, Verdict, VerdictQuestion } from "./page_data.ts";
 
 /** Asks somebody who knows; rejects if there is no answer. */
 export type Ask = (question: VerdictQuestion) => Promise<Verdict>;
@@ -27,9 +27,9 @@ export class VerdictClient {
     this.pause_ms = pause_ms;
   }
 
-  /** `held`: what is in the hand, if anything is. */
-  ask(q: ArrayLike<number>, held: Held | null = null): void {
-    this.waiting = { q: Array.from(q), ...(held ? { held } : {}) };
+  /** `during`: what a plan does there, if one has moved anything. */
+  ask(q: ArrayLike<number>, during: During | null = null): void {
+    this.waiting = { q: Array.from(q), ...(during ? { during } : {}) };
     if (!this.isBusy) void this.work();
   }
 

@@ -11,7 +11,8 @@ export type Layer =
   | "tree"
   | "others"
   | "glass"
-  | "floor";
+  | "floor"
+  | "places";
 
 /** What the colour of a grasp says. */
 export type GraspColour = "score" | "ik" | "reason";
@@ -72,6 +73,7 @@ export const INITIAL: ViewState = {
     others: true,
     glass: true,
     floor: false,
+    places: false,
   },
   ghosts: 5,
   treeNodes: null,

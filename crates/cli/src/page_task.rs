@@ -3,10 +3,11 @@ use std::path::{Path, PathBuf};
 use cranny_collision::Margins;
 use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, Registry, audit};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, PlanFile, Scenario, ScenarioError, read_waypoints,
+    Geometry, GivenGrasps, OpenOptions, PlanFile, Scenario, ScenarioError, SequencePlan, StepTask,
+    read_waypoints,
 };
 use cranny_solve::{Timing, ik_statuses};
-use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
+use cranny_view::{PageCells, PageData, PagePlan, PageSettings, StepCells};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
@@ -31,6 +32,31 @@ pub struct PageRequest<'a> {
     pub search_trees: Option<&'a Registry>,
 }
 
+/// What a file holds of which a page is made.
+enum PageFile {
+    Waypoints,
+    Plan(Box<PlanFile>),
+    Steps(SequencePlan),
+}
+
+impl PageFile {
+    fn read(file: &Path) -> Result<Self, ScenarioError> {
+        if let Some(plans) = SequencePlan::read(file)? {
+            return Ok(Self::Steps(plans));
+        }
+        Ok(read_plan(file)?.map_or(Self::Waypoints, |plan| Self::Plan(Box::new(plan))))
+    }
+
+    /// The plan that says with which robot it was made, and for which grasps.
+    fn first(&self) -> Option<&PlanFile> {
+        match self {
+            Self::Waypoints => None,
+            Self::Plan(plan) => Some(plan),
+            Self::Steps(plans) => plans.steps.first(),
+        }
+    }
+}
+
 /// A page, and what postures are judged in where it has a robot.
 pub struct PageTask {
     pub page: PageData,
@@ -51,18 +77,18 @@ impl PageTask {
             )?;
             return Ok(Self { page: PageData::of_recording(&recording), cells: None });
         }
-        let files =
-            request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
+        let files = request
+            .plans
+            .iter()
+            .map(|file| PageFile::read(file))
+            .collect::<Result<Vec<_>, ScenarioError>>()?;
+        let read = || files.iter().filter_map(PageFile::first);
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: request.criterion,
-            robot: request.robot.map(Path::to_owned).or_else(|| files.iter().flatten().find_map(robot_of)),
+            robot: request.robot.map(Path::to_owned).or_else(|| read().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
-            grasps: files
-                .iter()
-                .flatten()
-                .map(PlanFile::given_grasps)
-                .fold(request.grasps.clone(), GivenGrasps::or),
+            grasps: read().map(PlanFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;
@@ -77,21 +103,33 @@ impl PageTask {
         for (file, read) in request.plans.iter().zip(&files) {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
             let robot = &shown.robot;
-            let Some(plan) = read else {
-                let waypoints = read_waypoints(file, robot.dof())?;
-                let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                let trajectory = Timing::default().along(robot, None, &waypoints)?;
-                let verification = Some(audit(&problem, &waypoints)?);
-                let path =
-                    PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
-                plans.push(path);
-                continue;
+            let plan = match read {
+                PageFile::Plan(plan) => plan,
+                PageFile::Steps(_) if trees.is_some() => {
+                    let problem =
+                        format!("{}: of a plan of several steps no search is run again", file.display());
+                    return Err(Failure::Flag { flag: "search-tree", problem });
+                }
+                PageFile::Steps(steps) => {
+                    plans.push(plan_of_steps(name, file, steps, &own)?);
+                    continue;
+                }
+                PageFile::Waypoints => {
+                    let waypoints = read_waypoints(file, robot.dof())?;
+                    let problem = tasks.problem(own.criterion, Margins::default(), None)?;
+                    let trajectory = Timing::default().along(robot, None, &waypoints)?;
+                    let verification = Some(audit(&problem, &waypoints)?);
+                    let path =
+                        PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
+                    plans.push(path);
+                    continue;
+                }
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
             let verification = plan.audit(&problem, AuditSettings::default())?;
-            let cells = plan.task_cells(&problem)?;
+            let cells = plan.task_cells(&problem)?.map(|task| StepCells { reach: cell.clone(), task });
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, cells)?;
             if let Some((registry, stop)) = &trees {
                 let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
@@ -105,6 +143,32 @@ impl PageTask {
         spinner.finish_and_clear();
         Ok(Self { page, cells: Some(PageCells::of(cell.clone(), &plans)) })
     }
+}
+
+/// Plans of the scenario's steps, each judged in the world that those before it leave.
+fn plan_of_steps(
+    name: String,
+    file: &Path,
+    plans: &SequencePlan,
+    scenario: &Scenario,
+) -> Result<PagePlan, Failure> {
+    let margins = plans.steps.first().map(|plan| plan.margins).unwrap_or_default();
+    let (mut timed, mut verifications, mut cells) = (Vec::new(), Vec::new(), Vec::new());
+    plans.walk(scenario, margins, |StepTask { plan, scenario, problem }| -> Result<bool, Failure> {
+        check_plan(file, plan, &scenario.robot, &scenario.id, "shown in")?;
+        let reach = problem.cell().ok_or(PlanError::Annotation)?;
+        timed.push(plan.trajectory(&scenario.robot, Some(reach))?);
+        let verification = plan.audit(problem, AuditSettings::default())?;
+        let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
+        verifications.extend(verification);
+        if let Some(task) = plan.task_cells(problem)? {
+            cells.push(StepCells { reach: reach.clone(), task });
+        }
+        Ok(is_valid)
+    })?;
+    let judged = (verifications, cells);
+    let timed: Vec<_> = plans.steps.iter().zip(timed).collect();
+    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, scenario.steps.len(), judged)?)
 }
 
 /// The scenario and its problems, each made once.

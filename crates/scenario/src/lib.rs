@@ -53,7 +53,7 @@ pub use plan::error::PlanFileError;
 pub use plan::file::{PlanBudget, PlanFile, PlanSource};
 pub use plan::place::PlanPlace;
 pub use plan::segment::PlanSegment;
-pub use plan::sequence::{SequenceError, SequencePlan};
+pub use plan::sequence::{SequenceError, SequencePlan, StepTask};
 pub use plan::timing::PlanTiming;
 pub use plan::trajectory_csv::write_trajectory_csv;
 pub use plan::waypoints::{read_waypoints, write_waypoints_csv};

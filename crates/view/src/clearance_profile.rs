@@ -3,12 +3,12 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Closest, Collider};
 use cranny_robot::Hold;
-use cranny_solve::TaskCells;
+use cranny_solve::Mode;
 use cranny_spatial::{Point, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{ShownMode, ShownPath, number_row};
+use crate::{ShownCarry, ShownMode, ShownPath, StepCells, number_row};
 
 /// How far the robot is from everything along a path, and which pair is the closest.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,13 +28,12 @@ impl ClearanceProfile {
     /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
     /// nothing to touch.
     ///
-    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, in these cells;
-    /// without them nothing is said of the rest of the path. What it rests on counts from the end of the lift-off on, and
-    /// until it is set down.
-    pub fn along(path: &ShownPath, cell: &Cell, cells: Option<&TaskCells>, most: usize) -> Option<Self> {
-        let shown = path.carries.first().map_or(path.times_s.len(), |carry| match cells {
-            Some(_) => path.times_s.len(),
-            None => path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0]),
+    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, in the cells of
+    /// the `steps`, one for each that is carried; where they end nothing is said of the rest of the path. What it rests on
+    /// counts from the end of the lift-off on, and until it is set down.
+    pub fn along(path: &ShownPath, cell: &Cell, steps: &[StepCells], most: usize) -> Option<Self> {
+        let shown = path.carries.get(steps.len()).map_or(path.times_s.len(), |carry| {
+            path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0])
         });
         let last = shown.checked_sub(1)?;
         let count = shown.min(most.max(2));
@@ -42,7 +41,7 @@ impl ClearanceProfile {
         let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
-        for Stretch { cell, places } in stretches(path, cell, cells, &places) {
+        for Stretch { cell, places } in stretches(path, cell, steps, &places) {
             let nearest = places.par_iter().map_init(
                 || cell.scratch(),
                 |scratch, &place| cell.closest(&path.configurations[place], scratch),
@@ -89,43 +88,43 @@ struct Stretch<'a, 'b> {
 fn stretches<'a, 'b>(
     path: &ShownPath,
     empty: &'a Cell,
-    cells: Option<&'a TaskCells>,
+    steps: &'a [StepCells],
     places: &'b [usize],
 ) -> Vec<Stretch<'a, 'b>> {
-    let Some((carry, cells)) = path.carries.first().zip(cells) else {
-        return vec![Stretch { cell: Cow::Borrowed(empty), places }];
+    let carries = path.carries.iter().zip(steps);
+    let modes: Vec<(&ShownMode, &ShownCarry, &StepCells)> =
+        carries.flat_map(|(carry, cells)| carry.modes.iter().map(move |mode| (mode, carry, cells))).collect();
+    let until = |from: usize, is_before: &dyn Fn(f64) -> bool| {
+        from + places[from..].partition_point(|&place| is_before(path.times_s[place]))
     };
-    let until = |from: usize, time_s: f64| {
-        from + places[from..].partition_point(|&place| path.times_s[place] < time_s)
-    };
+    let cell_in = |cells: &'a StepCells, mode: Mode| cells.cell(mode).map_or(empty, Arc::as_ref);
     let mut stretches = Vec::new();
     let mut begin = 0;
-    for (index, ShownMode { mode, .. }) in carry.modes.iter().enumerate() {
-        let next = carry.modes.get(index + 1);
-        let holds_next = next.is_some_and(|next| next.mode.holds());
+    for (index, (now, carry, cells)) in modes.iter().enumerate() {
+        let next = modes.get(index + 1).map(|(next, ..)| *next);
+        let moves_hand = next.filter(|next| next.mode.holds() != now.mode.holds());
         // Where the hand moves, the mode ends with its last instant; else the next begins with it.
-        let end = match next {
-            Some(next) if holds_next == mode.holds() => until(begin, next.from_s),
-            Some(_) => {
-                let ends_s = carry.modes[index].until_s;
-                begin + places[begin..].partition_point(|&place| path.times_s[place] <= ends_s)
-            }
-            None => places.len(),
+        let end = match (next, moves_hand) {
+            (None, _) => until(begin, &|_| true),
+            (Some(next), None) => until(begin, &|time_s| time_s < next.from_s),
+            (Some(_), Some(_)) => until(begin, &|time_s| time_s <= now.until_s),
         };
-        let cell = cells.cell(*mode).map_or(empty, Arc::as_ref);
-        stretches.push(Stretch { cell: Cow::Borrowed(cell), places: &places[begin..end] });
+        stretches
+            .push(Stretch { cell: Cow::Borrowed(cell_in(cells, now.mode)), places: &places[begin..end] });
         begin = end;
-        let Some(next) = next.filter(|_| holds_next != mode.holds()) else { continue };
-        let goes_on = until(begin, next.from_s);
-        let held = cells.cell(if holds_next { next.mode } else { *mode }).map_or(empty, Arc::as_ref);
+        let Some(next) = moves_hand else { continue };
+        let goes_on = until(begin, &|time_s| time_s < next.from_s);
+        let held = cell_in(cells, if next.mode.holds() { next.mode } else { now.mode });
         for place in places[begin..goes_on].chunks(1) {
             let closing = carry.closing_at(path.times_s[place[0]]);
             // A hand that is less closed holds as well what the closed one holds.
-            let cell = held.with_hold(Hold { closing, ..cells.grip.hold });
+            let cell = held.with_hold(Hold { closing, ..cells.task.grip.hold });
             stretches.push(Stretch { cell: cell.map_or(Cow::Borrowed(held), Cow::Owned), places: place });
         }
         begin = goes_on;
     }
+    // Of a path that carries nothing all, of another the way to what nobody knows how it is held.
+    stretches.push(Stretch { cell: Cow::Borrowed(empty), places: &places[begin..] });
     stretches
 }
 

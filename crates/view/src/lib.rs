@@ -60,7 +60,7 @@ pub use error::ViewError;
 pub use mesh::{Mesh, MeshPiece};
 pub use moving_bodies::{BodyRecording, MovingBody};
 pub use page::{PageData, PageSettings};
-pub use page_cells::PageCells;
+pub use page_cells::{PageCells, StepCells};
 pub use page_feed::PageFeed;
 pub use page_limits::PageLimits;
 pub use page_plan::PagePlan;

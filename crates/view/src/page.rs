@@ -1,5 +1,5 @@
 use cranny_collision::Cell;
-use cranny_plan::IkStatus;
+use cranny_plan::{IkStatus, PlaceGoal, PlaceSpot};
 use cranny_scenario::Scenario;
 use serde::Serialize;
 
@@ -21,6 +21,7 @@ pub struct PageData {
     link_spheres: Vec<String>,
     world_from_floor: Option<[f64; 7]>,
     floor_area: Option<FloorArea>,
+    places: Vec<PagePlace>,
     grasps: Vec<PageGrasp>,
     plans: Vec<PlanEntry>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,6 +29,26 @@ pub struct PageData {
     is_live: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     feed: Option<u64>,
+}
+
+/// Where something can be put down, as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+struct PagePlace {
+    name: String,
+    /// Of the middle of a rectangle; else of the target's first part.
+    world_from_place: [f64; 7],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size_m: Option<[f64; 2]>,
+}
+
+impl PagePlace {
+    fn of(place: &PlaceGoal) -> Self {
+        let (pose, size_m) = match &place.spot {
+            PlaceSpot::Surface { pose, size_m, .. } => (pose, Some(*size_m)),
+            PlaceSpot::Target(pose) => (pose, None),
+        };
+        Self { name: place.name.clone(), world_from_place: number_row::pose(pose), size_m }
+    }
 }
 
 /// How much a page is told.
@@ -70,6 +91,7 @@ impl PageData {
             link_spheres: spheres.collect(),
             world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
             floor_area: FloorArea::of(&scenario.robot),
+            places: scenario.places.iter().map(PagePlace::of).collect(),
             grasps: page_grasps::all(&scenario.grasps, statuses, plans),
             plans: plans.iter().map(|plan| plan.entry(cell, settings.clearance_instants)).collect(),
             scene: PageScene::of(scene, &scenario.robot),
@@ -90,6 +112,7 @@ impl PageData {
             link_spheres: Vec::new(),
             world_from_floor: scene.world_from_floor.as_ref().map(number_row::pose),
             floor_area: None,
+            places: Vec::new(),
             grasps: Vec::new(),
             plans: Vec::new(),
             recording: scene.motion.as_ref().map(RecordingRows::of),

@@ -2,12 +2,14 @@ use cranny_collision::Cell;
 use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
-use cranny_solve::{TaskCells, TaskTrajectory};
+use cranny_solve::TaskTrajectory;
 use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
 use crate::tree_recording::SearchTreeRows;
-use crate::{ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, number_row};
+use crate::{
+    ClearanceProfile, ShownCarry, ShownMode, ShownPath, StepCells, TreeRecording, ViewError, number_row,
+};
 
 /// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
 #[derive(Clone, Debug)]
@@ -22,10 +24,12 @@ pub struct PagePlan {
     pub path_length: f64,
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
-    /// What `verify` says; `None` for a plan without a path.
-    pub verification: Option<Audit>,
-    /// How the hand holds the object, of a plan that carries it away.
-    pub cells: Option<TaskCells>,
+    /// How many steps there are to be; 1 for a plan that is not one of several.
+    pub step_count: usize,
+    /// What `verify` says of each step, as far as they have a path.
+    pub verifications: Vec<Audit>,
+    /// Robot and world along each step in which something is carried away.
+    pub steps: Vec<StepCells>,
     /// What stood between the robot and each grasp.
     pub failures: Vec<GraspFailure>,
     /// The trees of the search, if they were recorded.
@@ -42,8 +46,8 @@ pub(crate) fn rate_hz(duration_s: f64) -> f64 {
 }
 
 impl PagePlan {
-    /// The plan of a file, with the times of [`PlanFile::trajectory`], what `verify` says of it, and how it holds what it
-    /// carries away ([`PlanFile::task_cells`]).
+    /// The plan of a file, with the times of [`PlanFile::trajectory`], what `verify` says of it, and what it carries away
+    /// how ([`PlanFile::task_cells`]).
     ///
     /// # Errors
     /// As [`ShownPath::of`].
@@ -53,7 +57,7 @@ impl PagePlan {
         robot: &Robot,
         timed: Option<&TaskTrajectory>,
         verification: Option<Audit>,
-        cells: Option<TaskCells>,
+        cells: Option<StepCells>,
     ) -> Result<Self, ViewError> {
         let path_length = path_length(&plan.waypoints);
         let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
@@ -63,9 +67,41 @@ impl PagePlan {
             outcome: Some(plan.outcome),
             path_length,
             path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
-            verification,
-            cells,
+            step_count: 1,
+            verifications: verification.into_iter().collect(),
+            steps: cells.into_iter().collect(),
             failures: plan.failures.clone(),
+            search_tree: None,
+        })
+    }
+
+    /// The plans of several steps, each with its time, as one motion; with what `verify` says of them and what they carry
+    /// away, as far as they hold.
+    ///
+    /// # Errors
+    /// As [`ShownPath::of`].
+    pub fn of_steps(
+        name: impl Into<String>,
+        plans: &[(&PlanFile, Option<TaskTrajectory>)],
+        robot: &Robot,
+        step_count: usize,
+        (verifications, steps): (Vec<Audit>, Vec<StepCells>),
+    ) -> Result<Self, ViewError> {
+        let path_length = plans.iter().map(|(plan, _)| path_length(&plan.waypoints)).sum();
+        let durations = plans.iter().map(|(_, timed)| timed.as_ref().map(TaskTrajectory::duration_s));
+        let duration_s = durations.sum::<Option<f64>>().unwrap_or(path_length);
+        let last = plans.last().map(|(plan, _)| plan);
+        Ok(Self {
+            name: name.into(),
+            planner: last.map(|plan| plan.planner.clone()).unwrap_or_default(),
+            outcome: last.map(|plan| plan.outcome),
+            path_length,
+            path: ShownPath::of_steps(robot, plans, rate_hz(duration_s))?,
+            step_count,
+            verifications,
+            steps,
+            // Each step has grasps of its own, which a page does not show.
+            failures: Vec::new(),
             search_tree: None,
         })
     }
@@ -89,34 +125,50 @@ impl PagePlan {
             outcome: None,
             path_length,
             path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
-            verification,
-            cells: None,
+            step_count: 1,
+            verifications: verification.into_iter().collect(),
+            steps: Vec::new(),
             failures: Vec::new(),
             search_tree: None,
         })
     }
 
-    /// The grasp that the path ends at: what `verify` finds, not what the file claims.
+    /// Whether all of it holds, by what `verify` says.
+    pub fn is_valid(&self) -> bool {
+        self.verifications.len() == self.step_count && self.verifications.iter().all(|v| v.valid)
+    }
+
+    /// The grasp that the path ends at: what `verify` finds, not what the file claims. Of several steps each has its own.
     pub fn grasp(&self) -> Option<usize> {
-        self.verification.as_ref().filter(|v| v.valid).and_then(|v| v.goal).map(|goal| goal.grasp)
+        let is_one = self.is_valid() && self.step_count == 1;
+        self.verifications.first().filter(|_| is_one)?.goal.map(|goal| goal.grasp)
     }
 
     /// One line: what `verify` says.
     pub fn verdict(&self) -> String {
-        let Some(verification) = &self.verification else {
-            return format!("no path: {}", self.outcome.map_or("no way points", Outcome::sentence));
+        let of_step = |step: usize| match self.step_count {
+            1 => String::new(),
+            _ => format!("step {}: ", step + 1),
         };
-        let [first, rest @ ..] = &verification.violations[..] else {
-            let clearance = verification.clearance_m.map_or_else(String::new, |clearance_m| {
-                format!(", {:.2} mm or more from everything, proven", clearance_m * 1000.0)
-            });
-            return format!("valid{clearance}");
-        };
-        let more = match rest.len() {
-            0 => String::new(),
-            count => format!(", and {count} more"),
-        };
-        format!("not valid: {first}{more}")
+        let judged = self.verifications.len();
+        let failing = self.verifications.iter().enumerate().find(|(_, verification)| !verification.valid);
+        if let Some((step, Audit { violations, .. })) = failing {
+            let first = violations.first().map(ToString::to_string).unwrap_or_default();
+            let more = match violations.len().saturating_sub(1) {
+                0 => String::new(),
+                count => format!(", and {count} more"),
+            };
+            return format!("{}not valid: {first}{more}", of_step(step));
+        }
+        if judged < self.step_count {
+            let ended = self.outcome.map_or("no way points", Outcome::sentence);
+            return format!("{}no path: {ended}", of_step(judged));
+        }
+        let clearances_m = self.verifications.iter().filter_map(|verification| verification.clearance_m);
+        let clearance = clearances_m.reduce(f64::min).map_or_else(String::new, |clearance_m| {
+            format!(", {:.2} mm or more from everything, proven", clearance_m * 1000.0)
+        });
+        format!("valid{clearance}")
     }
 
     pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
@@ -125,20 +177,19 @@ impl PagePlan {
             number_row::floats64(path.map(pick).into_iter().flatten().copied())
         };
         let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
-        let profile =
-            path.and_then(|path| ClearanceProfile::along(path, cell, self.cells.as_ref(), most_instants));
+        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, &self.steps, most_instants));
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
             outcome: self.outcome.map_or("", Outcome::sentence),
             verdict: self.verdict(),
-            is_valid: self.verification.as_ref().is_some_and(|v| v.valid),
+            is_valid: self.is_valid(),
             times_s: row(|path| &path.times_s),
             configurations: number_row::floats64(configurations),
             waypoint_times_s: row(|path| &path.waypoint_times_s),
             is_timed: path.is_some_and(|path| path.is_timed),
             path_length: self.path_length,
-            carry: path.and_then(|path| path.carries.first()).map(CarryEntry::of),
+            carries: path.into_iter().flat_map(|path| &path.carries).map(CarryEntry::of).collect(),
             grasp: self.grasp(),
             clearance: profile.as_ref().map(ClearanceProfile::rows),
             blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
@@ -164,8 +215,7 @@ pub(crate) struct PlanEntry {
     waypoint_times_s: String,
     is_timed: bool,
     path_length: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    carry: Option<CarryEntry>,
+    carries: Vec<CarryEntry>,
     grasp: Option<usize>,
     clearance: Option<ClearanceRows>,
     blocked: Vec<BlockedGrasp>,
@@ -173,7 +223,7 @@ pub(crate) struct PlanEntry {
     search_tree: Option<SearchTreeRows>,
 }
 
-/// What becomes of the object, as a page reads it.
+/// What becomes of an object, as a page reads it.
 #[derive(Clone, Debug, Serialize)]
 struct CarryEntry {
     object: String,

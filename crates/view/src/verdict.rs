@@ -13,16 +13,18 @@ use crate::{PageCells, number_row};
 pub(crate) struct VerdictQuestion {
     /// One value per joint (m, rad).
     pub q: Vec<f64>,
-    /// Left out while the hand is empty.
+    /// Left out as long as nothing has moved, and where the robot was posed by hand.
     #[serde(default)]
-    pub held: Option<HeldQuestion>,
+    pub during: Option<DuringQuestion>,
 }
 
-/// What is in the hand: what a plan has there while it does something.
+/// What a plan does: what is in the hand and where everything else stands is as it is then.
 #[derive(Clone, Debug, Deserialize)]
-pub(crate) struct HeldQuestion {
+pub(crate) struct DuringQuestion {
     /// By index.
     pub plan: usize,
+    /// By index.
+    pub step: usize,
     /// By name.
     pub mode: String,
 }
@@ -45,18 +47,18 @@ pub(crate) enum QuestionError {
     JointCount { expected: usize, actual: usize, joints: String },
     #[error("value {index} of 'q' is not finite")]
     NotFinite { index: usize },
-    #[error("plan {plan} has nothing in the hand in mode '{mode}'")]
-    NothingHeld { plan: usize, mode: String },
+    #[error("plan {plan} has no step {step} with a mode '{mode}'")]
+    NotDone { plan: usize, step: usize, mode: String },
 }
 
 /// Answers the question in the body of a request.
 pub(crate) fn answer(cells: &PageCells, body: &[u8]) -> Result<Verdict, QuestionError> {
-    let VerdictQuestion { q, held } = serde_json::from_slice(body)?;
-    let cell = match held {
+    let VerdictQuestion { q, during } = serde_json::from_slice(body)?;
+    let cell = match during {
         None => cells.empty(),
-        Some(HeldQuestion { plan, mode }) => {
-            let held = Mode::from_str(&mode).ok().and_then(|mode| cells.held(plan, mode));
-            held.ok_or(QuestionError::NothingHeld { plan, mode })?
+        Some(DuringQuestion { plan, step, mode }) => {
+            let cell = Mode::from_str(&mode).ok().and_then(|mode| cells.during(plan, step, mode));
+            cell.ok_or(QuestionError::NotDone { plan, step, mode })?
         }
     };
     let robot = cell.robot();

@@ -10,7 +10,7 @@ use cranny_solve::{CLOSING_S, Carry, Mode, Request, TaskTrajectory, Timing, solv
 use cranny_spatial::Pose;
 use cranny_view::{
     ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer, PageSettings, Picture,
-    PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, ViewError,
+    PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, StepCells, ViewError,
 };
 use serde_json::Value;
 
@@ -47,12 +47,17 @@ impl Carried {
     }
 
     fn hold(&self) -> Hold {
-        self.plan.task_cells(&self.problem).unwrap().expect("a hand that closes").grip.hold
+        self.step().task.grip.hold
+    }
+
+    fn step(&self) -> StepCells {
+        let task = self.plan.task_cells(&self.problem).unwrap().expect("a hand that closes");
+        StepCells { reach: self.problem.cell().unwrap().clone(), task }
     }
 
     fn page_plan(&self) -> PagePlan {
         let verification = self.plan.audit(&self.problem, AuditSettings::default()).unwrap();
-        let cells = self.plan.task_cells(&self.problem).unwrap();
+        let cells = Some(self.step());
         let robot = &self.scenario.robot;
         PagePlan::of_file("p", &self.plan, robot, Some(&self.timed), verification, cells).unwrap()
     }
@@ -177,10 +182,10 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     let carried = carried();
     let page = carried.page(carried.page_plan());
     let plan = &page["plans"][0];
-    let modes = plan["carry"]["modes"].as_array().unwrap();
+    let modes = plan["carries"][0]["modes"].as_array().unwrap();
     let names: Vec<&str> = modes.iter().map(|mode| mode["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["reach", "lift-off", "carry"]);
-    assert_eq!(plan["carry"]["object"], "box");
+    assert_eq!(plan["carries"][0]["object"], "box");
     let strokes =
         page["robot"]["joints"].as_array().unwrap().iter().filter(|joint| joint["stroke"].is_f64()).count();
     assert_eq!(strokes, 2);
@@ -188,15 +193,14 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     assert!(pairs.iter().any(|pair| pair["first"] == "box"), "{pairs:?}");
     // Where nobody knows how it is held, nothing is said of the rest.
     let (path, cell) = (carried.path(60.0), carried.problem.cell().unwrap());
-    let cells = carried.plan.task_cells(&carried.problem).unwrap();
-    let profile = |cells| ClearanceProfile::along(&path, cell, cells, 240).unwrap();
-    let (whole, reach) = (profile(cells.as_ref()), profile(None));
+    let profile = |steps: &[StepCells]| ClearanceProfile::along(&path, cell, steps, 240).unwrap();
+    let (whole, reach) = (profile(&[carried.step()]), profile(&[]));
     assert_eq!(whole.times_s.last(), Some(&path.ends_s()));
     assert_eq!(reach.times_s.last(), Some(&carry_of(&path).modes[0].until_s));
     assert!(whole.times_s.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(whole.closest.iter().all(|closest| closest.distance_m > 0.0), "a proven plan");
     let bare = PagePlan::of_waypoints("w", &carried.plan.waypoints, &carried.scenario.robot, None, None);
-    assert!(carried.page(bare.unwrap())["plans"][0].get("carry").is_none());
+    assert!(carried.page(bare.unwrap())["plans"][0]["carries"].as_array().unwrap().is_empty());
 }
 
 /// The object in the hand touches what the empty hand does not.
@@ -219,17 +223,15 @@ fn postures_with_the_object_in_the_hand_are_judged_with_it() {
         server.serve(&page, Some(cells), stop, || tell.send(()).unwrap())
     });
     ready.recv().unwrap();
-    let ask = |held: Value| ask(&url, &serde_json::json!({"q": grasp, "held": held}));
+    let ask = |during: Value| ask(&url, &serde_json::json!({"q": grasp, "during": during}));
     assert_eq!(ask(Value::Null)["is_free"], true);
-    assert_eq!(ask(serde_json::json!({"plan": 0, "mode": "lift-off"}))["is_free"], true);
-    let resting = ask(serde_json::json!({"plan": 0, "mode": "carry"}));
+    assert_eq!(ask(serde_json::json!({"plan": 0, "step": 0, "mode": "lift-off"}))["is_free"], true);
+    let resting = ask(serde_json::json!({"plan": 0, "step": 0, "mode": "carry"}));
     assert_eq!((&resting["is_free"], &resting["contacts"][0]["first"]), (&false.into(), &"box".into()));
-    for (plan, mode) in [(0, "reach"), (1, "carry"), (0, "throw")] {
-        let refused = ask(serde_json::json!({"plan": plan, "mode": mode}));
-        assert!(
-            refused["error"].as_str().is_some_and(|said| said.contains("nothing in the hand")),
-            "{refused}"
-        );
+    assert_eq!(ask(serde_json::json!({"plan": 0, "step": 0, "mode": "reach"}))["is_free"], true);
+    for (plan, step, mode) in [(0, 0, "retreat"), (0, 1, "reach"), (1, 0, "carry"), (0, 0, "throw")] {
+        let refused = ask(serde_json::json!({"plan": plan, "step": step, "mode": mode}));
+        assert!(refused["error"].as_str().is_some_and(|said| said.contains("no step")), "{refused}");
     }
     stop.send(()).unwrap();
     let ended: Result<(), ViewError> = serving.join().unwrap();

@@ -5,7 +5,7 @@ use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, Unobserved};
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan};
 use cranny_solve::{CLOSING_S, Carry, Mode, Request, Timing, solve};
 use cranny_spatial::Pose;
-use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath};
+use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath, StepCells};
 
 fn source(id: &str) -> PlanSource {
     PlanSource { scenario: id.to_owned(), ..PlanSource::default() }
@@ -48,8 +48,10 @@ fn the_object_stays_where_the_hand_let_it_go() {
             assert!(off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-6, "at {time_s} s");
         }
         // All of it has a clearance, the object being an obstacle once it stands.
-        let cells = plan.task_cells(&problem).unwrap();
-        let profile = ClearanceProfile::along(&path, problem.cell().unwrap(), cells.as_ref(), 200).unwrap();
+        let cell = problem.cell().unwrap();
+        let task = plan.task_cells(&problem).unwrap().unwrap();
+        let step = StepCells { reach: cell.clone(), task };
+        let profile = ClearanceProfile::along(&path, cell, &[step], 200).unwrap();
         let last_s = profile.times_s.last().unwrap();
         assert_eq!(last_s.to_bits(), path.ends_s().to_bits());
         let free = profile.times_s.iter().zip(&profile.closest);

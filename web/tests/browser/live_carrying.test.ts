@@ -47,7 +47,7 @@ test("the object of a plan goes home in the hand, and postures are judged with i
       await page.getByRole("slider", { name: "Time along the path" }).fill(String(time_s));
       await rest(page);
     };
-    const [reach, , carry] = data.plans[0].carry!.modes;
+    const [reach, , carry] = data.plans[0].carries[0].modes;
     const standing = (await look(page, "worldFromTarget"))!;
     await seek(reach.until_s);
     const held = compose(inverse(await look(page, "worldFromGripper")), standing);
@@ -62,6 +62,34 @@ test("the object of a plan goes home in the hand, and postures are judged with i
     }
     await picture(page, "live_carried");
     assert.ok(data.plans[0].clearance!.pairs.some(({ first }) => first === "box"));
+  });
+});
+
+test("the steps of a plan are one motion, and postures are judged in the world that the steps before leave", { skip }, () => {
+  const plan = join(folder, "steps.plan.json");
+  execFileSync(CRANNY, ["plan", "235", "--steps", "-o", plan, "--quiet"]);
+  return withView(["235", plan], async ({ page }, data) => {
+    const { carries } = data.plans[0];
+    assert.ok(data.plans[0].is_valid && carries.length > 1);
+    assert.ok(new Set(carries.map(({ object }) => object)).size > 1);
+    assert.deepEqual(await page.getByRole("switch", { name: "Places" }).isChecked(), true);
+    await page.getByText("Joints", { exact: true }).click();
+    const standing = (await look(page, "worldFromTarget"))!;
+    for (const [index, { modes, object }] of carries.entries()) {
+      for (const { name, from_s, until_s } of modes) {
+        await page.getByRole("slider", { name: "Time along the path" }).fill(String((from_s + until_s) / 2));
+        await rest(page);
+        assert.equal(await look(page, "mode"), name);
+        await page.waitForFunction(() => window.cranny?.standing.kind === "known");
+        const judged = await look(page, "standing");
+        const isFree = judged.kind === "known" && judged.verdict.is_free;
+        // What is lifted off or set down touches what it rests on.
+        assert.ok(isFree || ["lift-off", "set-down"].includes(name), `${object}, ${name}: ${JSON.stringify(judged)}`);
+      }
+      const isLast = index === carries.length - 1;
+      assert.equal(distanceBetween((await look(page, "worldFromTarget"))!, standing) > 0.5, isLast);
+    }
+    await picture(page, "live_steps");
   });
 });
 

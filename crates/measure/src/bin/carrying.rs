@@ -4,7 +4,7 @@
 //! done within 2 s, and median, mean, 95th percentile and maximum of `planning_time_s`: reach, closing, lift-off and all
 //! that follows with their proofs.
 //!
-//! `carrying grasps PLACE SCENARIO…`: of all grasps, each for itself, how many can be reached within so many iterations,
+//! `carrying grasps PLACE EVERY SCENARIO…`: of every so manieth grasp, each for itself, how many can be reached within so many iterations,
 //! with how many of those the target can be carried home, with how many it can be put down in a place, and what stops the
 //! others there.
 //!
@@ -38,12 +38,14 @@ fn main() {
             };
             plans(end, seeds.parse().expect("a number of seeds"), margins, scenarios);
         }
-        ["grasps", place, scenarios @ ..] => grasps(place, scenarios),
+        ["grasps", place, every, scenarios @ ..] => {
+            grasps(place, every.parse().expect("a number of grasps"), scenarios);
+        }
         ["holds", scenarios @ ..] => holds(scenarios),
         _ => {
             eprintln!(
                 "usage: carrying plans home|PLACE SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…, carrying grasps PLACE \
-                 SCENARIO…, carrying holds SCENARIO…"
+                 EVERY SCENARIO…, carrying holds SCENARIO…"
             );
             std::process::exit(2);
         }
@@ -101,7 +103,7 @@ fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
 /// How long a single grasp is looked at.
 const ITERATIONS: u64 = 3000;
 
-fn grasps(place: &str, scenarios: &[&str]) {
+fn grasps(place: &str, every: usize, scenarios: &[&str]) {
     println!("| scenario | grasps | reached | carried home | put down | what stops the others there |");
     println!("|---|---|---|---|---|---|");
     for scenario in scenarios {
@@ -109,7 +111,7 @@ fn grasps(place: &str, scenarios: &[&str]) {
         let all = problem.grasps().expect("grasps").clone();
         let (mut reached, mut carried, mut put_down) = (0, 0, 0);
         let mut stopped: BTreeMap<&str, usize> = BTreeMap::new();
-        for grasp in all.grasps() {
+        for grasp in all.grasps().iter().step_by(every) {
             let alone = Goal::Grasps(GraspSet::new(vec![*grasp]).expect("a grasp of the set"));
             let alone = problem.with_goal(alone).expect("a good problem");
             let budget = Budget { iterations: ITERATIONS, time: Duration::from_secs(10) };
@@ -132,7 +134,7 @@ fn grasps(place: &str, scenarios: &[&str]) {
         }
         let stopped: Vec<String> =
             stopped.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
-        let (count, stopped) = (all.len(), stopped.join(", "));
+        let (count, stopped) = (all.len().div_ceil(every), stopped.join(", "));
         println!("| {id} | {count} | {reached} | {carried} | {put_down} | {stopped} |");
     }
 }

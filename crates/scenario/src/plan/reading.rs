@@ -15,7 +15,7 @@ use crate::plan::segment::{PlanSegment, segments_of};
 pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
     let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
     let hint = if other.starts_with("cranny-sequence/") {
-        "; a plan of several steps is for `verify`, and for pictures of `render`"
+        "; a plan of several steps is for `verify`, `view`, `render` and `simulate plan`"
     } else {
         ""
     };

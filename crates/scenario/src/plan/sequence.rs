@@ -104,6 +104,34 @@ impl SequencePlan {
         Ok((Self { format, scenario: scenario.id.clone(), steps, duration_s }, is_whole))
     }
 
+    /// Shows `visit` each plan in the world that those before it leave, as long as it says to go on and a plan puts
+    /// something down.
+    ///
+    /// # Errors
+    /// Those of `visit`, and [`ScenarioError::Plan`] for what is no plan of the scenario's steps.
+    pub fn walk<E: From<ScenarioError>>(
+        &self,
+        scenario: &Scenario,
+        margins: Margins,
+        mut visit: impl FnMut(StepTask<'_>) -> Result<bool, E>,
+    ) -> Result<(), E> {
+        let mut now = scenario.clone();
+        for (step, plan) in scenario.steps.iter().zip(&self.steps) {
+            let of_step = now.at_step(step)?;
+            let problem = of_step.problem(margins)?;
+            // Whatever the file says: the steps say what is picked and where it goes.
+            let (name, then) = (step.place.clone(), step.then);
+            if plan.place != Some(PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then }) {
+                return Err(ScenarioError::from(PlanError::Segments).into());
+            }
+            if !visit(StepTask { plan, scenario: &of_step, problem: &problem })? {
+                break;
+            }
+            now = now.after(plan, &problem)?;
+        }
+        Ok(())
+    }
+
     /// What the judge says of each plan, in the world that those before it leave; nothing of what follows one that does not
     /// hold.
     ///
@@ -115,23 +143,13 @@ impl SequencePlan {
         margins: Margins,
         settings: AuditSettings,
     ) -> Result<Vec<Audit>, ScenarioError> {
-        let mut now = scenario.clone();
         let mut audits = Vec::new();
-        for (step, plan) in scenario.steps.iter().zip(&self.steps) {
-            let problem = now.at_step(step)?.problem(margins)?;
-            // Whatever the file says: the steps say what is picked and where it goes.
-            let (name, then) = (step.place.clone(), step.then);
-            if plan.place != Some(PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then }) {
-                return Err(PlanError::Segments.into());
-            }
-            let Some(audit) = plan.audit(&problem, settings)? else { break };
-            let is_valid = audit.valid;
-            audits.push(audit);
-            if !is_valid {
-                break;
-            }
-            now = now.after(plan, &problem)?;
-        }
+        self.walk(scenario, margins, |StepTask { plan, problem, .. }| -> Result<bool, ScenarioError> {
+            let audit = plan.audit(problem, settings)?;
+            let is_valid = audit.as_ref().is_some_and(|audit| audit.valid);
+            audits.extend(audit);
+            Ok(is_valid)
+        })?;
         Ok(audits)
     }
 
@@ -180,6 +198,17 @@ impl SequencePlan {
         let text = serde_json::to_string_pretty(self).map_err(unwritable)? + "\n";
         write_whole_file(path, text.as_bytes())
     }
+}
+
+/// The plan of a step, and what it is a plan for.
+#[derive(Clone, Copy, Debug)]
+pub struct StepTask<'a> {
+    /// The plan.
+    pub plan: &'a PlanFile,
+    /// The scenario as the plans before it leave it, with what the step picks as target.
+    pub scenario: &'a Scenario,
+    /// Its problem.
+    pub problem: &'a Problem,
 }
 
 /// Why the steps of a scenario were not planned.
