@@ -51,6 +51,7 @@ mod simulate_grasps;
 mod simulate_plan;
 mod simulate_results;
 mod simulate_settle;
+mod simulate_steps;
 mod simulate_subject;
 mod slurm;
 mod start;

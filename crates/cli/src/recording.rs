@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use cranny_collision::Body;
+use cranny_scenario::Scenario;
 use cranny_sim::{RecordedBody, Recording};
+use cranny_spatial::Pose;
 use cranny_view::{Animation, BodyRecording, MovingBody, PictureSettings, Scene, StandardView};
 
 use crate::arguments::Output;
@@ -60,6 +62,60 @@ pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecordi
     recording.add_still(surroundings);
     recording
 }
+
+/// What was recorded of a step.
+pub struct RecordedStep {
+    /// The body that was picked, by index.
+    pub body: usize,
+    pub run: Recording,
+}
+
+/// What is seen of simulations of a scenario's steps, each of which begins where the one before ends.
+pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
+    let mut whole = BodyRecording { name: scenario.id.clone(), ..BodyRecording::default() };
+    let arm = steps.first().into_iter().flat_map(|step| &step.run.bodies[1..]);
+    let link = |(index, link): (usize, &RecordedBody)| MovingBody {
+        name: link.name.clone(),
+        surface: link.surface(),
+        is_grasped: false,
+        world_from_body: steps
+            .iter()
+            .flat_map(|step| &step.run.bodies[index + 1].world_from_body)
+            .copied()
+            .collect(),
+    };
+    whole.bodies = arm.enumerate().map(link).collect();
+    let mut begin_s = 0.0;
+    for RecordedStep { run, .. } in steps {
+        whole.times_s.extend(run.times_s.iter().map(|time_s| begin_s + time_s));
+        begin_s = whole.times_s.last().copied().unwrap_or_default() + PAUSE_S;
+    }
+    for (index, body) in scenario.world.bodies().iter().enumerate() {
+        let first = whole.bodies.len();
+        whole.add_still(std::slice::from_ref(body));
+        if steps.iter().all(|step| step.body != index) {
+            continue;
+        }
+        // By how much it has moved at each instant.
+        let mut motions: Vec<Pose> = Vec::new();
+        for RecordedStep { body, run } in steps {
+            let before = motions.last().copied().unwrap_or_default();
+            let poses = &run.bodies[0].world_from_body;
+            let moved =
+                |pose: &Pose| if *body == index { pose * poses[0].inverse() * before } else { before };
+            motions.extend(poses.iter().map(moved));
+        }
+        for part in &mut whole.bodies[first..] {
+            let stands = part.world_from_body[0];
+            part.world_from_body = motions.iter().map(|motion| motion * stands).collect();
+            part.is_grasped = scenario.target == Some(index);
+        }
+    }
+    whole
+}
+
+/// Between the end of a step and the beginning of the next, which are the same instant, in seconds.
+const PAUSE_S: f64 = 0.01;
 
 pub fn write(recording: &BodyRecording, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
     match kind {

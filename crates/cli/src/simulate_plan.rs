@@ -2,10 +2,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, PlanFile, TargetPhysics, read_waypoints};
-use cranny_sim::{DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanTest, TrackingError};
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, SequencePlan, TargetPhysics, read_waypoints};
+use cranny_sim::{
+    DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanRun, PlanTest, TrackingError,
+};
 use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
 
@@ -16,7 +19,7 @@ use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
 use crate::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
-use crate::{Answer, number_argument, output_file, recording};
+use crate::{Answer, number_argument, output_file, recording, simulate_steps};
 
 /// What goes before what files say of object and hand.
 #[derive(Clone, Debug, Args)]
@@ -47,10 +50,12 @@ impl InsteadArguments {
   cranny simulate plan 021 021.plan.json
   cranny simulate plan 035 035.plan.json --record run.glb     or .gif, to be looked at
   cranny simulate plan 021 021.plan.json --lift 50 --json
+  cranny simulate plan 213 213.plan.json                     of several steps
 
 The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
 where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
-object on (`plan --carry`) or puts it down (`plan --place`). Said is how far the arm was from the plan, what it touched, and what became of the object,
+object on (`plan --carry`) or puts it down (`plan --place`). Of several steps (`plan --steps`) each begins where the one
+before has left things. Said is how far the arm was from the plan, what it touched, and what became of the object,
 as `simulate grasps` says it.")]
 pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
@@ -73,12 +78,12 @@ pub struct SimulatePlanArguments {
     pub record: Option<PathBuf>,
 }
 
-/// What `simulate plan --json` prints; the keys stay.
+/// What `simulate plan --json` prints, of several steps of each; the keys stay.
 #[derive(Serialize)]
-struct Executed {
-    scenario: String,
+pub struct Executed {
+    pub scenario: String,
     #[serde(flatten)]
-    row: PlanRow,
+    pub row: PlanRow,
 }
 
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
@@ -87,8 +92,10 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     if let Some((file, kind)) = recorded {
         output_file::check(file, kind, output)?;
     }
-    let lift_m = arguments.lift;
     let file = &arguments.plan;
+    if let Some(plans) = SequencePlan::read(file)? {
+        return simulate_steps::run(&plans, arguments, recorded, output);
+    }
     let plan = read_plan(file)?;
     let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
     let options = OpenOptions {
@@ -116,26 +123,40 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
         )
     })?;
-    let hand = arguments.instead.of_hand(robot_hand(&scenario.robot));
     let waiting = spinner("executing the plan", output.quiet);
-    let test = GraspTest::of_scenario(&scenario, &hand, &arguments.instead.of_target(), false)?;
-    let surroundings = test.surroundings().to_vec();
-    let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
-    let mut run = test.run(&timed, lift_m, recorded.is_some())?;
+    let (mut run, surroundings) = execute(arguments, &scenario, &timed, recorded.is_some())?;
     waiting.finish_and_clear();
     if let Some((file, kind)) = recorded {
         let run = run.grasp.recording.take().unwrap_or_default();
         recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
     }
     let executed = Executed { scenario: scenario.id, row: PlanRow::of(&run) };
-    let is_there = executed.row.placed.is_none_or(|placed| placed.is_there());
-    let is_held = executed.row.outcome == GraspOutcome::Held && is_there;
     text::answer(&executed, || executed.page(), output)?;
-    Ok(if is_held { Answer::Done } else { Answer::No })
+    Ok(if executed.is_as_planned() { Answer::Done } else { Answer::No })
+}
+
+/// Lets the robot of a scenario follow a plan; with what came of it, and what stood around.
+pub fn execute(
+    arguments: &SimulatePlanArguments,
+    scenario: &Scenario,
+    timed: &TaskTrajectory,
+    is_recorded: bool,
+) -> Result<(PlanRun, Vec<Body>), Failure> {
+    let hand = arguments.instead.of_hand(robot_hand(&scenario.robot));
+    let test = GraspTest::of_scenario(scenario, &hand, &arguments.instead.of_target(), false)?;
+    let surroundings = test.surroundings().to_vec();
+    let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
+    Ok((test.run(timed, arguments.lift, is_recorded)?, surroundings))
 }
 
 impl Executed {
-    fn page(&self) -> String {
+    /// Whether the object is held to the end, or stands where it was to be put down.
+    pub fn is_as_planned(&self) -> bool {
+        let is_there = self.row.placed.is_none_or(|placed| placed.is_there());
+        self.row.outcome == GraspOutcome::Held && is_there
+    }
+
+    pub fn page(&self) -> String {
         let Self { scenario, row } = self;
         let off = |error: &TrackingError| {
             format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))

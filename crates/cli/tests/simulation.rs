@@ -296,3 +296,45 @@ fn a_target_is_carried_home_and_the_plan_is_executed() {
     }
     refused(folder.path(), &["plan", "021", "021.plan.json", "--lift=-5"], &["--lift", "'-5'"]);
 }
+
+/// Where a step leaves things, the next begins; in the recording each body is there once.
+#[test]
+fn steps_are_executed_one_after_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let command = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).args(arguments).output().unwrap()
+    };
+    assert_eq!(command(&["plan", "235", "--steps"]).status.code(), Some(0));
+    let (code, executed) =
+        answer(folder, &["plan", "235", "235.plan.json", "--mass", "0.1", "--record", "steps.json"]);
+    let steps = executed["steps"].as_array().unwrap();
+    let is_there = |step: &serde_json::Value| {
+        let placed = &step["placed"];
+        let within = |key: &str, most: f64| placed[key].as_f64().is_some_and(|off| off <= most);
+        step["outcome"] == "held" && within("translation_m", 0.01) && within("rotation_rad", 0.1746)
+    };
+    let as_planned = steps.len() == 3 && steps.iter().all(is_there);
+    assert_eq!((code == 0, &executed["as_planned"]), (as_planned, &as_planned.into()), "{executed}");
+    assert_eq!(steps[0]["scenario"], "column 1");
+    assert!(steps.len() > 1, "the first is put down, if not where it was to be: {executed}");
+    let recording = cranny_view::BodyRecording::read(&folder.join("steps.json")).unwrap();
+    let named = |name: &str| recording.bodies.iter().filter(|body| body.name == name).collect::<Vec<_>>();
+    let instants = recording.times_s.len();
+    for name in ["column 1", "column 2", "panda_link7"] {
+        let [body] = named(name)[..] else { panic!("{name}: {}", named(name).len()) };
+        assert_eq!(body.world_from_body.len(), instants, "{name}");
+    }
+    let place = |index: usize| named("column 1")[0].world_from_body[index].translation.vector;
+    assert!((place(instants - 1) - place(0)).norm() > 0.3, "it was taken elsewhere");
+    // What a step took to its place is there when the next begins.
+    let jumps = (1..instants).filter(|&index| (place(index) - place(index - 1)).norm() > 0.1).count();
+    assert_eq!(jumps, 0);
+
+    let file = folder.join("235.plan.json");
+    let mut plans: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    plans["steps"].as_array_mut().unwrap().pop();
+    std::fs::write(&file, plans.to_string()).unwrap();
+    refused(folder, &["plan", "235", "235.plan.json"], &["235.plan.json", "each of the 3 steps"]);
+}

@@ -1,7 +1,9 @@
 use cranny_plan::AfterPlacing;
 
+use crate::TargetPhysics;
+
 /// A step of a task: something is picked, and put down elsewhere.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// What is picked: the target, or an obstacle.
     pub pick: String,
@@ -9,4 +11,6 @@ pub struct Step {
     pub place: String,
     /// Where the robot goes then.
     pub then: AfterPlacing,
+    /// How an obstacle that is picked weighs and slides; the target has its own.
+    pub physics: TargetPhysics,
 }

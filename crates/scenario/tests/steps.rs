@@ -2,7 +2,9 @@
 
 use cranny_collision::Margins;
 use cranny_plan::{AfterPlacing, AuditSettings, Clearances, Outcome, PlanError, Unobserved};
-use cranny_scenario::{OpenOptions, PlanSource, Scenario, ScenarioError, SequencePlan, Step, sequences};
+use cranny_scenario::{
+    OpenOptions, PlanSource, Scenario, ScenarioError, SequencePlan, Step, TargetPhysics, sequences,
+};
 use cranny_solve::{Request, Timing};
 
 fn solved(id: &str) -> (Scenario, SequencePlan) {
@@ -75,8 +77,12 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
 #[test]
 fn what_a_step_picks_becomes_the_target() {
     let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
-    let step =
-        |pick: &str| Step { pick: pick.to_owned(), place: "outside".to_owned(), then: AfterPlacing::Stay };
+    let step = |pick: &str| Step {
+        pick: pick.to_owned(),
+        place: "outside".to_owned(),
+        then: AfterPlacing::Stay,
+        physics: TargetPhysics::default(),
+    };
     let own = scenario.at_step(&step("screwdriver")).unwrap();
     assert!(own.has_grasp_set && own.target == scenario.target);
     let column = scenario.at_step(&step("column 1")).unwrap();

@@ -11,6 +11,7 @@ use crate::family::kind::Resting;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
     DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale, Step,
+    TargetPhysics,
 };
 
 /// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
@@ -35,6 +36,9 @@ pub enum GraspChoice {
     /// Of 200 that were chosen once, on level ground with nothing around; fewer, but sooner.
     Few,
 }
+
+/// What a column that stands in the way weighs, in kilograms: an empty carton.
+const COLUMN_KG: f64 = 0.15;
 
 /// As many as each scenario of the paper has.
 const GRASPS: usize = 200;
@@ -152,15 +156,16 @@ impl FamilyMaker {
         let recipe = self.scenario(parameter_m, &placement, columns, GraspChoice::Covering)?;
         let outside = recipe.places.clone().into_iter();
         let places = outside.chain([self.scale.place(self.family.other_side())]).collect();
-        let to = |pick: &RecipeBody, place: &str| Step {
+        let to = |pick: &RecipeBody, place: &str, mass_kg: Option<f64>| Step {
             pick: pick.name.clone(),
             place: place.to_owned(),
             then: AfterPlacing::Home,
+            physics: TargetPhysics { mass_kg, friction: None },
         };
         let names: Vec<String> = self.family.columns().into_iter().map(|column| column.name).collect();
         let columns = recipe.obstacles.iter().filter(|body| names.contains(&body.name));
-        let aside = columns.map(|column| to(column, Family::OTHER_SIDE));
-        let taken = recipe.target.iter().map(|target| to(target, Family::OUTSIDE));
+        let aside = columns.map(|column| to(column, Family::OTHER_SIDE, Some(COLUMN_KG)));
+        let taken = recipe.target.iter().map(|target| to(target, Family::OUTSIDE, None));
         let steps = aside.chain(taken).collect();
         Ok(Recipe { places, steps, ..recipe })
     }

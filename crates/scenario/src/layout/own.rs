@@ -89,7 +89,7 @@ pub(crate) fn open_texts(
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
     if let Some(entry) = &file.target {
         layout.check_name(entry, &mut names)?;
-        given_physics = layout.physics(entry)?;
+        given_physics = layout.physics(entry.mass_kg.as_ref(), entry.friction.as_ref())?;
         let (body, source) = layout.body(entry, &planning_from_scene)?;
         target_source = source;
         bodies.push(body);
@@ -321,7 +321,7 @@ impl Layout<'_> {
 
     /// A step of a task.
     pub fn step(&self, entry: &Spanned<StepEntry>, file: &ScenarioFile) -> Result<Step, ScenarioError> {
-        let Spanned { value: StepEntry { pick, place, then }, referenced, .. } = entry;
+        let Spanned { value: StepEntry { pick, place, then, mass_kg, friction }, referenced, .. } = entry;
         let refuse = |problem: String| ScenarioError::Place { at: self.at(*referenced), problem };
         let bodies = file.obstacles.iter().chain(&file.target).map(|body| body.name.value.as_str());
         let places = file.places.iter().map(|place| place.value.name.value.as_str());
@@ -335,24 +335,29 @@ impl Layout<'_> {
                 )));
             }
         }
-        Ok(Step { pick: pick.clone(), place: place.clone(), then: *then })
+        let physics = self.physics(mass_kg.as_ref(), friction.as_ref())?;
+        let is_target = file.target.as_ref().is_some_and(|target| target.name.value == *pick);
+        if is_target && physics != TargetPhysics::default() {
+            return Err(refuse(format!("mass_kg and friction of the target '{pick}' stand beneath target")));
+        }
+        Ok(Step { pick: pick.clone(), place: place.clone(), then: *then, physics })
     }
 
-    /// What the entry of the target says of its mass and friction.
-    pub fn physics(&self, entry: &BodyEntry) -> Result<TargetPhysics, ScenarioError> {
-        let number = |what: &'static str, number: &Option<Spanned<f64>>| {
-            let positive = |n: &Spanned<f64>| yaml::positive(self.path, what, n.value, n.referenced);
-            number.as_ref().map(positive).transpose()
+    /// What an entry says of mass and friction.
+    pub fn physics(
+        &self,
+        mass_kg: Option<&Spanned<f64>>,
+        friction: Option<&Spanned<f64>>,
+    ) -> Result<TargetPhysics, ScenarioError> {
+        let number = |what: &'static str, number: Option<&Spanned<f64>>| {
+            number.map(|n| yaml::positive(self.path, what, n.value, n.referenced)).transpose()
         };
-        Ok(TargetPhysics {
-            mass_kg: number("mass", &entry.mass_kg)?,
-            friction: number("friction", &entry.friction)?,
-        })
+        Ok(TargetPhysics { mass_kg: number("mass", mass_kg)?, friction: number("friction", friction)? })
     }
 
     /// That an obstacle is not said to weigh or to slide.
     fn check_fixed(&self, entry: &BodyEntry) -> Result<(), ScenarioError> {
-        let hint = "obstacles do not move: only the target has a mass and a friction";
+        let hint = "obstacles do not move: the target has a mass and a friction, and a step says those of what it picks";
         let refused = |what: &'static str, number: &Option<Spanned<f64>>| match number {
             Some(number) => Err(ScenarioError::Unsupported { at: self.at(number.referenced), what, hint }),
             None => Ok(()),
@@ -363,7 +368,8 @@ impl Layout<'_> {
 
     /// What is first wrong with what an entry says, or should not say, of mass and friction.
     pub fn physics_fault(&self, entry: &BodyEntry, is_target: bool) -> Option<ScenarioError> {
-        if is_target { self.physics(entry).err() } else { self.check_fixed(entry).err() }
+        let physics = || self.physics(entry.mass_kg.as_ref(), entry.friction.as_ref());
+        if is_target { physics().err() } else { self.check_fixed(entry).err() }
     }
 
     /// Everything that is wrong with a body but its name.

@@ -151,6 +151,12 @@ pub(crate) struct StepEntry {
     #[serde(default)]
     #[schemars(with = "Option<ThenName>")]
     pub then: AfterPlacing,
+    /// What an obstacle that is picked weighs (`cranny simulate plan`).
+    #[schemars(with = "Option<f64>")]
+    pub mass_kg: Option<Spanned<f64>>,
+    /// The coefficient of friction between it and the pads of a gripper.
+    #[schemars(with = "Option<f64>")]
+    pub friction: Option<Spanned<f64>>,
 }
 
 /// How files spell where a robot goes once it has put something down.

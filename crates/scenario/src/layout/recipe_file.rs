@@ -93,9 +93,13 @@ impl Recipe {
         if !self.steps.is_empty() {
             text.push_str("steps:\n");
         }
-        for Step { pick, place, then } in &self.steps {
+        for Step { pick, place, then, physics } in &self.steps {
             let [pick, place] = [pick, place].map(|name| serde_json::Value::from(name.as_str()));
-            let _ = writeln!(text, "  - {{pick: {pick}, place: {place}, then: {}}}", then.name());
+            let _ = write!(text, "  - {{pick: {pick}, place: {place}, then: {}", then.name());
+            for (key, value) in [("mass_kg", physics.mass_kg), ("friction", physics.friction)] {
+                let _ = value.map(|value| write!(text, ", {key}: {value}"));
+            }
+            text.push_str("}\n");
         }
         text
     }

@@ -3,12 +3,11 @@ use std::path::Path;
 use cranny_collision::{Margins, World};
 use cranny_plan::{Audit, AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem};
 use cranny_solve::{Carry, Request, SolveError, solve};
+use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::plan::reading::Head;
-use crate::{
-    PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics, write_whole_file,
-};
+use crate::{PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, write_whole_file};
 
 impl Scenario {
     /// The scenario in which what a step picks is the target. The scenario's own target has its own grasps; of anything else
@@ -21,8 +20,8 @@ impl Scenario {
         if self.target == Some(target) {
             return Ok(self.clone());
         }
-        let (target, physics) = (Some(target), TargetPhysics::default());
-        Ok(Self { target, target_source: None, given_physics: physics, ..self.without_grasps() })
+        let given_physics = step.physics;
+        Ok(Self { target: Some(target), target_source: None, given_physics, ..self.without_grasps() })
     }
 
     /// The scenario as it is once a plan has been carried out that put the target of its problem down: this has moved, and
@@ -36,16 +35,24 @@ impl Scenario {
         else {
             return Err(PlanError::Segments.into());
         };
+        let first = self.world.bodies()[target].parts.first().map(|part| part.world_from_solid);
+        self.with_moved(target, &(placed * first.unwrap_or_default().inverse()), end)
+    }
+
+    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start. The scenario's
+    /// own grasps move with its target.
+    ///
+    /// # Errors
+    /// [`ScenarioError::World`] for a motion that is not finite.
+    pub fn with_moved(&self, body: usize, motion: &Pose, start: &[f64]) -> Result<Self, ScenarioError> {
         let mut bodies = self.world.bodies().to_vec();
-        let first = bodies[target].parts.first().map(|part| part.world_from_solid);
-        let motion = placed * first.unwrap_or_default().inverse();
-        for part in &mut bodies[target].parts {
+        for part in &mut bodies[body].parts {
             part.world_from_solid = motion * part.world_from_solid;
         }
-        let is_own = self.target == Some(target);
-        let grasps = if is_own { self.grasps.moved(&motion) } else { self.grasps.clone() };
+        let is_own = self.target == Some(body);
+        let grasps = if is_own { self.grasps.moved(motion) } else { self.grasps.clone() };
         let world = World::new(bodies)?;
-        Ok(Self { world, grasps, start: end.clone(), ik: Vec::new(), export: None, ..self.clone() })
+        Ok(Self { world, grasps, start: start.to_vec(), ik: Vec::new(), export: None, ..self.clone() })
     }
 }
 

@@ -1,0 +1,97 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use cranny_scenario::{OpenOptions, SequencePlan};
+use cranny_sim::{GraspOutcome, PlanRow};
+use serde::Serialize;
+
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::plan_task::check_plan;
+use crate::progress;
+use crate::recording::{self, RecordedStep};
+use crate::simulate_plan::{Executed, SimulatePlanArguments, execute};
+use crate::task::open_scenario;
+use crate::{Answer, text};
+
+/// What `simulate plan --json` prints of several steps; the keys stay.
+#[derive(Serialize)]
+struct ExecutedSteps {
+    scenario: String,
+    /// Whether all objects stand where they were to be put down.
+    as_planned: bool,
+    /// As far as they were executed: up to the first whose object is not in the hand where it is to be put down.
+    steps: Vec<Executed>,
+}
+
+/// Executes the plans of a scenario's steps, each where the one before has left things.
+pub fn run(
+    plans: &SequencePlan,
+    arguments: &SimulatePlanArguments,
+    recorded: Option<(&Path, FileKind)>,
+    output: Output,
+) -> Result<Answer, Failure> {
+    let file = &arguments.plan;
+    let of_plan = plans.steps.first().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
+    let options = OpenOptions { robot: arguments.robot.clone().or(of_plan), ..OpenOptions::default() };
+    let scenario = open_scenario(&arguments.id, &options, output)?;
+    let refused = |problem: String| Failure::File { path: file.clone(), problem };
+    let (count, planned) = (scenario.steps.len(), plans.steps.len());
+    if count == 0 || planned != count || plans.steps.iter().any(|plan| plan.waypoints.is_empty()) {
+        let problem =
+            format!("the plan does not have a path for each of the {count} steps of '{}'", scenario.id);
+        return Err(refused(problem));
+    }
+    let bar = progress::bar(count as u64, output.quiet);
+    bar.set_message("steps");
+    let (mut now, mut steps, mut recordings) = (scenario.clone(), Vec::new(), Vec::new());
+    for (step, plan) in scenario.steps.iter().zip(&plans.steps) {
+        check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
+        let of_step = now.at_step(step)?;
+        let problem = of_step.problem(plan.margins)?;
+        let timed = plan.trajectory(&of_step.robot, problem.cell().map(AsRef::as_ref))?.ok_or_else(|| {
+            refused(
+                "without limits of acceleration (a limits.yaml beside the URDF) the path has no times"
+                    .to_owned(),
+            )
+        })?;
+        let (mut run, _) = execute(arguments, &of_step, &timed, recorded.is_some())?;
+        bar.inc(1);
+        let motion = run.grasp.world_from_object * run.world_from_resting.inverse();
+        let body = problem.target().unwrap_or_default();
+        if let Some(moved) = run.grasp.recording.take() {
+            recordings.push(RecordedStep { body, run: moved });
+        }
+        let executed = Executed { scenario: step.pick.clone(), row: PlanRow::of(&run) };
+        let is_put_down = matches!(executed.row.outcome, GraspOutcome::Held | GraspOutcome::Slipped);
+        steps.push(executed);
+        if !is_put_down {
+            break;
+        }
+        let end = plan.waypoints.last().unwrap_or(&now.start);
+        now = now.with_moved(body, &motion, end)?;
+    }
+    bar.finish_and_clear();
+    if let Some((file, kind)) = recorded {
+        recording::write(&recording::of_steps(&scenario, &recordings), file, kind, output)?;
+    }
+    let as_planned = steps.len() == count && steps.iter().all(Executed::is_as_planned);
+    let executed = ExecutedSteps { scenario: scenario.id, as_planned, steps };
+    text::answer(&executed, || executed.page(count), output)?;
+    Ok(if as_planned { Answer::Done } else { Answer::No })
+}
+
+impl ExecutedSteps {
+    fn page(&self, count: usize) -> String {
+        let there = self.steps.iter().filter(|step| step.is_as_planned()).count();
+        let mut page = format!("{}: {there} of {count} steps as planned\n", self.scenario);
+        for (index, step) in self.steps.iter().enumerate() {
+            let _ = write!(page, "step {}, {}", index + 1, step.page());
+        }
+        if self.steps.len() < count {
+            let _ = writeln!(page, "what follows was not executed: the object is not in the hand");
+        }
+        page
+    }
+}
