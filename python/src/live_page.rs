@@ -9,7 +9,7 @@ use tokio::sync::oneshot;
 
 use crate::array::configuration;
 use crate::fault::{bad_value, fault};
-use crate::picture::{page_of, page_with_tree};
+use crate::picture::{Shown, ShownPlans, page_of};
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
 use crate::task::Task;
@@ -33,9 +33,9 @@ struct Server {
 impl PyLivePage {
     #[new]
     #[pyo3(signature = (scenario, plan=None, *, port=0))]
-    fn new(py: Python<'_>, scenario: Py<PyScenario>, plan: Option<&PyPlan>, port: u16) -> PyResult<Self> {
-        let shown = scenario.get();
-        let (page, cells) = py.detach(|| page_of(shown, plan))?;
+    fn new(py: Python<'_>, scenario: Py<PyScenario>, plan: Option<Shown<'_>>, port: u16) -> PyResult<Self> {
+        let (shown, plans) = (scenario.get(), Shown::plans(plan.as_ref()));
+        let (page, cells) = py.detach(|| page_of(shown, &plans, None))?;
         PageServer::check_page().map_err(fault)?;
         let feed = PageFeed::new(&page, true).map_err(fault)?;
         let server = PageServer::bind(port, PageLimits::default()).map_err(fault)?;
@@ -77,13 +77,13 @@ impl PyLivePage {
         Ok(())
     }
 
-    /// Shows a plan; None: the scenario alone. Postures are judged as with the plan that the page began with.
+    /// Shows a plan, or those of several steps; None: the scenario alone. Postures are judged as with what the page began with.
     #[pyo3(signature = (plan))]
-    fn plan(&self, py: Python<'_>, plan: Option<&PyPlan>) -> PyResult<()> {
+    fn plan(&self, py: Python<'_>, plan: Option<Shown<'_>>) -> PyResult<()> {
         self.check_open()?;
-        let scenario = self.scenario.get();
+        let (scenario, plans) = (self.scenario.get(), Shown::plans(plan.as_ref()));
         py.detach(|| {
-            let (page, _) = page_of(scenario, plan)?;
+            let (page, _) = page_of(scenario, &plans, None)?;
             self.feed.show(&page, true).map_err(fault)
         })
     }
@@ -137,7 +137,7 @@ impl PyLivePage {
         if self.check_open().is_err() {
             return Ok(());
         }
-        let (page, _) = page_with_tree(self.scenario.get(), Some(plan), Some(search_tree))?;
+        let (page, _) = page_of(self.scenario.get(), &ShownPlans::One(plan), Some(search_tree))?;
         self.feed.show(&page, true).map_err(fault)
     }
 

@@ -1,8 +1,9 @@
 //! Pictures and pages of scenarios and plans, as the bytes or the text of files.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use cranny_collision::Margins;
+use cranny_collision::{Cell, Margins};
 use cranny_plan::AuditSettings;
 use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
@@ -29,22 +30,23 @@ const IN_MEMORY: &str = "picture";
 /// The longest motion that is drawn at once, in pictures.
 const MOST_FRAMES: usize = 2000;
 
-/// A PNG of `scenario`, of the end of `plan` with the way to it where one is given. `view`: "three-quarter",
+/// A PNG of `scenario`, of the end of `plan` (or of the plans of several steps) with the way to it where one is given. `view`: "three-quarter",
 /// "front", "side" or "top". `width` and `height` in points, 16 to 8192.
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None, *, view="three-quarter", width=960, height=720))]
 pub fn picture<'py>(
     py: Python<'py>,
     scenario: &PyScenario,
-    plan: Option<&PyPlan>,
+    plan: Option<Shown<'py>>,
     view: &str,
     #[pyo3(from_py_with = whole::width)] width: usize,
     #[pyo3(from_py_with = whole::height)] height: usize,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ..PictureSettings::default() };
+    let plans = Shown::plans(plan.as_ref());
     let bytes = py.detach(|| {
-        let scene = scene_of(&scenario.scenario, plan, STILL_RATE_HZ)?;
+        let scene = scene_of(&scenario.scenario, &plans, STILL_RATE_HZ)?;
         let picture = Picture::of(&scene, view, &settings).map_err(fault)?;
         picture.png(Path::new(IN_MEMORY)).map_err(fault)
     })?;
@@ -57,7 +59,7 @@ pub fn picture<'py>(
 pub fn moving_picture<'py>(
     py: Python<'py>,
     scenario: &PyScenario,
-    plan: &PyPlan,
+    plan: Shown<'py>,
     view: &str,
     #[pyo3(from_py_with = whole::width)] width: usize,
     #[pyo3(from_py_with = whole::height)] height: usize,
@@ -66,8 +68,9 @@ pub fn moving_picture<'py>(
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ghosts: 0, ..PictureSettings::default() };
     let mut interrupt = Interrupt::new();
+    let plans = Shown::plans(Some(&plan));
     let bytes = py.detach(|| -> PyResult<Vec<u8>> {
-        let scene = scene_of(&scenario.scenario, Some(plan), f64::from(rate))?;
+        let scene = scene_of(&scenario.scenario, &plans, f64::from(rate))?;
         let Some(last) = scene.last_frame() else { return Err(bad_value("the plan has no path to show")) };
         if last >= MOST_FRAMES {
             return Err(bad_value(format!(
@@ -93,56 +96,98 @@ pub fn moving_picture<'py>(
     Ok(PyBytes::new(py, &bytes?))
 }
 
-/// The viewer with `scenario`, and with `plan` where one is given, as one HTML document; None if the package was
+/// The viewer with `scenario`, and with `plan` (or the plans of several steps) where one is given, as one HTML document; None if the package was
 /// built without the viewer (Node was missing).
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
-pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<Option<String>> {
-    let html = py.detach(|| page_of(scenario, plan).map(|(page, _)| page.html()));
+pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<Shown<'_>>) -> PyResult<Option<String>> {
+    let plans = Shown::plans(plan.as_ref());
+    let html = py.detach(|| page_of(scenario, &plans, None).map(|(page, _)| page.html()));
     match html? {
         Err(ViewError::NoPage) => Ok(None),
         html => html.map(Some).map_err(fault),
     }
 }
 
-/// What the viewer's page shows of a scenario, and what postures are judged in.
-pub fn page_of(scenario: &PyScenario, plan: Option<&PyPlan>) -> PyResult<(PageData, PageCells)> {
-    page_with_tree(scenario, plan, None)
+/// What is shown with a scenario: a plan, or those of its steps.
+#[derive(FromPyObject)]
+pub enum Shown<'py> {
+    One(Bound<'py, PyPlan>),
+    Steps(Vec<Bound<'py, PyPlan>>),
 }
 
-/// The same with the trees of the search that the plan came of.
-pub fn page_with_tree(
+/// The same without the interpreter.
+pub enum ShownPlans<'a> {
+    None,
+    One(&'a PyPlan),
+    Steps(Vec<&'a PyPlan>),
+}
+
+impl Shown<'_> {
+    pub fn plans(shown: Option<&Self>) -> ShownPlans<'_> {
+        match shown {
+            None => ShownPlans::None,
+            Some(Self::One(plan)) => ShownPlans::One(plan.get()),
+            Some(Self::Steps(plans)) => ShownPlans::Steps(plans.iter().map(Bound::get).collect()),
+        }
+    }
+}
+
+/// What the viewer's page shows of a scenario, and what postures are judged in; with the trees of the search that a single
+/// plan came of, if they are known.
+pub fn page_of(
     scenario: &PyScenario,
-    plan: Option<&PyPlan>,
+    plans: &ShownPlans<'_>,
     search_tree: Option<TreeRecording>,
 ) -> PyResult<(PageData, PageCells)> {
     let shown = &scenario.scenario;
     let exact = scenario.exact_problem(Margins::default())?;
     let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
-    let of_plan = |plan: &PyPlan| -> PyResult<PagePlan> {
-        let timed = timed_in(shown, plan)?;
-        let problem = &plan.task.problem;
-        let verification = plan.file.audit(problem, AuditSettings::default()).map_err(fault)?;
-        let task = plan.file.task_cells(problem).map_err(fault)?;
-        let cells = task.map(|task| StepCells { reach: cell.clone(), task });
-        let shown = PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells)
-            .map_err(fault)?;
-        Ok(PagePlan { search_tree, ..shown })
+    let judged = |plan: &PyPlan| plan.file.audit(&plan.task.problem, AuditSettings::default()).map_err(fault);
+    let cells = |plan: &PyPlan, reach: &Arc<Cell>| -> PyResult<Option<StepCells>> {
+        let task = plan.file.task_cells(&plan.task.problem).map_err(fault)?;
+        Ok(task.map(|task| StepCells { reach: reach.clone(), task }))
     };
-    let plans = plan.map(of_plan).transpose()?;
+    let page_plan = match plans {
+        ShownPlans::None => None,
+        ShownPlans::One(plan) => {
+            let (timed, verification, cells) = (timed_in(shown, plan)?, judged(plan)?, cells(plan, cell)?);
+            let page =
+                PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells);
+            Some(PagePlan { search_tree, ..page.map_err(fault)? })
+        }
+        ShownPlans::Steps(plans) => {
+            let (mut timed, mut verifications, mut steps) = (Vec::new(), Vec::new(), Vec::new());
+            for plan in plans {
+                timed.push((&plan.file, timed_in(shown, plan)?));
+                verifications.extend(judged(plan)?);
+                if let Some(reach) = plan.task.problem.cell() {
+                    steps.extend(cells(plan, reach)?);
+                }
+            }
+            let count = shown.steps.len().max(plans.len());
+            let page = PagePlan::of_steps("steps", &timed, &shown.robot, count, (verifications, steps));
+            Some(page.map_err(fault)?)
+        }
+    };
     let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
     let page =
-        PageData::of(shown, plans.as_slice(), cell, &statuses, PageSettings::default()).map_err(fault)?;
-    Ok((page, PageCells::of(cell.clone(), plans.as_slice())))
+        PageData::of(shown, page_plan.as_slice(), cell, &statuses, PageSettings::default()).map_err(fault)?;
+    Ok((page, PageCells::of(cell.clone(), page_plan.as_slice())))
 }
 
-fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {
-    let path = match plan {
-        Some(plan) => {
+fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResult<Scene> {
+    let path = match plans {
+        ShownPlans::None => None,
+        ShownPlans::One(plan) => {
             let timed = timed_in(scenario, plan)?;
             ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }
-        None => None,
+        ShownPlans::Steps(plans) => {
+            let steps = plans.iter().map(|plan| Ok((&plan.file, timed_in(scenario, plan)?)));
+            let steps = steps.collect::<PyResult<Vec<_>>>()?;
+            ShownPath::of_steps(&scenario.robot, &steps, rate_hz).map_err(fault)?
+        }
     };
     Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)
 }

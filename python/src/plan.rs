@@ -214,7 +214,7 @@ pub fn restored_plan(scenario: &Bound<'_, PyAny>, text: &str, path: &Bound<'_, P
 
 impl PyPlan {
     /// What stands in a plan file, judged anew.
-    fn of_file(py: Python<'_>, file: PlanFile, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    pub fn of_file(py: Python<'_>, file: PlanFile, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let named;
         let scenario = if let Some(scenario) = scenario {
             scenario

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cranny_collision::{Margins, World};
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, built_in, catalogue,
+    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, Step, TargetPhysics, built_in, catalogue,
     write_moveit_scene,
 };
 use cranny_view::StandardView;
@@ -211,6 +211,19 @@ impl PyScenario {
         self.scenario.places.iter().map(|place| place.name.clone()).collect()
     }
 
+    /// What is to be picked and put down, in order: dictionaries of `pick`, `place` and `then`.
+    #[getter]
+    fn steps<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let step = |step: &Step| {
+            let row = PyDict::new(py);
+            row.set_item("pick", &step.pick)?;
+            row.set_item("place", &step.place)?;
+            row.set_item("then", step.then.name())?;
+            Ok(row)
+        };
+        self.scenario.steps.iter().map(step).collect()
+    }
+
     /// How the target can be grasped.
     #[getter]
     fn grasps(&self) -> PyGrasps {
@@ -293,6 +306,35 @@ impl PyScenario {
         })
     }
 
+    /// The same scenario with the body of that name as what is to be grasped. But for the scenario's own target it has no set
+    /// of grasps, and `plan` makes one of its own; its mass and friction are those that a step says which picks it.
+    fn with_target(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
+        let own = slf.get();
+        let step = own.scenario.steps.iter().find(|step| step.pick == name);
+        let physics = step.map(|step| step.physics).unwrap_or_default();
+        let scenario = own.scenario.with_target(name, physics).map_err(fault)?;
+        let is_own = own.scenario.target == scenario.target;
+        let altered = Self::altered(slf, scenario, ("with_target", name))?;
+        Ok(if is_own { altered } else { Self { given_grasps: GivenGrasps::None, goals: None, ..altered } })
+    }
+
+    /// The scenario as it is once `plan`, which puts something down in it, has been carried out: this stands there, and the
+    /// robot where the plan ends. The target is the scenario's own, whatever the plan moved.
+    fn after<'py>(slf: &Bound<'py, Self>, plan: &Bound<'py, PyPlan>) -> PyResult<Self> {
+        let (own, done) = (&slf.get().scenario, plan.get());
+        done.file.check_joints(Path::new("the plan"), &own.robot).map_err(fault)?;
+        if !done.is_valid {
+            return Err(bad_value("plan: it does not hold, so nothing can be said of what comes after it"));
+        }
+        if done.file.place.is_none() {
+            return Err(bad_value(
+                "plan: it puts nothing down (place=\"…\"), so that the target stays in the hand",
+            ));
+        }
+        let scenario = slf.py().detach(|| own.after(&done.file, &done.task.problem)).map_err(fault)?;
+        Self::altered(slf, scenario, ("after", plan))
+    }
+
     /// The same scenario from another start, (dof,).
     fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
         let values = configuration(start, "start", &slf.get().scenario.robot)?;
@@ -352,12 +394,12 @@ impl PyScenario {
         slf.get().made.reduced(slf, "open it again")
     }
 
-    /// What a notebook shows of the scenario, with a plan where one is given: a View. `view`: "three-quarter",
+    /// What a notebook shows of the scenario, with a plan where one is given, or those of its steps: a View. `view`: "three-quarter",
     /// "front", "side" or "top"; `width` and `height` in points.
     #[pyo3(signature = (plan=None, *, view="three-quarter", width=640, height=480))]
     fn show<'py>(
         slf: &Bound<'py, Self>,
-        plan: Option<&Bound<'py, PyPlan>>,
+        plan: Option<&Bound<'py, PyAny>>,
         view: &str,
         #[pyo3(from_py_with = whole::width)] width: usize,
         #[pyo3(from_py_with = whole::height)] height: usize,

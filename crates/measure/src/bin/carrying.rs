@@ -4,7 +4,7 @@
 //! done within 2 s, and median, mean, 95th percentile and maximum of `planning_time_s`: reach, closing, lift-off and all
 //! that follows with their proofs.
 //!
-//! `carrying grasps PLACE EVERY SCENARIO…`: of every so manieth grasp, each for itself, how many can be reached within so many iterations,
+//! `carrying grasps PLACE EVERY ITERATIONS SCENARIO…`: of every so manieth grasp, each for itself, how many can be reached within ITERATIONS,
 //! with how many of those the target can be carried home, with how many it can be put down in a place, and what stops the
 //! others there.
 //!
@@ -38,14 +38,15 @@ fn main() {
             };
             plans(end, seeds.parse().expect("a number of seeds"), margins, scenarios);
         }
-        ["grasps", place, every, scenarios @ ..] => {
-            grasps(place, every.parse().expect("a number of grasps"), scenarios);
+        ["grasps", place, every, iterations, scenarios @ ..] => {
+            let iterations = iterations.parse().expect("a number of iterations");
+            grasps(place, every.parse().expect("a number of grasps"), iterations, scenarios);
         }
         ["holds", scenarios @ ..] => holds(scenarios),
         _ => {
             eprintln!(
                 "usage: carrying plans home|PLACE SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…, carrying grasps PLACE \
-                 EVERY SCENARIO…, carrying holds SCENARIO…"
+                 EVERY ITERATIONS SCENARIO…, carrying holds SCENARIO…"
             );
             std::process::exit(2);
         }
@@ -100,10 +101,7 @@ fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
     }
 }
 
-/// How long a single grasp is looked at.
-const ITERATIONS: u64 = 3000;
-
-fn grasps(place: &str, every: usize, scenarios: &[&str]) {
+fn grasps(place: &str, every: usize, iterations: u64, scenarios: &[&str]) {
     println!("| scenario | grasps | reached | carried home | put down | what stops the others there |");
     println!("|---|---|---|---|---|---|");
     for scenario in scenarios {
@@ -114,7 +112,7 @@ fn grasps(place: &str, every: usize, scenarios: &[&str]) {
         for grasp in all.grasps().iter().step_by(every) {
             let alone = Goal::Grasps(GraspSet::new(vec![*grasp]).expect("a grasp of the set"));
             let alone = problem.with_goal(alone).expect("a good problem");
-            let budget = Budget { iterations: ITERATIONS, time: Duration::from_secs(10) };
+            let budget = Budget { iterations, time: Duration::from_secs(10) };
             let reach = Request { budget, keep_path: true, ..Request::default() };
             if solve(&alone, &reach, &mut Unobserved).expect("a good problem").outcome != Outcome::Solved {
                 continue;

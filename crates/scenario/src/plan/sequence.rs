@@ -7,20 +7,29 @@ use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::plan::reading::Head;
-use crate::{PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, write_whole_file};
+use crate::{
+    PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics, write_whole_file,
+};
 
 impl Scenario {
-    /// The scenario in which what a step picks is the target. The scenario's own target has its own grasps; of anything else
-    /// none are given, and whoever plans makes one.
+    /// The scenario in which what a step picks is the target.
     ///
     /// # Errors
-    /// [`ScenarioError::Plan`] for a step that picks what there is not.
+    /// As [`Self::with_target`].
     pub fn at_step(&self, step: &Step) -> Result<Self, ScenarioError> {
-        let target = self.world.body_index(&step.pick).map_err(PlanError::from)?;
+        self.with_target(&step.pick, step.physics)
+    }
+
+    /// The scenario in which a body of this name is the target. Its own target has its own grasps, mass and friction; of
+    /// anything else no grasps are given, and whoever plans makes one.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Plan`] for the name of nothing.
+    pub fn with_target(&self, name: &str, given_physics: TargetPhysics) -> Result<Self, ScenarioError> {
+        let target = self.world.body_index(name).map_err(PlanError::from)?;
         if self.target == Some(target) {
             return Ok(self.clone());
         }
-        let given_physics = step.physics;
         Ok(Self { target: Some(target), target_source: None, given_physics, ..self.without_grasps() })
     }
 
@@ -31,10 +40,13 @@ impl Scenario {
     /// [`ScenarioError::Plan`] for a plan that puts nothing down.
     pub fn after(&self, plan: &PlanFile, problem: &Problem) -> Result<Self, ScenarioError> {
         let placed = plan.task_cells(problem)?.and_then(|cells| cells.placed().copied());
-        let (Some(target), Some(placed), Some(end)) = (problem.target(), placed, plan.waypoints.last())
-        else {
+        let carried =
+            problem.cell().zip(problem.target()).map(|(cell, target)| &cell.world().bodies()[target]);
+        let (Some(carried), Some(placed), Some(end)) = (carried, placed, plan.waypoints.last()) else {
             return Err(PlanError::Segments.into());
         };
+        // By its name: the problem may be of another scenario.
+        let target = self.world.body_index(&carried.name).map_err(PlanError::from)?;
         let first = self.world.bodies()[target].parts.first().map(|part| part.world_from_solid);
         self.with_moved(target, &(placed * first.unwrap_or_default().inverse()), end)
     }
@@ -104,11 +116,15 @@ impl SequencePlan {
                 break;
             }
         }
-        let is_whole = solved == scenario.steps.len();
+        Ok((Self::of(scenario, steps), solved == scenario.steps.len()))
+    }
+
+    /// Plans of a scenario's steps, whoever made them.
+    pub fn of(scenario: &Scenario, steps: Vec<PlanFile>) -> Self {
+        let is_whole = steps.len() == scenario.steps.len();
         let durations = steps.iter().map(|plan| plan.timing.as_ref().map(|timing| timing.duration_s));
         let duration_s = durations.sum::<Option<f64>>().filter(|_| is_whole);
-        let format = Self::FORMAT.to_owned();
-        Ok((Self { format, scenario: scenario.id.clone(), steps, duration_s }, is_whole))
+        Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s }
     }
 
     /// Shows `visit` each plan in the world that those before it leave, as long as it says to go on and a plan puts
@@ -127,10 +143,7 @@ impl SequencePlan {
             let of_step = now.at_step(step)?;
             let problem = of_step.problem(margins)?;
             // Whatever the file says: the steps say what is picked and where it goes.
-            let (name, then) = (step.place.clone(), step.then);
-            if plan.place != Some(PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then }) {
-                return Err(ScenarioError::from(PlanError::Segments).into());
-            }
+            step.check(plan).map_err(ScenarioError::from)?;
             if !visit(StepTask { plan, scenario: &of_step, problem: &problem })? {
                 break;
             }
@@ -204,6 +217,18 @@ impl SequencePlan {
         };
         let text = serde_json::to_string_pretty(self).map_err(unwritable)? + "\n";
         write_whole_file(path, text.as_bytes())
+    }
+}
+
+impl Step {
+    /// That a plan says that it puts something down where the step has it.
+    ///
+    /// # Errors
+    /// [`PlanError::Segments`] for one that does not.
+    pub fn check(&self, plan: &PlanFile) -> Result<(), PlanError> {
+        let (name, then) = (self.place.clone(), self.then);
+        let asked = PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then };
+        if plan.place == Some(asked) { Ok(()) } else { Err(PlanError::Segments) }
     }
 }
 

@@ -1,0 +1,52 @@
+//! Plans of several steps: one file of all.
+
+use std::path::PathBuf;
+
+use cranny_scenario::SequencePlan;
+use pyo3::prelude::*;
+
+use crate::fault::{bad_value, fault};
+use crate::plan::PyPlan;
+use crate::scenario::PyScenario;
+
+/// Writes the plans of the steps of `scenario`, in their order, as one `.plan.json`, as a whole or not at all.
+#[pyfunction]
+#[pyo3(name = "_save_steps")]
+pub fn save_steps(path: PathBuf, scenario: &PyScenario, plans: Vec<Bound<'_, PyPlan>>) -> PyResult<()> {
+    let files = plans.iter().map(|plan| plan.get().file.clone()).collect();
+    SequencePlan::of(&scenario.scenario, files).write(&path).map_err(fault)
+}
+
+/// Reads such a file; each plan is judged anew in the world that those before it leave, up to the first that does not hold.
+#[pyfunction]
+#[pyo3(name = "_load_steps", signature = (path, scenario=None))]
+pub fn load_steps<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    scenario: Option<Bound<'py, PyScenario>>,
+) -> PyResult<(Bound<'py, PyScenario>, Vec<Bound<'py, PyPlan>>)> {
+    let read = SequencePlan::read(&path).map_err(fault)?;
+    let read = read.ok_or_else(|| {
+        bad_value(format!("{}: no plan of several steps (one of one is for Plan.load)", path.display()))
+    })?;
+    let scenario = match scenario {
+        Some(scenario) => scenario,
+        None => py.get_type::<PyScenario>().call1((&read.scenario,))?.cast_into()?,
+    };
+    let (mut now, mut plans) = (scenario.clone(), Vec::new());
+    let steps = scenario.get().scenario.steps.clone();
+    for (step, file) in steps.iter().zip(read.steps) {
+        step.check(&file).map_err(fault)?;
+        let of_step = now.call_method1("with_target", (&step.pick,))?;
+        let plan = Bound::new(py, PyPlan::of_file(py, file, Some(&of_step))?)?;
+        let is_valid = plan.get().is_valid;
+        if is_valid {
+            now = now.call_method1("after", (&plan,))?.cast_into()?;
+        }
+        plans.push(plan);
+        if !is_valid {
+            break;
+        }
+    }
+    Ok((scenario, plans))
+}
