@@ -554,6 +554,7 @@ def run_campaign(
     grasps: str | None,
     margin_m: float,
     grasp_margin_m: float,
+    robust: tuple[float, float] | None,
     sandbox: str,
     again: list[str],
     shard: tuple[int, int] | None,

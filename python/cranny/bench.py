@@ -135,6 +135,7 @@ def run(
     grasps: str | None = None,
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
+    robust: tuple[float, float] | None = None,
     sandbox: str = "auto",
     again: Sequence[str] = (),
     shard: tuple[int, int] | None = None,
@@ -145,7 +146,8 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    With `carry`, "home" or "out", the target is carried on once it is grasped. With `grasps`, "none", no set of grasps is
+    With `carry`, "home", "out" or "place", the target is carried on once it is grasped. `robust`: how far (m, rad) it may
+    be from where it is thought to be. With `grasps`, "none", no set of grasps is
     given, for planners that make grasps of their own. `margin_m` and `grasp_margin_m` are the
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
     `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
@@ -183,6 +185,7 @@ def run(
         grasps=grasps,
         margin_m=margin_m,
         grasp_margin_m=grasp_margin_m,
+        robust=robust,
         sandbox=sandbox,
         again=list(again),
         shard=shard,

@@ -14,6 +14,7 @@ use cranny_bench::{
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::Registry;
+use cranny_solve::PoseRadius;
 use pyo3::prelude::*;
 use strum::VariantArray;
 
@@ -44,7 +45,7 @@ where
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, grasps, margin_m, grasp_margin_m, sandbox, again, shard, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, grasps, margin_m, grasp_margin_m, robust, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments, reason = "what a campaign is")]
 pub fn run_campaign(
@@ -66,6 +67,7 @@ pub fn run_campaign(
     grasps: Option<&str>,
     margin_m: f64,
     grasp_margin_m: f64,
+    robust: Option<(f64, f64)>,
     sandbox: &str,
     again: Vec<String>,
     shard: Option<(u64, u64)>,
@@ -87,6 +89,7 @@ pub fn run_campaign(
         demand: PathDemand {
             carry: carry.map(|word| one_of("carry", word)).transpose()?,
             margins: Margins { margin_m, grasp_margin_m, ..Margins::default() },
+            robust: robust.map(|(translation_m, rotation_rad)| PoseRadius { translation_m, rotation_rad }),
             without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,
         },
         exceptions: Vec::new(),

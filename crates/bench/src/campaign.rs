@@ -351,6 +351,10 @@ impl Campaign {
         for value in [self.demand.margins.margin_m, self.demand.margins.grasp_margin_m] {
             checked_margin(value)?;
         }
+        if let Some(error) = self.demand.robust {
+            checked_margin(error.translation_m)?;
+            checked_turn(error.rotation_rad)?;
+        }
         // What a file of results can hold.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
@@ -376,6 +380,14 @@ pub(crate) fn checked_time_limit(value: f64) -> Result<f64, BenchError> {
         return Ok(value);
     }
     Err(BenchError::Range { what: "a time limit", value, range: "above 0 and at most 10000000 s" })
+}
+
+/// How far something may be turned, in radians, if it can be.
+pub(crate) fn checked_turn(value: f64) -> Result<f64, BenchError> {
+    if (0.0..=std::f64::consts::PI).contains(&value) {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a turn", value, range: "from 0 to π" })
 }
 
 /// A clearance that is demanded, in metres, if it can be one.

@@ -4,11 +4,12 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, Registry};
 use cranny_scenario::built_in;
+use cranny_solve::PoseRadius;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
-use crate::campaign::{checked_margin, checked_time_limit};
+use crate::campaign::{checked_margin, checked_time_limit, checked_turn};
 use crate::scenario_choice::matches;
 use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
 
@@ -42,6 +43,10 @@ struct CampaignEntry {
     margin_m: Option<Spanned<f64>>,
     #[serde(default)]
     grasp_margin_m: Option<Spanned<f64>>,
+    #[serde(default)]
+    robust_m: Option<Spanned<f64>>,
+    #[serde(default)]
+    robust_rad: Option<Spanned<f64>>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
@@ -121,6 +126,10 @@ impl Campaign {
             grasp_margin_m: checked(entry.grasp_margin_m, 0.0, checked_margin)?,
             ..Margins::default()
         };
+        let robust = (entry.robust_m.is_some() || entry.robust_rad.is_some()).then_some(PoseRadius {
+            translation_m: checked(entry.robust_m, 0.0, checked_margin)?,
+            rotation_rad: checked(entry.robust_rad, 0.0, checked_turn)?,
+        });
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions
@@ -149,7 +158,12 @@ impl Campaign {
                 .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
-            demand: PathDemand { carry: entry.carry, margins, without_grasp_set: entry.grasps.is_some() },
+            demand: PathDemand {
+                carry: entry.carry,
+                margins,
+                robust,
+                without_grasp_set: entry.grasps.is_some(),
+            },
             exceptions,
         })
     }

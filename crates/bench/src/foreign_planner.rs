@@ -207,7 +207,9 @@ impl ForeignFiles {
             .collect();
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
         let export = self.released.join("export");
-        let Margins { margin_m, grasp_margin_m, .. } = PathDemand::of_settings(&trial.settings).margins;
+        let margins = problem.cell().map(|cell| cell.margins());
+        let Margins { margin_m, grasp_margin_m, object_margin_m } =
+            margins.unwrap_or(PathDemand::of_settings(&trial.settings).margins);
         json!({
             "protocol": 1,
             "protocols": [1, 2],
@@ -225,6 +227,7 @@ impl ForeignFiles {
             "carry": task.carry.and_then(|carry| asked_to_carry(carry, problem)),
             "margin_m": margin_m,
             "grasp_margin_m": grasp_margin_m,
+            "object_margin_m": object_margin_m,
             "files": {
                 "released": self.released,
                 "cranny": self.cranny,

@@ -23,7 +23,7 @@ impl OpenedScenario {
         let grasps = demand.given_grasps();
         let options = OpenOptions { criterion: Some(criterion), grasps, ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(demand.margins)?;
+        let problem = scenario.problem(demand.margins_in(&scenario)?)?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 

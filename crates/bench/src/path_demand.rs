@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
 use cranny_collision::Margins;
-use cranny_scenario::GivenGrasps;
+use cranny_scenario::{GivenGrasps, Scenario, ScenarioError};
+use cranny_solve::PoseRadius;
 use serde_json::Value;
 
 use crate::CarryTo;
@@ -16,6 +17,8 @@ pub struct PathDemand {
     pub carry: Option<CarryTo>,
     /// How much clearance it keeps. Default: contact alone counts.
     pub margins: Margins,
+    /// How far the target may be from where it is thought to be. Default: it is there.
+    pub robust: Option<PoseRadius>,
     /// Whether no set of grasps is given, so that a path ends at a grasp that its planner made. Default: one is.
     pub without_grasp_set: bool,
 }
@@ -24,6 +27,8 @@ pub struct PathDemand {
 const CARRY: &str = "carry";
 const MARGIN: &str = "margin_m";
 const GRASP_MARGIN: &str = "grasp_margin_m";
+const ROBUST_M: &str = "robust_m";
+const ROBUST_RAD: &str = "robust_rad";
 /// The only word for grasps that there is.
 const NONE: &str = "none";
 
@@ -46,7 +51,14 @@ impl PathDemand {
             all.insert(Self::GRASPS, NONE.into());
         }
         let Margins { margin_m, grasp_margin_m, .. } = self.margins;
-        for (key, value) in [(MARGIN, margin_m), (GRASP_MARGIN, grasp_margin_m)] {
+        let (robust_m, robust_rad) =
+            self.robust.map(|error| (error.translation_m, error.rotation_rad)).unzip();
+        for (key, value) in [
+            (MARGIN, margin_m),
+            (GRASP_MARGIN, grasp_margin_m),
+            (ROBUST_M, robust_m.unwrap_or_default()),
+            (ROBUST_RAD, robust_rad.unwrap_or_default()),
+        ] {
             if value != 0.0 {
                 all.insert(key, value.into());
             }
@@ -57,7 +69,8 @@ impl PathDemand {
     /// What the settings of a trial ask.
     pub fn of_settings(settings: &str) -> Self {
         let all: BTreeMap<String, Value> = serde_json::from_str(settings).unwrap_or_default();
-        let metres = |key| all.get(key).and_then(Value::as_f64).unwrap_or_default();
+        let number = |key| all.get(key).and_then(Value::as_f64);
+        let metres = |key| number(key).unwrap_or_default();
         Self {
             carry: all.get(CARRY).and_then(Value::as_str).and_then(|name| name.parse().ok()),
             margins: Margins {
@@ -65,8 +78,22 @@ impl PathDemand {
                 grasp_margin_m: metres(GRASP_MARGIN),
                 ..Margins::default()
             },
+            robust: number(ROBUST_M)
+                .or_else(|| number(ROBUST_RAD))
+                .map(|_| PoseRadius { translation_m: metres(ROBUST_M), rotation_rad: metres(ROBUST_RAD) }),
             without_grasp_set: all.get(Self::GRASPS).and_then(Value::as_str) == Some(NONE),
         }
+    }
+
+    /// The margins of a scenario's problem.
+    ///
+    /// # Errors
+    /// [`ScenarioError::NoTarget`] where it has no target that could be elsewhere.
+    pub(crate) fn margins_in(self, scenario: &Scenario) -> Result<Margins, ScenarioError> {
+        let Some(PoseRadius { translation_m, rotation_rad }) = self.robust else { return Ok(self.margins) };
+        let object_margin_m = scenario.object_margin_m(translation_m, rotation_rad);
+        let lacking = || ScenarioError::NoTarget { id: scenario.id.clone() };
+        Ok(Margins { object_margin_m: object_margin_m.ok_or_else(lacking)?, ..self.margins })
     }
 
     /// Which grasps a path may end at.
@@ -90,7 +117,12 @@ mod tests {
             PathDemand { margins, ..PathDemand::default() },
             PathDemand { carry: Some(CarryTo::Out), margins, ..PathDemand::default() },
             PathDemand { without_grasp_set: true, ..PathDemand::default() },
-            PathDemand { carry: Some(CarryTo::Home), margins, without_grasp_set: true },
+            PathDemand {
+                carry: Some(CarryTo::Home),
+                margins,
+                robust: Some(PoseRadius { translation_m: 0.0, rotation_rad: 0.1 }),
+                without_grasp_set: true,
+            },
         ] {
             assert_eq!(PathDemand::of_settings(&demand.among(settings.clone())), demand);
         }

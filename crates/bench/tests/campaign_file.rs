@@ -179,6 +179,8 @@ fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     assert!(message.contains("campaign.yaml:3: a time limit is NaN"), "{message}");
     let message = fault(&format!("scenarios: ['021']\n{planners}margin_m: -0.001\n"));
     assert!(message.contains("campaign.yaml:3: a margin is -0.001"), "{message}");
+    let message = fault(&format!("scenarios: ['021']\n{planners}robust_rad: 4\n"));
+    assert!(message.contains("campaign.yaml:3: a turn is 4"), "{message}");
     assert!(
         fault(&format!("scenarios: ['021']\n{planners}first_seed: 9223372036854775807\n")).contains("seed")
     );

@@ -7,8 +7,9 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{AfterPlacing, CostKind, Criterion, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
+use cranny_solve::PoseRadius;
 
-use crate::number_argument::{MOST_ITERATIONS, PoseError, millimetres, pose_error, seconds, whole};
+use crate::number_argument::{MOST_ITERATIONS, millimetres, pose_error, seconds, whole};
 
 /// How to answer.
 #[derive(Clone, Copy, Debug, Args)]
@@ -143,7 +144,7 @@ pub struct PlanArguments {
     /// Demand that the target may be so far from where it is thought to be, moved and turned about its middle at once, before
     /// the hand closes on it and in the hand from then on (the plan says how far it and all else may be anyway)
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error, conflicts_with = "moveit")]
-    pub robust: Option<PoseError>,
+    pub robust: Option<PoseRadius>,
     /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
     /// hand. A grasp with which it cannot be brought there is none
     #[arg(long, value_name = "PLACE", conflicts_with_all = ["carry", "optimise", "blend"])]

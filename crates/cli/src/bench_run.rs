@@ -11,6 +11,7 @@ use cranny_bench::{
 };
 use cranny_file::counted;
 use cranny_plan::{Criterion, Registry};
+use cranny_solve::PoseRadius;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use strum::VariantArray as _;
@@ -20,7 +21,7 @@ use crate::arguments::{CriterionArgument, MarginArguments, Output};
 use crate::bench_worker;
 use crate::cluster_folder::ClusterCampaign;
 use crate::failure::Failure;
-use crate::number_argument::{MOST_ITERATIONS, seconds, whole};
+use crate::number_argument::{MOST_ITERATIONS, pose_error, seconds, whole};
 use crate::output_file;
 use crate::progress::{bar, spinner, stop_on_interrupt};
 use crate::text;
@@ -93,6 +94,9 @@ pub struct RunArguments {
     /// everything but the floor; or `place`, to the first place of its scenario, where it is put down
     #[arg(long, value_name = "home|out|place", value_parser = carry_to)]
     carry: Option<CarryTo>,
+    /// Demand that the target may be so far from where it is thought to be, as `plan --robust` does
+    #[arg(long, value_name = "MM,DEG", value_parser = pose_error)]
+    robust: Option<PoseRadius>,
     /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
     grasps: Option<String>,
@@ -267,6 +271,7 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     }
     campaign.judge_both |= arguments.judge_both;
     campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
+    campaign.demand.robust = arguments.robust.or(campaign.demand.robust);
     campaign.demand.without_grasp_set |= arguments.grasps.is_some();
     campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
     campaign.measure_clearance &= !arguments.no_clearance;

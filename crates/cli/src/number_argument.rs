@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use cranny_solve::PoseRadius;
+
 /// No search of anybody's goes on for longer, in seconds (116 days), and no clock overflows before.
 pub const MOST_SECONDS: f64 = cranny_bench::MOST_TIME_LIMIT_S;
 
@@ -41,19 +43,12 @@ pub fn millimetres(text: &str) -> Result<f64, String> {
     number.map(|number| number / 1000.0).ok_or_else(|| "give millimetres, at least 0".to_owned())
 }
 
-/// How far a pose may be off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PoseError {
-    pub translation_m: f64,
-    pub rotation_rad: f64,
-}
-
 /// Millimetres and degrees.
-pub fn pose_error(text: &str) -> Result<PoseError, String> {
+pub fn pose_error(text: &str) -> Result<PoseRadius, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[mm, degrees]) if (0.0..=1000.0).contains(&mm) && (0.0..=180.0).contains(&degrees) => {
-            Ok(PoseError { translation_m: mm / 1e3, rotation_rad: degrees.to_radians() })
+            Ok(PoseRadius { translation_m: mm / 1e3, rotation_rad: degrees.to_radians() })
         }
         _ => Err("give millimetres from 0 to 1000 and degrees from 0 to 180, such as 2,3".to_owned()),
     }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
 use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, model_notes};
+use cranny_solve::PoseRadius;
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
-use crate::number_argument::PoseError;
 use crate::text;
 
 /// A scenario and the problem that the flags make of it.
@@ -25,7 +25,7 @@ pub struct Demand {
     pub grasps: GivenGrasps,
     pub margins: Margins,
     /// How far the target may be from where it is thought to be.
-    pub robust: Option<PoseError>,
+    pub robust: Option<PoseRadius>,
 }
 
 impl Demand {

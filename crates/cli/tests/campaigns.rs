@@ -135,3 +135,24 @@ fn the_last_lines_say_who_crashed_how_often_and_why() {
         "{said}"
     );
 }
+
+/// Whoever asks for more room about the target gets other trials, and none that has less.
+#[test]
+fn trials_keep_the_room_that_the_target_is_to_have() {
+    let folder = folder();
+    let path = folder.path();
+    let solved = |robust: &str| {
+        let run = format!(
+            "bench run --scenarios 031 --planners reach --runs 2 --iterations 2000 --robust {robust} --json"
+        );
+        let output = cranny(path, &run);
+        assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+        let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        (said["run"].as_u64(), said["solved"].as_u64())
+    };
+    assert_eq!(solved("2,2"), (Some(2), Some(2)));
+    assert_eq!(solved("500,0"), (Some(2), Some(0)));
+    assert_eq!(solved("2,2").0, Some(0), "known by then");
+    let refused = cranny(path, "bench run --scenarios 031 --planners reach --robust 2");
+    assert!(refused.status.code() == Some(2) && error(&refused).contains("--robust"), "{}", error(&refused));
+}
