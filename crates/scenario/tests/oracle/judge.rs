@@ -74,14 +74,27 @@ pub struct Pictures<'a> {
 }
 
 impl Oracle {
+    /// Of a released scenario, whose files it reads itself.
     pub fn new(robot: Arc<Robot>, folder: &Path) -> Self {
+        Self::among(robot, scene::obstacles(folder), scene::start(folder), scene::grasps(folder))
+    }
+
+    /// Among obstacles, the target last.
+    pub fn among(
+        robot: Arc<Robot>,
+        obstacles: Vec<Obstacle>,
+        start: Vec<f64>,
+        grasps: Vec<Matrix4<f64>>,
+    ) -> Self {
         let mut links = Vec::new();
         for (link, description) in robot.links().iter().enumerate() {
             for shape in &description.collisions {
                 let mesh = match (&shape.soup, shape.solid.as_cuboid()) {
                     (Some(soup), _) => convex_hull(&soup.vertices),
                     (None, Some(half_extents)) => Mesh::cuboid(half_extents),
-                    (None, None) => panic!("{}: neither a mesh nor a box", description.name),
+                    (None, None) => {
+                        shape.solid.tessellation().map(|soup| Mesh::of_soup(&soup)).expect("it is bounded")
+                    }
                 };
                 let in_link = |vertex: &Point| shape.link_from_shape * vertex;
                 let vertices: Vec<Point> = mesh.vertices.iter().map(in_link).collect();
@@ -90,8 +103,6 @@ impl Oracle {
                 links.push(LinkMesh { link, name: description.name.clone(), mesh, bounds });
             }
         }
-        let (obstacles, start, grasps) =
-            (scene::obstacles(folder), scene::start(folder), scene::grasps(folder));
         let mut oracle = Self { robot, links, obstacles, pairs: Vec::new(), start, grasps };
         oracle.pairs = oracle.pairs_to_look_at();
         oracle
@@ -229,6 +240,38 @@ impl Oracle {
             }
         }
         (samples, None)
+    }
+
+    /// What a task touches that puts the target down, by its six pieces; and how many samples were looked at. What it is put
+    /// down on it may be in as deep as `most_sunk_m` at the end, in metres, and is then never in deeper.
+    pub fn watch_task(
+        &self,
+        [reach, lift_off, carry, set_down, retreat, back]: &[Vec<Vec<f64>>; 6],
+        most_sunk_m: f64,
+    ) -> (usize, Vec<String>) {
+        let (grasp, down) = (reach.last().expect("a grasp"), set_down.last().expect("a way down"));
+        let rest_m = self.resting_depth_m();
+        let (mut faults, mut samples) = (Vec::new(), 0);
+        let rises = (0..20).map(|step| 1e-4 * f64::from(step));
+        let is_free = |rise_m: &f64| self.watch_carried(grasp, *rise_m, [down, down]).1.is_none();
+        let sunk_m = rises.take_while(|rise_m| *rise_m <= most_sunk_m).find(is_free).unwrap_or_default();
+        for (way, raised_m) in [(lift_off, rest_m + 1e-4), (carry, 0.0), (set_down, sunk_m)] {
+            for (edge, ends) in way.windows(2).enumerate() {
+                let (seen, touch) = self.watch_carried(grasp, raised_m, [&ends[0], &ends[1]]);
+                samples += seen;
+                faults.extend(touch.map(|(t, touch)| format!("held, edge {edge} at {t}: {touch:?}")));
+            }
+        }
+        let mut before = self.pictures();
+        let mut after = self.pictures_with_target_moved(grasp, down);
+        for (ways, pictures) in [(&[reach][..], &mut before), (&[retreat, back], &mut after)] {
+            for (edge, ends) in ways.iter().flat_map(|way| way.windows(2)).enumerate() {
+                let sight = self.watch(&ends[0], &ends[1], pictures);
+                samples += sight.samples;
+                faults.extend(sight.touch.map(|(t, touch)| format!("empty, edge {edge} at {t}: {touch:?}")));
+            }
+        }
+        (samples, faults)
     }
 
     /// How far up the target is out of all that it rests on, in metres, to 0.1 mm.

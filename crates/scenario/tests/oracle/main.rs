@@ -3,6 +3,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
+mod built_in_tasks;
 mod cases;
 mod hull;
 mod judge;
@@ -81,29 +82,9 @@ fn no_carried_target_touches_anything() {
 fn no_target_that_is_put_down_touches_anything_and_nothing_touches_it() {
     let Some(cases) = cases() else { return };
     let judge = |case: &Case| {
-        let [reach, lift_off, carry, set_down, retreat, back] = &case.placed.as_ref()?[..] else {
-            return None;
-        };
-        let grasp = reach.last()?;
-        let rest_m = case.oracle.resting_depth_m();
-        let (mut faults, mut samples) = (Vec::new(), 0);
+        let pieces = case.placed.as_ref()?.clone().try_into().ok()?;
         // It is let go a third of a millimetre above what it is put down on: in nothing all the way down.
-        for (way, raised_m) in [(lift_off, rest_m + 1e-4), (carry, 0.0), (set_down, 0.0)] {
-            for (edge, ends) in way.windows(2).enumerate() {
-                let (seen, touch) = case.oracle.watch_carried(grasp, raised_m, [&ends[0], &ends[1]]);
-                samples += seen;
-                faults.extend(touch.map(|(t, touch)| format!("held, edge {edge} at {t}: {touch:?}")));
-            }
-        }
-        let mut before = case.oracle.pictures();
-        let mut after = case.oracle.pictures_with_target_moved(grasp, set_down.last()?);
-        for (ways, pictures) in [([reach, reach], &mut before), ([retreat, back], &mut after)] {
-            for (edge, ends) in ways.iter().flat_map(|way| way.windows(2)).enumerate() {
-                let sight = case.oracle.watch(&ends[0], &ends[1], pictures);
-                samples += sight.samples;
-                faults.extend(sight.touch.map(|(t, touch)| format!("empty, edge {edge} at {t}: {touch:?}")));
-            }
-        }
+        let (samples, faults) = case.oracle.watch_task(&pieces, 0.0);
         println!("{}: {samples} samples, {faults:?}", case.id);
         Some(faults)
     };

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
 
 /// A closed surface of triangles.
@@ -26,6 +27,27 @@ impl Mesh {
         }
         assert!(balance.values().all(|&sum| sum == 0), "the mesh has a hole");
         Self { vertices, triangles, edges: balance.into_keys().collect() }
+    }
+
+    /// Vertices within a nanometre of each other are one.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn of_soup(soup: &TriangleSoup) -> Self {
+        let mut known: BTreeMap<[i64; 3], usize> = BTreeMap::new();
+        let mut vertices = Vec::new();
+        let mut index_of = |vertex: &Point| {
+            #[expect(clippy::cast_possible_truncation, reason = "a scene is no larger than a planet")]
+            let key = [vertex.x, vertex.y, vertex.z].map(|value| (value * 1e9).round() as i64);
+            *known.entry(key).or_insert_with(|| {
+                vertices.push(*vertex);
+                vertices.len() - 1
+            })
+        };
+        let welded: Vec<usize> = soup.vertices.iter().map(&mut index_of).collect();
+        let triangles = soup.triangles.iter().map(|corners| corners.map(|corner| welded[corner as usize]));
+        let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        Self::new(vertices, triangles)
     }
 
     /// A cuboid centred at the origin.
