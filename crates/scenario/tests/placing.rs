@@ -1,6 +1,6 @@
 //! Tasks that put the target down, in the built-in scenarios, and how much error plans forgive.
 
-use cranny_collision::{Body, Cell, Margins, Part, World};
+use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
 use cranny_plan::{
     AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Clearances, LiftOffSettings, Outcome, PlaceGoal,
     PlaceSettings, PlaceSpot, PlanError, Problem, Unobserved, Violation,
@@ -345,4 +345,43 @@ fn touches_along(cell: &Cell, path: &[Vec<f64>], off: &[f64], random: &mut Strea
             !cell.is_clear(&q, &mut scratch)
         })
     })
+}
+
+/// A little beyond the radius, in the direction of what is nearest where it is nearest, something touches.
+#[test]
+fn just_beyond_the_radius_the_nearest_is_touched() {
+    for id in ["012", "021", "033", "044"] {
+        let (_, problem) = open(id);
+        let answer =
+            solve(&problem, &Request { robustness: true, ..Request::default() }, &mut Unobserved).unwrap();
+        let path = &answer.segments[0].waypoints;
+        let Robustness { object, base, .. } = answer.robustness.unwrap();
+        let (cell, target) = (problem.cell().unwrap(), problem.target().unwrap());
+        let alone = World::new(vec![cell.world().bodies()[target].clone()]).unwrap();
+        let alone = Cell::for_grasp(cell.robot().clone(), alone, 0, Margins::default()).unwrap();
+        for (kind, cell, target, radius) in [("object", &alone, 0, object), ("base", &**cell, target, base)] {
+            let radius_m = radius.unwrap().translation_m;
+            let mut scratch = cell.scratch();
+            let samples = path.windows(2).flat_map(|edge| {
+                (0..=1000).map(|step| between(&edge[0], &edge[1], f64::from(step) / 1000.0).collect())
+            });
+            let of_bodies = |q: Vec<f64>| {
+                let closest = cell.closest(&q, &mut scratch)?;
+                let is_body = matches!(closest.second, Collider::Body(_));
+                is_body.then_some((q, closest))
+            };
+            let nearest =
+                samples.filter_map(of_bodies).min_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m));
+            let (q, closest) = nearest.expect("something is near");
+            let [on_link, on_body] = closest.points.unwrap();
+            let touches = |share: f64| {
+                let shift = (on_link - on_body).normalize() * (share * radius_m);
+                let world = seen_from(cell, &Pose::from_parts((-shift).into(), Rotation::identity()), None);
+                let moved = Cell::for_grasp(cell.robot().clone(), world, target, Margins::default()).unwrap();
+                !moved.is_clear(&q, &mut moved.scratch())
+            };
+            println!("{id}, {kind}: {:.3} of {:.3} mm", 1e3 * radius_m, 1e3 * closest.distance_m);
+            assert!(!touches(1.0) && touches(1.15), "{id}, {kind}: {radius_m} of {}", closest.distance_m);
+        }
+    }
 }
