@@ -1,6 +1,6 @@
 """What physics makes of plans that put their target down, and how many grasps survive reach, carry and place.
 
-`python benchmarks/placing.py simulate CRANNY SEEDS` plans each place task and each insertion with margins of 5 and 1 mm and
+`python benchmarks/placing.py simulate CRANNY SEEDS [TASK…]` plans each place task and each insertion (or those named) with margins of 5 and 1 mm and
 executes it (`simulate plan`); `python benchmarks/placing.py plot TABLE.md…` draws the tables of `carrying grasps` as
 placing.svg beside this file (needs matplotlib)."""
 
@@ -20,11 +20,11 @@ def call(cranny: str, *arguments: str) -> dict:
     return json.loads(run.stdout) if run.stdout else {"error": run.stderr.strip()}
 
 
-def simulate(cranny: str, seeds: int) -> None:
+def simulate(cranny: str, seeds: int, tasks: list[str]) -> None:
     """A row a task: how many plans end with the target held until it is put down, and standing where it was to be."""
     print("| task | planned | held all the way | stands within 10 mm, 10° | worst of those, mm | ° |")
     print("|---|---|---|---|---|---|")
-    for scenario in OUTSIDE + INSIDE:
+    for scenario in tasks or OUTSIDE + INSIDE:
         place = "outside" if scenario in OUTSIDE else "inside"
         planned = held = there = 0
         worst = [0.0, 0.0]
@@ -71,8 +71,8 @@ def plot(tables: list[str]) -> None:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case ["simulate", cranny, seeds]:
-            simulate(cranny, int(seeds))
+        case ["simulate", cranny, seeds, *tasks]:
+            simulate(cranny, int(seeds), tasks)
         case ["plot", *tables] if tables:
             plot(tables)
         case _:

@@ -40,7 +40,8 @@ class StepsPlan(Sequence[Plan]):
         return sum(known) if self.solved and len(known) == len(durations) else None
 
     def verify(self) -> list[Verification]:
-        """Judges each plan again, from the way points alone, in the world that those before it leave."""
+        """Judges each plan again, from the way points alone, in the world that it was made in: for the plans of `plan_steps`
+        and `load` that which those before it leave."""
         return [step.verify() for step in self.plans]
 
     def __bool__(self) -> bool:

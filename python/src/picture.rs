@@ -146,7 +146,7 @@ pub fn page_of(
     let judged = |plan: &PyPlan| plan.file.audit(&plan.task.problem, AuditSettings::default()).map_err(fault);
     let cells = |plan: &PyPlan, reach: &Arc<Cell>| -> PyResult<Option<StepCells>> {
         let task = plan.file.task_cells(&plan.task.problem).map_err(fault)?;
-        Ok(task.map(|task| StepCells { reach: reach.clone(), task }))
+        Ok(task.map(|task| StepCells { reach: reach.clone(), task: Some(task) }))
     };
     let page_plan = match plans {
         ShownPlans::None => None,
@@ -157,12 +157,18 @@ pub fn page_of(
             Some(PagePlan { search_tree, ..page.map_err(fault)? })
         }
         ShownPlans::Steps(plans) => {
+            follow_each_other(plans)?;
             let (mut timed, mut verifications, mut steps) = (Vec::new(), Vec::new(), Vec::new());
             for plan in plans {
                 timed.push((&plan.file, timed_in(shown, plan)?));
-                verifications.extend(judged(plan)?);
-                if let Some(reach) = plan.task.problem.cell() {
-                    steps.extend(cells(plan, reach)?);
+                let verification = judged(plan)?;
+                let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
+                verifications.extend(verification);
+                let reach = plan.task.problem.cell().unwrap_or(cell);
+                steps.push(cells(plan, reach)?.unwrap_or(StepCells { reach: reach.clone(), task: None }));
+                // What follows is in a world that nobody knows.
+                if !is_valid {
+                    break;
                 }
             }
             let count = shown.steps.len().max(plans.len());
@@ -176,6 +182,21 @@ pub fn page_of(
     Ok((page, PageCells::of(cell.clone(), page_plan.as_slice())))
 }
 
+/// That each plan begins where the one before ends.
+fn follow_each_other(plans: &[&PyPlan]) -> PyResult<()> {
+    for (index, pair) in plans.windows(2).enumerate() {
+        let [before, after] = [pair[0].file.waypoints.last(), pair[1].file.waypoints.first()];
+        if after.is_some() && before != after {
+            return Err(bad_value(format!(
+                "plan: step {} does not begin where step {} ends",
+                index + 2,
+                index + 1
+            )));
+        }
+    }
+    Ok(())
+}
+
 fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResult<Scene> {
     let path = match plans {
         ShownPlans::None => None,
@@ -184,6 +205,7 @@ fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResu
             ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }
         ShownPlans::Steps(plans) => {
+            follow_each_other(plans)?;
             let steps = plans.iter().map(|plan| Ok((&plan.file, timed_in(scenario, plan)?)));
             let steps = steps.collect::<PyResult<Vec<_>>>()?;
             ShownPath::of_steps(&scenario.robot, &steps, rate_hz).map_err(fault)?

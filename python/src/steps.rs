@@ -35,6 +35,10 @@ pub fn load_steps<'py>(
     };
     let (mut now, mut plans) = (scenario.clone(), Vec::new());
     let steps = scenario.get().scenario.steps.clone();
+    if read.steps.len() > steps.len() {
+        let (more, all) = (read.steps.len(), steps.len());
+        return Err(bad_value(format!("{}: {more} steps, but the scenario has {all}", path.display())));
+    }
     for (step, file) in steps.iter().zip(read.steps) {
         step.check(&file).map_err(fault)?;
         let of_step = now.call_method1("with_target", (&step.pick,))?;

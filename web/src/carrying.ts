@@ -9,6 +9,8 @@ export type Moved = ReadonlyMap<string, Pose>;
 export interface Stretch extends Mode {
   /** Which of the steps of its plan this belongs to. */
   step: number;
+  /** By which mode postures are judged: while the hand moves by the one before. */
+  judgedAs: string;
 }
 
 /** What becomes of the objects that a plan carries away, one after the other, over time. */
@@ -31,16 +33,14 @@ export class Carrying {
       return new Transfer(carry, isThere ? carry.object : target, kinematics);
     });
     const stretches = (of: (transfer: Transfer) => Mode[]): Stretch[] =>
-      this.transfers.flatMap((transfer, step) => of(transfer).map((mode) => ({ ...mode, step })));
+      this.transfers.flatMap((transfer, step) =>
+        of(transfer).map((mode) => ({ ...mode, step, judgedAs: transfer.modeBefore(mode) })),
+      );
     this.modes = stretches(({ modes }) => modes);
     this.stops = stretches(({ stops }) => stops);
     this.stretches = [...this.modes, ...this.stops].sort((a, b) => a.from_s - b.from_s);
     this.objects = new Set(this.transfers.map(({ object }) => object));
     this.stepCount = carries.length;
-  }
-
-  get putsDown(): boolean {
-    return this.transfers.some(({ placed }) => placed !== null);
   }
 
   /** How far the fingers have closed, from 0, open, to 1. */
@@ -78,8 +78,7 @@ class Transfer {
   readonly stops: Mode[];
   private readonly closing: number;
   private readonly graspFromWorld: Pose;
-  /** By how much the object has moved where it is put down, in the planning frame; null if it is not. */
-  readonly placed: Pose | null;
+  private readonly placed: Pose | null;
 
   constructor(carry: Carry, object: string, kinematics: Kinematics) {
     this.object = object;
@@ -92,6 +91,11 @@ class Transfer {
     this.closing = carry.closing;
     this.graspFromWorld = inverse(kinematics.worldFromGripper(carry.grasp));
     this.placed = carry.placed ? compose(kinematics.worldFromGripper(carry.placed), this.graspFromWorld) : null;
+  }
+
+  /** The mode that a stretch is, or that ends where the hand begins to move. */
+  modeBefore({ name, from_s }: Mode): string {
+    return this.stops.some((stop) => stop.name === name) ? (this.modes.find(({ until_s }) => until_s === from_s)?.name ?? "") : name;
   }
 
   closingAt(time_s: number): number {

@@ -163,8 +163,7 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
   return new Set(layers.flatMap(([layer, isThere]) => (isThere ? [layer] : [])));
 }
 
-/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps, and where plans
- * put something down, the places. */
+/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps. */
 function firstView(
   data: PageData,
   plans: ShownPlan[],
@@ -174,9 +173,6 @@ function firstView(
 ): ViewState {
   const state = { ...INITIAL, ...asked };
   if (state.plan >= plans.length) state.plan = 0;
-  if (!asked.layers && plans.some(({ carrying }) => carrying?.putsDown)) {
-    state.layers = { ...state.layers, places: true };
-  }
   const last_s = Math.max(recording?.duration_s ?? 0, ...plans.map(({ trajectory }) => trajectory.duration_s));
   state.time_s = Math.min(state.time_s, last_s);
   if (state.q?.length !== data.robot.start.length) state.q = null;

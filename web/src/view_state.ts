@@ -73,7 +73,7 @@ export const INITIAL: ViewState = {
     others: true,
     glass: true,
     floor: false,
-    places: false,
+    places: true,
   },
   ghosts: 5,
   treeNodes: null,

@@ -47,7 +47,16 @@ impl PageFile {
         Ok(read_plan(file)?.map_or(Self::Waypoints, |plan| Self::Plan(Box::new(plan))))
     }
 
-    /// The plan that says with which robot it was made, and for which grasps.
+    /// For which grasps it was made.
+    fn given_grasps(&self) -> GivenGrasps {
+        match self {
+            Self::Waypoints => GivenGrasps::Own,
+            Self::Plan(plan) => plan.given_grasps(),
+            Self::Steps(plans) => plans.given_grasps(),
+        }
+    }
+
+    /// The plan that says with which robot it was made.
     fn first(&self) -> Option<&PlanFile> {
         match self {
             Self::Waypoints => None,
@@ -88,7 +97,7 @@ impl PageTask {
             criterion: request.criterion,
             robot: request.robot.map(Path::to_owned).or_else(|| read().find_map(robot_of)),
             geometry: request.geometry.map(Geometry::from),
-            grasps: read().map(PlanFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
+            grasps: files.iter().map(PageFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
         };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;
@@ -111,7 +120,9 @@ impl PageTask {
                     return Err(Failure::Flag { flag: "search-tree", problem });
                 }
                 PageFile::Steps(steps) => {
-                    plans.push(plan_of_steps(name, file, steps, &own)?);
+                    let criterion = steps.steps.first().map_or(own.criterion, |plan| plan.criterion);
+                    let scenario = tasks.open(Some(criterion))?;
+                    plans.push(plan_of_steps(name, file, steps, &scenario)?);
                     continue;
                 }
                 PageFile::Waypoints => {
@@ -129,7 +140,8 @@ impl PageTask {
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
             let verification = plan.audit(&problem, AuditSettings::default())?;
-            let cells = plan.task_cells(&problem)?.map(|task| StepCells { reach: cell.clone(), task });
+            let cells =
+                plan.task_cells(&problem)?.map(|task| StepCells { reach: cell.clone(), task: Some(task) });
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, cells)?;
             if let Some((registry, stop)) = &trees {
                 let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
@@ -152,23 +164,28 @@ fn plan_of_steps(
     plans: &SequencePlan,
     scenario: &Scenario,
 ) -> Result<PagePlan, Failure> {
+    for plan in &plans.steps {
+        check_plan(file, plan, &scenario.robot, &scenario.id, "shown in")?;
+    }
+    let (count, planned) = (scenario.steps.len(), plans.steps.len());
+    if !(1..=count).contains(&planned) {
+        let problem = format!("the plan has {planned} steps, but scenario '{}' has {count}", scenario.id);
+        return Err(Failure::File { path: file.to_owned(), problem });
+    }
     let margins = plans.steps.first().map(|plan| plan.margins).unwrap_or_default();
     let (mut timed, mut verifications, mut cells) = (Vec::new(), Vec::new(), Vec::new());
     plans.walk(scenario, margins, |StepTask { plan, scenario, problem }| -> Result<bool, Failure> {
-        check_plan(file, plan, &scenario.robot, &scenario.id, "shown in")?;
         let reach = problem.cell().ok_or(PlanError::Annotation)?;
         timed.push(plan.trajectory(&scenario.robot, Some(reach))?);
         let verification = plan.audit(problem, AuditSettings::default())?;
         let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
         verifications.extend(verification);
-        if let Some(task) = plan.task_cells(problem)? {
-            cells.push(StepCells { reach: reach.clone(), task });
-        }
+        cells.push(StepCells { reach: reach.clone(), task: plan.task_cells(problem)? });
         Ok(is_valid)
     })?;
     let judged = (verifications, cells);
     let timed: Vec<_> = plans.steps.iter().zip(timed).collect();
-    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, scenario.steps.len(), judged)?)
+    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, count, judged)?)
 }
 
 /// The scenario and its problems, each made once.

@@ -95,8 +95,14 @@ struct Judged<'a> {
 }
 
 /// Judges the plans of a scenario's steps.
-pub fn verify(plans: &SequencePlan, arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
+pub fn verify(
+    plans: &SequencePlan,
+    file: &Path,
+    arguments: &VerifyArguments,
+    output: Output,
+) -> Result<Answer, Failure> {
     let demand = plans.steps.first().map(Demand::of_plan).unwrap_or_default();
+    let demand = Demand { grasps: plans.given_grasps(), ..demand };
     let Task { scenario, margins, .. } = Task::open(&arguments.task, demand, output)?;
     if plans.scenario != scenario.id {
         let planned = &plans.scenario;
@@ -104,6 +110,9 @@ pub fn verify(plans: &SequencePlan, arguments: &VerifyArguments, output: Output)
             "the plan was made for scenario '{planned}', and is judged against '{}'",
             scenario.id
         ))?;
+    }
+    for plan in &plans.steps {
+        plan.check_joints(file, &scenario.robot)?;
     }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let audits = plans.audit(&scenario, margins, settings)?;

@@ -67,6 +67,8 @@ pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecordi
 pub struct RecordedStep {
     /// The body that was picked, by index.
     pub body: usize,
+    /// Pose of its frame where the scenario has it before the step.
+    pub world_from_object: Pose,
     pub run: Recording,
 }
 
@@ -98,11 +100,11 @@ pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
         }
         // By how much it has moved at each instant.
         let mut motions: Vec<Pose> = Vec::new();
-        for RecordedStep { body, run } in steps {
+        for RecordedStep { body, world_from_object, run } in steps {
             let before = motions.last().copied().unwrap_or_default();
             let poses = &run.bodies[0].world_from_body;
-            let moved =
-                |pose: &Pose| if *body == index { pose * poses[0].inverse() * before } else { before };
+            let before_step = world_from_object.inverse() * before;
+            let moved = |pose: &Pose| if *body == index { pose * before_step } else { before };
             motions.extend(poses.iter().map(moved));
         }
         for part in &mut whole.bodies[first..] {

@@ -1,11 +1,11 @@
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_collision::Body;
 use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, PlanFile, Scenario, SequencePlan, TargetPhysics, read_waypoints};
+use cranny_scenario::{OpenOptions, PlanFile, Scenario, TargetPhysics, read_waypoints};
 use cranny_sim::{
     DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanRun, PlanTest, TrackingError,
 };
@@ -14,17 +14,18 @@ use serde::Serialize;
 
 use crate::arguments::Output;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
 use crate::number_argument::positive;
 use crate::plan_task::{check_plan, read_plan};
 use crate::progress::spinner;
 use crate::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
-use crate::{Answer, number_argument, output_file, recording, simulate_steps};
+use crate::{Answer, number_argument, output_file, recording};
 
 /// What goes before what files say of object and hand.
 #[derive(Clone, Debug, Args)]
 pub struct InsteadArguments {
-    /// Mass of the object, in kilograms [default: its own]
+    /// Mass of the object (of several steps of each), in kilograms [default: its own]
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
     /// Coefficient of friction between the object and all that touches it [default: its own]
@@ -78,24 +79,27 @@ pub struct SimulatePlanArguments {
     pub record: Option<PathBuf>,
 }
 
-/// What `simulate plan --json` prints, of several steps of each; the keys stay.
+impl SimulatePlanArguments {
+    /// Where a recording goes, if one is wanted and it can go there.
+    pub fn recorded(&self, output: Output) -> Result<Option<(&Path, FileKind)>, Failure> {
+        let Some(file) = self.record.as_deref() else { return Ok(None) };
+        let kind = recording::kind_of(file)?;
+        output_file::check(file, kind, output)?;
+        Ok(Some((file, kind)))
+    }
+}
+
+/// What `simulate plan --json` prints; the keys stay.
 #[derive(Serialize)]
-pub struct Executed {
-    pub scenario: String,
+struct Executed {
+    scenario: String,
     #[serde(flatten)]
-    pub row: PlanRow,
+    row: PlanRow,
 }
 
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
-    let recorded = arguments.record.as_deref().map(|file| recording::kind_of(file).map(|kind| (file, kind)));
-    let recorded = recorded.transpose()?;
-    if let Some((file, kind)) = recorded {
-        output_file::check(file, kind, output)?;
-    }
+    let recorded = arguments.recorded(output)?;
     let file = &arguments.plan;
-    if let Some(plans) = SequencePlan::read(file)? {
-        return simulate_steps::run(&plans, arguments, recorded, output);
-    }
     let plan = read_plan(file)?;
     let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
     let options = OpenOptions {
@@ -131,8 +135,8 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
     }
     let executed = Executed { scenario: scenario.id, row: PlanRow::of(&run) };
-    text::answer(&executed, || executed.page(), output)?;
-    Ok(if executed.is_as_planned() { Answer::Done } else { Answer::No })
+    text::answer(&executed, || page_of(&executed.scenario, &executed.row), output)?;
+    Ok(if is_as_planned(&executed.row) { Answer::Done } else { Answer::No })
 }
 
 /// Lets the robot of a scenario follow a plan; with what came of it, and what stood around.
@@ -149,53 +153,47 @@ pub fn execute(
     Ok((test.run(timed, arguments.lift, is_recorded)?, surroundings))
 }
 
-impl Executed {
-    /// Whether the object is held to the end, or stands where it was to be put down.
-    pub fn is_as_planned(&self) -> bool {
-        let is_there = self.row.placed.is_none_or(|placed| placed.is_there());
-        self.row.outcome == GraspOutcome::Held && is_there
-    }
+/// Whether the object is held to the end, or stands where it was to be put down.
+pub fn is_as_planned(row: &PlanRow) -> bool {
+    let is_there = row.placed.is_none_or(|placed| placed.is_there());
+    row.outcome == GraspOutcome::Held && is_there
+}
 
-    pub fn page(&self) -> String {
-        let Self { scenario, row } = self;
-        let off = |error: &TrackingError| {
-            format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
-        };
-        let mut page = format!(
-            "{}: {} after a way of {:.1} s{}\n  the hand was off by {} at worst, by {} at the grasp\n",
-            scenario,
-            row.outcome.name(),
-            row.reach_s,
-            if row.lift_m > 0.0 {
-                format!(" and a lift of {}", millimetres(row.lift_m))
-            } else {
-                String::new()
-            },
-            off(&row.tracking_on_the_way),
-            off(&row.tracking_at_the_end),
-        );
-        for contact in &row.contacts {
-            let phase = if contact.is_lifting { "after closing" } else { "before closing" };
-            let PlanContact { time_s, link, body, depth_m, .. } = contact;
-            let depth = millimetres(*depth_m);
-            let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
-        }
-        if !row.contacts.iter().any(|contact| !contact.is_lifting) {
-            page.push_str("  nothing was touched before the hand closed\n");
-        }
-        let _ = writeln!(
-            page,
-            "  the object was pushed by {} before, rose by {}, and moved in the hand by {}, {}",
-            millimetres(row.pushed_m),
-            millimetres(row.rose_m),
-            millimetres(row.translation_error_m),
-            degrees(row.rotation_error_rad),
-        );
-        if let Some(placed) = row.placed.filter(|_| row.outcome == GraspOutcome::Held) {
-            let (off, turned) = (millimetres(placed.translation_m), degrees(placed.rotation_rad));
-            let stands = if placed.is_there() { "stands" } else { "does not stand" };
-            let _ = writeln!(page, "  put down, it {stands} where it was to be: {off}, {turned} off");
-        }
-        page
+/// What came of a plan of this name.
+pub fn page_of(name: &str, row: &PlanRow) -> String {
+    let off = |error: &TrackingError| {
+        format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
+    };
+    let mut page = format!(
+        "{}: {} after a way of {:.1} s{}\n  the hand was off by {} at worst, by {} at the grasp\n",
+        name,
+        row.outcome.name(),
+        row.reach_s,
+        if row.lift_m > 0.0 { format!(" and a lift of {}", millimetres(row.lift_m)) } else { String::new() },
+        off(&row.tracking_on_the_way),
+        off(&row.tracking_at_the_end),
+    );
+    for contact in &row.contacts {
+        let phase = if contact.is_lifting { "after closing" } else { "before closing" };
+        let PlanContact { time_s, link, body, depth_m, .. } = contact;
+        let depth = millimetres(*depth_m);
+        let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
     }
+    if !row.contacts.iter().any(|contact| !contact.is_lifting) {
+        page.push_str("  nothing was touched before the hand closed\n");
+    }
+    let _ = writeln!(
+        page,
+        "  the object was pushed by {} before, rose by {}, and moved in the hand by {}, {}",
+        millimetres(row.pushed_m),
+        millimetres(row.rose_m),
+        millimetres(row.translation_error_m),
+        degrees(row.rotation_error_rad),
+    );
+    if let Some(placed) = row.placed.filter(|_| row.outcome == GraspOutcome::Held) {
+        let (off, turned) = (millimetres(placed.translation_m), degrees(placed.rotation_rad));
+        let stands = if placed.is_there() { "stands" } else { "does not stand" };
+        let _ = writeln!(page, "  put down, it {stands} where it was to be: {off}, {turned} off");
+    }
+    page
 }

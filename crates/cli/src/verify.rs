@@ -17,7 +17,7 @@ use crate::text::{self, degrees, millimetres};
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
     if let Some(plans) = SequencePlan::read(file)? {
-        return plan_steps::verify(&plans, arguments, output);
+        return plan_steps::verify(&plans, file, arguments, output);
     }
     let plan = read_plan(file)?;
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();

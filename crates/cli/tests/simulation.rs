@@ -317,7 +317,7 @@ fn steps_are_executed_one_after_the_other() {
     };
     let as_planned = steps.len() == 3 && steps.iter().all(is_there);
     assert_eq!((code == 0, &executed["as_planned"]), (as_planned, &as_planned.into()), "{executed}");
-    assert_eq!(steps[0]["scenario"], "column 1");
+    assert_eq!(steps[0]["object"], "column 1");
     assert!(steps.len() > 1, "the first is put down, if not where it was to be: {executed}");
     let recording = cranny_view::BodyRecording::read(&folder.join("steps.json")).unwrap();
     let named = |name: &str| recording.bodies.iter().filter(|body| body.name == name).collect::<Vec<_>>();
@@ -332,9 +332,29 @@ fn steps_are_executed_one_after_the_other() {
     let jumps = (1..instants).filter(|&index| (place(index) - place(index - 1)).norm() > 0.1).count();
     assert_eq!(jumps, 0);
 
-    let file = folder.join("235.plan.json");
-    let mut plans: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
-    plans["steps"].as_array_mut().unwrap().pop();
-    std::fs::write(&file, plans.to_string()).unwrap();
-    refused(folder, &["plan", "235", "235.plan.json"], &["235.plan.json", "each of the 3 steps"]);
+    // What is no plan of these steps, or none of one robot that goes on where it is, is not executed.
+    let plans: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("235.plan.json")).unwrap()).unwrap();
+    let lie = |change: &dyn Fn(&mut Vec<serde_json::Value>), words: &[&str]| {
+        let mut lying = plans.clone();
+        change(lying["steps"].as_array_mut().unwrap());
+        std::fs::write(folder.join("lie.plan.json"), lying.to_string()).unwrap();
+        refused(folder, &["plan", "235", "lie.plan.json"], words);
+    };
+    lie(&|steps| drop(steps.pop()), &["lie.plan.json", "each of the 3 steps"]);
+    lie(&|steps| steps.swap(0, 1), &["does not put"]);
+    lie(&|steps| steps[1]["segments"][1]["attached"] = "box".into(), &["does not put"]);
+    lie(&|steps| drop(steps[1].as_object_mut().unwrap().remove("format")), &["step 2", "cranny-plan/1"]);
+    // Shown as what it is, and not where it does not belong.
+    assert_eq!(command(&["render", "235", "235.plan.json", "-o", "235.html"]).status.code(), Some(0));
+    for arguments in [
+        ["render", "021", "235.plan.json", "-o", "021.html"],
+        ["verify", "021", "235.plan.json", "--json", "-q"],
+    ] {
+        let output = command(&arguments);
+        assert_ne!(output.status.code(), Some(0), "{arguments:?}");
+    }
+    let shown = command(&["render", "021", "235.plan.json", "-o", "021.html"]);
+    let words = String::from_utf8_lossy(&shown.stderr).into_owned();
+    assert!(words.contains("3 steps, but scenario '021' has 0"), "{words}");
 }

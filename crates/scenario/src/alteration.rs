@@ -1,7 +1,7 @@
 //! Scenarios made from others: a body more or less, the object elsewhere.
 
 use cranny_collision::{Body, World};
-use cranny_grasp::{Grasp, GraspSet};
+use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
 
 use crate::{Scenario, ScenarioError, TargetPhysics};
@@ -54,18 +54,26 @@ impl Scenario {
     /// leads too far away.
     pub fn with_target_moved(&self, motion: &Pose) -> Result<Self, ScenarioError> {
         let Some(target) = self.target else { return Err(ScenarioError::NoTarget { id: self.id.clone() }) };
+        self.with_moved(target, motion, &self.start)
+    }
+
+    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start. The scenario's
+    /// own grasps move with its target.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Collision`] for a motion that leads too far away.
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn with_moved(&self, body: usize, motion: &Pose, start: &[f64]) -> Result<Self, ScenarioError> {
         let mut bodies = self.world.bodies().to_vec();
-        for part in &mut bodies[target].parts {
+        for part in &mut bodies[body].parts {
             part.world_from_solid = motion * part.world_from_solid;
         }
-        let moved = |grasp: &Grasp| Grasp { world_from_gripper: motion * grasp.world_from_gripper, ..*grasp };
-        Ok(Self {
-            world: World::new(bodies)?,
-            grasps: GraspSet::new(self.grasps.grasps().iter().map(moved).collect())?,
-            ik: Vec::new(),
-            export: None,
-            ..self.clone()
-        })
+        let is_own = self.target == Some(body);
+        let grasps = if is_own { self.grasps.moved(motion) } else { self.grasps.clone() };
+        let (world, start) = (World::new(bodies)?, start.to_vec());
+        Ok(Self { world, grasps, start, ik: Vec::new(), export: None, ..self.clone() })
     }
 
     /// The same scenario with other grasps; known IK solutions are left out.

@@ -3,7 +3,8 @@
 use cranny_collision::Margins;
 use cranny_plan::{AfterPlacing, AuditSettings, Clearances, Outcome, PlanError, Unobserved};
 use cranny_scenario::{
-    OpenOptions, PlanSource, Scenario, ScenarioError, SequencePlan, Step, TargetPhysics, sequences,
+    GivenGrasps, OpenOptions, PlanSource, Scenario, ScenarioError, SequencePlan, Step, TargetPhysics,
+    sequences,
 };
 use cranny_solve::{Request, Timing};
 
@@ -51,7 +52,13 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
     assert!(!valid(&short).unwrap());
     let mut swapped = plans.clone();
     swapped.steps.swap(0, 1);
-    assert!(!valid(&swapped).unwrap());
+    assert!(matches!(valid(&swapped), Err(ScenarioError::Plan(PlanError::Place { .. }))));
+    // Who planned for an obstacle, for which nobody has grasps, had those of the target all the same.
+    let mut without = plans.clone();
+    without.steps[0].grasps = Some("none".to_owned());
+    assert_eq!(without.given_grasps(), GivenGrasps::Own);
+    without.steps.iter_mut().for_each(|plan| plan.grasps = Some("none".to_owned()));
+    assert_eq!(without.given_grasps(), GivenGrasps::None);
     // A step too many, or a scenario that has none.
     let mut long = plans.clone();
     long.steps.push(plans.steps[2].clone());
@@ -62,11 +69,11 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
     // Another place than the step says.
     let mut elsewhere = plans.clone();
     elsewhere.steps[0].place.as_mut().unwrap().name = "outside".to_owned();
-    assert!(matches!(valid(&elsewhere), Err(ScenarioError::Plan(PlanError::Segments))));
+    assert!(matches!(valid(&elsewhere), Err(ScenarioError::Plan(PlanError::Place { .. }))));
     // A hand that stays nearer than a step asks.
     let mut near = plans.clone();
     near.steps[0].place.as_mut().unwrap().clear_m = 0.001;
-    assert!(matches!(valid(&near), Err(ScenarioError::Plan(PlanError::Segments))));
+    assert!(matches!(valid(&near), Err(ScenarioError::Plan(PlanError::Place { .. }))));
     // Another file is none of these, and half a one is a fault.
     plans.steps[0].write(&file).unwrap();
     assert_eq!(SequencePlan::read(&file).unwrap(), None);

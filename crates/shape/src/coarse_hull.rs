@@ -1,3 +1,5 @@
+use std::collections::BinaryHeap;
+
 use cranny_spatial::{Point, Pose};
 
 use crate::convex::Core;
@@ -72,23 +74,38 @@ pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)
     }
     let mut hull = Solid::hull(&chosen).ok()?;
     // A corner stands out the less the more corners are chosen, so only the one that stood out farthest when
-    // it was last measured needs to be measured again.
-    let mut fresh = vec![false; left.len()];
+    // it was last measured needs to be measured again. Of those equally far the last one counts; what is in the
+    // queue of a corner that has been measured again, or moved, is passed over.
+    let mut queue: BinaryHeap<(i64, usize)> =
+        left.iter().enumerate().map(|(index, (far_m, _))| (rank(*far_m), index)).collect();
+    let mut measured = vec![0; left.len()];
     loop {
-        let farthest = (0..left.len()).max_by(|&a, &b| left[a].0.total_cmp(&left[b].0))?;
-        if !fresh[farthest] {
+        let (far, farthest) = queue.pop()?;
+        if left.get(farthest).is_none_or(|(known_m, _)| far != rank(*known_m)) {
+            continue;
+        }
+        if measured[farthest] < chosen.len() {
             left[farthest].0 = standing_out_m(&left[farthest].1, &hull)?;
-            fresh[farthest] = true;
+            measured[farthest] = chosen.len();
+            queue.push((rank(left[farthest].0), farthest));
             continue;
         }
         if chosen.len() == most {
             return Some((chosen, left[farthest].0));
         }
         chosen.push(left.swap_remove(farthest).1);
-        fresh.swap_remove(farthest);
-        fresh.fill(false);
+        measured.swap_remove(farthest);
+        if let Some((moved_m, _)) = left.get(farthest) {
+            queue.push((rank(*moved_m), farthest));
+        }
         hull = Solid::hull(&chosen).ok()?;
     }
+}
+
+/// Ordered as [`f64::total_cmp`] orders.
+fn rank(distance_m: f64) -> i64 {
+    let bits = distance_m.to_bits().cast_signed();
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
 /// The distance of a point from a hull, in metres, never less than the truth.
@@ -108,6 +125,50 @@ mod tests {
 
     use super::*;
 
+    /// As [`chosen`], looking through all of them each time.
+    fn chosen_one_by_one(corners: &[Point], most: usize) -> (Vec<Point>, f64) {
+        let mut left: Vec<(f64, Point)> = corners.iter().map(|corner| (f64::INFINITY, *corner)).collect();
+        let mut chosen = Vec::new();
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let along = |(_, corner): &(f64, Point)| side * corner[axis];
+                let farthest = (0..left.len()).max_by(|&a, &b| along(&left[a]).total_cmp(&along(&left[b])));
+                chosen.push(left.swap_remove(farthest.unwrap()).1);
+            }
+        }
+        loop {
+            let hull = Solid::hull(&chosen).unwrap();
+            let mut fresh = vec![false; left.len()];
+            let farthest = loop {
+                let farthest = (0..left.len()).max_by(|&a, &b| left[a].0.total_cmp(&left[b].0)).unwrap();
+                if fresh[farthest] {
+                    break farthest;
+                }
+                left[farthest].0 = standing_out_m(&left[farthest].1, &hull).unwrap();
+                fresh[farthest] = true;
+            };
+            if chosen.len() == most {
+                return (chosen, left[farthest].0);
+            }
+            chosen.push(left.swap_remove(farthest).1);
+        }
+    }
+
+    #[test]
+    fn of_many_corners_the_same_are_chosen_whether_one_looks_at_all_or_at_the_next() {
+        let mut random = Stream::new(5, 0);
+        let scattered = (0..300).map(|_| Point::from(random.rotation() * Vector::x() * 0.1)).collect();
+        // Where many are equally far.
+        let grid =
+            (0..343).map(|k| Point::new(f64::from(k % 7), f64::from(k / 7 % 7), f64::from(k / 49))).collect();
+        let prism = (0..96).map(|k| {
+            let (sin, cos) = cranny_spatial::sin_cos(f64::from(k / 2) * std::f64::consts::TAU / 48.0);
+            Point::new(cos, sin, f64::from(k % 2))
+        });
+        for corners in [scattered, grid, prism.collect::<Vec<Point>>()] {
+            assert_eq!(chosen(&corners, 40).unwrap(), chosen_one_by_one(&corners, 40));
+        }
+    }
     proptest! {
         #[test]
         fn a_coarse_hull_lies_in_the_solid_and_the_solid_not_far_out_of_it(seed in any::<u64>()) {

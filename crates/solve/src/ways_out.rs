@@ -10,6 +10,9 @@ use cranny_spatial::Stream;
 const FIRST_ITERATIONS: u64 = 250;
 /// After so many that found none the next ones may take twice as many.
 const SEARCHES_PER_DOUBLING: u32 = 8;
+/// Of the shortest searches for a way to a place. From most grasps there is none, and from some it is found soon: to look
+/// long from few is worse than to look shortly from many.
+const PLACE_ITERATIONS: u64 = 500;
 
 /// Random configurations that are looked at for one in which an object is out …
 const MOST_DRAWS: u32 = 2000;
@@ -105,8 +108,11 @@ impl WaysOut {
         observer: &dyn Observer,
     ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
         let planner = cranny_plan::default_planner(&problem);
-        let doublings = (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2);
-        let budget = Budget { iterations: FIRST_ITERATIONS << doublings, time: self.left() };
+        let iterations = match self.end {
+            CarryEnd::Place(_) => PLACE_ITERATIONS * luby(self.exhausted + 1),
+            _ => FIRST_ITERATIONS << (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2),
+        };
+        let budget = Budget { iterations, time: self.left() };
         let report = search(planner.as_ref(), &mut problem, &budget, self.seed, &mut Stop(observer))?;
         self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
@@ -148,6 +154,20 @@ impl WaysOut {
     }
 }
 
+/// The term of this number, from 1 on, of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8, …: how much longer than the first each
+/// of many searches may take, of which nobody knows how long they need (Luby, Sinclair & Zuckerman 1993, §3).
+fn luby(number: u32) -> u64 {
+    let mut number = u64::from(number);
+    loop {
+        // Of the run of terms that it stands in, as long as 2ᵏ − 1, the last is 2ᵏ⁻¹; before it the last run comes twice.
+        let run = (number + 1).next_power_of_two();
+        if run == number + 1 {
+            return run / 2;
+        }
+        number -= run / 2 - 1;
+    }
+}
+
 /// Ends a path where the object is out for the first time.
 fn until_out(grip: &Grip, path: &mut Vec<Vec<f64>>, clear_m: f64) {
     let mut scratch = grip.carrying_scratch();
@@ -175,5 +195,16 @@ struct Stop<'a>(&'a dyn Observer);
 impl Observer for Stop<'_> {
     fn should_stop(&self) -> bool {
         self.0.should_stop()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn searches_take_twice_as_long_half_as_often() {
+        let terms: Vec<u64> = (1..=15).map(luby).collect();
+        assert_eq!(terms, [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
     }
 }

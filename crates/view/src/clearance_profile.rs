@@ -32,7 +32,8 @@ impl ClearanceProfile {
     /// the `steps`, one for each that is carried; where they end nothing is said of the rest of the path. What it rests on
     /// counts from the end of the lift-off on, and until it is set down.
     pub fn along(path: &ShownPath, cell: &Cell, steps: &[StepCells], most: usize) -> Option<Self> {
-        let shown = path.carries.get(steps.len()).map_or(path.times_s.len(), |carry| {
+        let known = steps.iter().take_while(|step| step.task.is_some()).count();
+        let shown = path.carries.get(known).map_or(path.times_s.len(), |carry| {
             path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0])
         });
         let last = shown.checked_sub(1)?;
@@ -118,7 +119,8 @@ fn stretches<'a, 'b>(
         for place in places[begin..goes_on].chunks(1) {
             let closing = carry.closing_at(path.times_s[place[0]]);
             // A hand that is less closed holds as well what the closed one holds.
-            let cell = held.with_hold(Hold { closing, ..cells.task.grip.hold });
+            let held_so = cells.task.as_ref().map(|task| Hold { closing, ..task.grip.hold });
+            let cell = held_so.map_or(Ok(held.clone()), |hold| held.with_hold(hold));
             stretches.push(Stretch { cell: cell.map_or(Cow::Borrowed(held), Cow::Owned), places: place });
         }
         begin = goes_on;

@@ -1,25 +1,9 @@
 use std::sync::Arc;
 
 use cranny_collision::Cell;
-use cranny_solve::{Mode, TaskCells};
+use cranny_solve::Mode;
 
-use crate::PagePlan;
-
-/// Robot and world along one step of a plan.
-#[derive(Clone, Debug)]
-pub struct StepCells {
-    /// On the way to the grasp, the hand empty.
-    pub reach: Arc<Cell>,
-    /// From when the hand has closed.
-    pub task: TaskCells,
-}
-
-impl StepCells {
-    /// Robot and world in a mode; `None` for one that the step does not have.
-    pub fn cell(&self, mode: Mode) -> Option<&Arc<Cell>> {
-        if mode == Mode::Reach { Some(&self.reach) } else { self.task.cell(mode) }
-    }
-}
+use crate::{PagePlan, StepCells};
 
 /// What a server judges postures in.
 #[derive(Clone, Debug)]

@@ -135,7 +135,9 @@ impl PagePlan {
 
     /// Whether all of it holds, by what `verify` says.
     pub fn is_valid(&self) -> bool {
-        self.verifications.len() == self.step_count && self.verifications.iter().all(|v| v.valid)
+        self.step_count > 0
+            && self.verifications.len() == self.step_count
+            && self.verifications.iter().all(|v| v.valid)
     }
 
     /// The grasp that the path ends at: what `verify` finds, not what the file claims. Of several steps each has its own.
@@ -161,7 +163,10 @@ impl PagePlan {
             return format!("{}not valid: {first}{more}", of_step(step));
         }
         if judged < self.step_count {
-            let ended = self.outcome.map_or("no way points", Outcome::sentence);
+            let ended = match self.outcome {
+                Some(Outcome::Solved) => "nobody has planned it",
+                outcome => outcome.map_or("no way points", Outcome::sentence),
+            };
             return format!("{}no path: {ended}", of_step(judged));
         }
         let clearances_m = self.verifications.iter().filter_map(|verification| verification.clearance_m);

@@ -47,11 +47,11 @@ impl Carried {
     }
 
     fn hold(&self) -> Hold {
-        self.step().task.grip.hold
+        self.step().task.expect("a hand that closes").grip.hold
     }
 
     fn step(&self) -> StepCells {
-        let task = self.plan.task_cells(&self.problem).unwrap().expect("a hand that closes");
+        let task = self.plan.task_cells(&self.problem).unwrap();
         StepCells { reach: self.problem.cell().unwrap().clone(), task }
     }
 

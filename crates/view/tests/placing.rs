@@ -49,7 +49,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
         }
         // All of it has a clearance, the object being an obstacle once it stands.
         let cell = problem.cell().unwrap();
-        let task = plan.task_cells(&problem).unwrap().unwrap();
+        let task = plan.task_cells(&problem).unwrap();
         let step = StepCells { reach: cell.clone(), task };
         let profile = ClearanceProfile::along(&path, cell, &[step], 200).unwrap();
         let last_s = profile.times_s.last().unwrap();

@@ -86,6 +86,11 @@ test("the steps of a plan are one motion, and postures are judged in the world t
         // What is lifted off or set down touches what it rests on.
         assert.ok(isFree || ["lift-off", "set-down"].includes(name), `${object}, ${name}: ${JSON.stringify(judged)}`);
       }
+      // While the hand closes, too.
+      await page.getByRole("slider", { name: "Time along the path" }).fill(String(modes[0].until_s + 0.01));
+      await page.waitForFunction(() => window.cranny?.standing.kind === "known" && window.cranny.mode === "close");
+      await page.getByRole("slider", { name: "Time along the path" }).fill(String(modes.at(-1)!.until_s));
+      await rest(page);
       const isLast = index === carries.length - 1;
       assert.equal(distanceBetween((await look(page, "worldFromTarget"))!, standing) > 0.5, isLast);
     }

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use cranny_collision::{Cell, Extent, Motion, Resting, Scratch};
+use cranny_collision::{Cell, Collider, Contact, Extent, Motion, Part, Resting, Scratch};
 use cranny_robot::{Hold, IkSettings, IkSolver};
 use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
@@ -155,13 +155,16 @@ impl Placer {
 
     /// Where the object can be put down, as far as it alone is concerned: of a place that is a pose that one, if it can.
     pub fn placements(&self) -> impl Iterator<Item = &Placement> {
-        let look = |draw: &Draw| {
+        self.draws.iter().filter_map(|draw| self.look_at(draw)).take(ENOUGH_PLACES)
+    }
+
+    /// Where the object is by a draw, if it can be there.
+    fn look_at<'a>(&self, draw: &'a Draw) -> Option<&'a Placement> {
+        let look = || {
             let pose = self.pose_of(draw);
             self.placement(&pose).filter(|placement| self.fault_of(placement).is_none())
         };
-        let found =
-            self.draws.iter().filter_map(move |draw| draw.placement.get_or_init(|| look(draw)).as_ref());
-        found.take(ENOUGH_PLACES)
+        draw.placement.get_or_init(look).as_ref()
     }
 
     /// The object at a pose, and what it rests on there; `None` in a hollow. The cell is that of a draw that was looked at,
@@ -241,18 +244,42 @@ impl Placer {
     }
 
     /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at the first placements: what it
-    /// touched at the first of all. `None` if it can at one, as far as the hand alone is concerned.
+    /// touched at the first of all. `None` if it can at one, as far as the hand alone is concerned. Where the hand is in the
+    /// floor, other placements in which the object rests in the same way are passed over.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
-        let mut first = FailureReason::NoPlace;
-        for (index, placement) in self.placements().take(ENOUGH_TO_REFUSE).enumerate() {
-            match placement.hand_contact(tip_from_held) {
-                Ok(None) => return None,
-                Ok(Some([a, b])) if index == 0 => first = FailureReason::PlaceBlocked { first: a, second: b },
-                _ => {}
+        let mut first = None;
+        let mut in_floor: Vec<usize> = Vec::new();
+        let mut seen = 0;
+        for draw in &self.draws {
+            if seen == ENOUGH_TO_REFUSE {
+                break;
             }
+            if in_floor.contains(&draw.rest) {
+                continue;
+            }
+            let Some(placement) = self.look_at(draw) else { continue };
+            seen += 1;
+            let (contact, cell) = match placement.hand_contact(tip_from_held) {
+                Ok(Some(met)) => met,
+                Ok(None) => return None,
+                Err(_) => continue,
+            };
+            let is_floor = |part: &Part| {
+                let up = part.world_from_solid.rotation * Vector::z();
+                part.solid.is_half_space() && (up - Vector::z()).norm() < EXACT_ROTATION_RAD
+            };
+            if let Collider::Body(body) = contact.second
+                && cell.world().bodies()[body].parts.iter().all(is_floor)
+            {
+                in_floor.push(draw.rest);
+            }
+            first.get_or_insert_with(|| {
+                let [first, second] = contact.names(&cell);
+                FailureReason::PlaceBlocked { first, second }
+            });
         }
-        Some(first)
+        Some(first.unwrap_or(FailureReason::NoPlace))
     }
 
     /// The pose of the tip at which a grip has the object at a placement, if the open hand can be there.
@@ -263,7 +290,10 @@ impl Placer {
         let tip_from_held = grip.hold.tip_from_held;
         match placement.hand_contact(tip_from_held) {
             Ok(None) => Ok(placement.world_from_tip(&tip_from_held)),
-            Ok(Some([first, second])) => Err(FailureReason::PlaceBlocked { first, second }),
+            Ok(Some((contact, cell))) => {
+                let [first, second] = contact.names(&cell);
+                Err(FailureReason::PlaceBlocked { first, second })
+            }
             Err(_) => Err(FailureReason::NoPlace),
         }
     }
@@ -349,11 +379,11 @@ impl Placer {
 }
 
 impl Placement {
-    /// What the open hand touches that has the object there, held so.
-    fn hand_contact(&self, tip_from_held: Pose) -> Result<Option<[String; 2]>, PlanError> {
+    /// What the open hand touches that has the object there, held so, in the cell in which it does.
+    fn hand_contact(&self, tip_from_held: Pose) -> Result<Option<(Contact, Cell)>, PlanError> {
         let cell = self.near.with_hold(Hold { tip_from_held, closing: 0.0 })?;
         let contact = cell.hand_contact(&self.world_from_tip(&tip_from_held), &mut cell.scratch());
-        Ok(contact.map(|contact| contact.names(&cell)))
+        Ok(contact.map(|contact| (contact, cell)))
     }
 
     /// Where the tip is then.

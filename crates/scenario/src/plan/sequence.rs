@@ -1,14 +1,14 @@
 use std::path::Path;
 
-use cranny_collision::{Margins, World};
+use cranny_collision::Margins;
 use cranny_plan::{Audit, AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem};
 use cranny_solve::{Carry, Request, SolveError, solve};
-use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::plan::reading::Head;
 use crate::{
-    PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics, write_whole_file,
+    GivenGrasps, PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics,
+    write_whole_file,
 };
 
 impl Scenario {
@@ -49,22 +49,6 @@ impl Scenario {
         let target = self.world.body_index(&carried.name).map_err(PlanError::from)?;
         let first = self.world.bodies()[target].parts.first().map(|part| part.world_from_solid);
         self.with_moved(target, &(placed * first.unwrap_or_default().inverse()), end)
-    }
-
-    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start. The scenario's
-    /// own grasps move with its target.
-    ///
-    /// # Errors
-    /// [`ScenarioError::World`] for a motion that is not finite.
-    pub fn with_moved(&self, body: usize, motion: &Pose, start: &[f64]) -> Result<Self, ScenarioError> {
-        let mut bodies = self.world.bodies().to_vec();
-        for part in &mut bodies[body].parts {
-            part.world_from_solid = motion * part.world_from_solid;
-        }
-        let is_own = self.target == Some(body);
-        let grasps = if is_own { self.grasps.moved(motion) } else { self.grasps.clone() };
-        let world = World::new(bodies)?;
-        Ok(Self { world, grasps, start: start.to_vec(), ik: Vec::new(), export: None, ..self.clone() })
     }
 }
 
@@ -127,11 +111,11 @@ impl SequencePlan {
         Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s }
     }
 
-    /// Shows `visit` each plan in the world that those before it leave, as long as it says to go on and a plan puts
-    /// something down.
+    /// Shows `visit` each plan in the world that those before it leave, as long as it says to go on.
     ///
     /// # Errors
-    /// Those of `visit`, and [`ScenarioError::Plan`] for what is no plan of the scenario's steps.
+    /// Those of `visit`, and [`ScenarioError::Plan`] for what is no plan of the scenario's steps, or puts nothing down where
+    /// it is to go on.
     pub fn walk<E: From<ScenarioError>>(
         &self,
         scenario: &Scenario,
@@ -173,6 +157,13 @@ impl SequencePlan {
         Ok(audits)
     }
 
+    /// The grasps that were given for the scenario's own target: for what else is picked none are, whatever a plan says of it.
+    pub fn given_grasps(&self) -> GivenGrasps {
+        let mut all = self.steps.iter().map(PlanFile::given_grasps);
+        let first = all.next().unwrap_or_default();
+        if first == GivenGrasps::None { all.find(|given| *given != first).unwrap_or(first) } else { first }
+    }
+
     /// Whether the scenario has steps, each has its path and no path is without one, and all hold by these verdicts.
     pub fn is_solved(&self, scenario: &Scenario, audits: &[Audit]) -> bool {
         let count = scenario.steps.len();
@@ -197,7 +188,12 @@ impl SequencePlan {
         }
         let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
         let plans: Self = cranny_file::json(&text).map_err(malformed)?;
-        for plan in &plans.steps {
+        for (step, plan) in plans.steps.iter().enumerate() {
+            if plan.format.as_deref() != Some(PlanFile::FORMAT) {
+                let problem =
+                    format!("the plan of step {} is not of format '{}'", step + 1, PlanFile::FORMAT);
+                return Err(ScenarioError::Content { path: path.to_owned(), problem });
+            }
             plan.check(path)?;
         }
         Ok(Some(plans))
@@ -221,14 +217,20 @@ impl SequencePlan {
 }
 
 impl Step {
-    /// That a plan says that it puts something down where the step has it.
+    /// That a plan says that it puts down what the step picks where the step has it.
     ///
     /// # Errors
-    /// [`PlanError::Segments`] for one that does not.
+    /// [`PlanError::Place`] for one that does not.
     pub fn check(&self, plan: &PlanFile) -> Result<(), PlanError> {
         let (name, then) = (self.place.clone(), self.then);
         let asked = PlanPlace { name, clear_m: PlaceSettings::CLEAR_M, then };
-        if plan.place == Some(asked) { Ok(()) } else { Err(PlanError::Segments) }
+        let lift_off = plan.segments.get(1);
+        let is_it = lift_off.is_none_or(|lift_off| lift_off.attached.as_deref() == Some(&self.pick));
+        if plan.place == Some(asked) && is_it {
+            return Ok(());
+        }
+        let problem = format!("the plan of the step does not put '{}' down in '{}'", self.pick, self.place);
+        Err(PlanError::Place { problem })
     }
 }
 
