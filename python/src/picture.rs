@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cranny_collision::{Cell, Margins};
+use cranny_collision::{Cell, Margins, World};
 use cranny_plan::AuditSettings;
 use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
+use cranny_spatial::Pose;
 use cranny_view::{
     Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
     ShownPath, StandardView, StepCells, TreeRecording, ViewError,
@@ -157,7 +158,7 @@ pub fn page_of(
             Some(PagePlan { search_tree, ..page.map_err(fault)? })
         }
         ShownPlans::Steps(plans) => {
-            follow_each_other(plans)?;
+            follow_each_other(shown, plans)?;
             let (mut timed, mut verifications, mut steps) = (Vec::new(), Vec::new(), Vec::new());
             for plan in plans {
                 timed.push((&plan.file, timed_in(shown, plan)?));
@@ -182,19 +183,30 @@ pub fn page_of(
     Ok((page, PageCells::of(cell.clone(), page_plan.as_slice())))
 }
 
-/// That each plan begins where the one before ends.
-fn follow_each_other(plans: &[&PyPlan]) -> PyResult<()> {
-    for (index, pair) in plans.windows(2).enumerate() {
-        let [before, after] = [pair[0].file.waypoints.last(), pair[1].file.waypoints.first()];
-        if after.is_some() && before != after {
+/// That each plan is for the world that the one before leaves, as far as these put something down.
+fn follow_each_other(scenario: &Scenario, plans: &[&PyPlan]) -> PyResult<()> {
+    let mut now = scenario.clone();
+    for (index, plan) in plans.iter().enumerate() {
+        let planned = plan.task.scenario.as_deref().unwrap_or(&now);
+        let is_next = plan.file.waypoints.first().is_none_or(|first| *first == now.start);
+        if !is_next || !stand_alike(&planned.world, &now.world) {
+            let step = index + 1;
             return Err(bad_value(format!(
-                "plan: step {} does not begin where step {} ends",
-                index + 2,
-                index + 1
+                "plan: step {step} was planned for another world than it begins in (see scenario.after)"
             )));
         }
+        let Ok(next) = now.after(&plan.file, &plan.task.problem) else { break };
+        now = next;
     }
     Ok(())
+}
+
+/// Whether all bodies of two worlds are where those of the other are.
+fn stand_alike(a: &World, b: &World) -> bool {
+    let poses = |world: &World| -> Vec<Pose> {
+        world.bodies().iter().flat_map(|body| body.parts.iter().map(|part| part.world_from_solid)).collect()
+    };
+    poses(a) == poses(b)
 }
 
 fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResult<Scene> {
@@ -205,7 +217,7 @@ fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResu
             ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }
         ShownPlans::Steps(plans) => {
-            follow_each_other(plans)?;
+            follow_each_other(scenario, plans)?;
             let steps = plans.iter().map(|plan| Ok((&plan.file, timed_in(scenario, plan)?)));
             let steps = steps.collect::<PyResult<Vec<_>>>()?;
             ShownPath::of_steps(&scenario.robot, &steps, rate_hz).map_err(fault)?

@@ -53,7 +53,7 @@ def test_steps_are_written_and_read_and_judged_anew(steps: cranny.StepsPlan, tmp
 def test_steps_are_shown_as_one_motion(steps: cranny.StepsPlan) -> None:
     page = steps.scenario.show(steps).html()
     assert "235" in page
-    with pytest.raises(ValueError, match="step 2 does not begin"):
+    with pytest.raises(ValueError, match="step 2 was planned for another world"):
         steps.scenario.show([steps[0], steps[0]]).html()
     png = steps.scenario.show(steps, width=64, height=48).png()
     assert png.startswith(b"\x89PNG")
