@@ -164,8 +164,11 @@ fn plan_of_steps(
     plans: &SequencePlan,
     scenario: &Scenario,
 ) -> Result<PagePlan, Failure> {
+    if let Some(first) = plans.steps.first() {
+        check_plan(file, first, &scenario.robot, &scenario.id, "shown in")?;
+    }
     for plan in &plans.steps {
-        check_plan(file, plan, &scenario.robot, &scenario.id, "shown in")?;
+        plan.check_joints(file, &scenario.robot)?;
     }
     let (count, planned) = (scenario.steps.len(), plans.steps.len());
     if !(1..=count).contains(&planned) {
