@@ -11,7 +11,7 @@ use cranny_view::{PageCells, PageData, PagePlan, PageSettings, StepCells};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
-use crate::plan_task::{check_plan, read_plan};
+use crate::plan_task::{check_plan, check_steps, read_plan};
 use crate::progress::{self, stop_on_interrupt};
 use crate::task::open_scenario;
 use crate::{recording, search_replay};
@@ -164,17 +164,7 @@ fn plan_of_steps(
     plans: &SequencePlan,
     scenario: &Scenario,
 ) -> Result<PagePlan, Failure> {
-    if let Some(first) = plans.steps.first() {
-        check_plan(file, first, &scenario.robot, &scenario.id, "shown in")?;
-    }
-    for plan in &plans.steps {
-        plan.check_joints(file, &scenario.robot)?;
-    }
-    let (count, planned) = (scenario.steps.len(), plans.steps.len());
-    if !(1..=count).contains(&planned) {
-        let problem = format!("the plan has {planned} steps, but scenario '{}' has {count}", scenario.id);
-        return Err(Failure::File { path: file.to_owned(), problem });
-    }
+    check_steps(file, plans, scenario, "shown in")?;
     let margins = plans.steps.first().map(|plan| plan.margins).unwrap_or_default();
     let (mut timed, mut verifications, mut cells) = (Vec::new(), Vec::new(), Vec::new());
     plans.walk(scenario, margins, |StepTask { plan, scenario, problem }| -> Result<bool, Failure> {
@@ -188,7 +178,7 @@ fn plan_of_steps(
     })?;
     let judged = (verifications, cells);
     let timed: Vec<_> = plans.steps.iter().zip(timed).collect();
-    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, count, judged)?)
+    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, scenario.steps.len(), judged)?)
 }
 
 /// The scenario and its problems, each made once.

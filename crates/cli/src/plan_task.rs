@@ -4,7 +4,9 @@ use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::Problem;
 use cranny_robot::Robot;
-use cranny_scenario::{MoveItOptions, MoveItProblem, PlanFile, PlanSource, ScenarioError, model_notes};
+use cranny_scenario::{
+    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, SequencePlan, model_notes,
+};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -89,6 +91,30 @@ pub fn check_plan(
         text::note(&format!(
             "{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"
         ))?;
+    }
+    Ok(())
+}
+
+/// The same of the plans of several steps, said once; refuses those of a scenario that does not have so many steps.
+pub fn check_steps(
+    file: &Path,
+    plans: &SequencePlan,
+    scenario: &Scenario,
+    used: &str,
+) -> Result<(), Failure> {
+    if let Some(first) = plans.steps.first() {
+        check_plan(file, first, &scenario.robot, &scenario.id, used)?;
+    }
+    for plan in &plans.steps {
+        plan.check_joints(file, &scenario.robot)?;
+    }
+    let (count, planned) = (scenario.steps.len(), plans.steps.len());
+    if !(1..=count).contains(&planned) {
+        let problem = format!("the plan has {planned} steps, but scenario '{}' has {count}", scenario.id);
+        return Err(Failure::File { path: file.to_owned(), problem });
+    }
+    for (step, plan) in scenario.steps.iter().zip(&plans.steps) {
+        step.check(plan)?;
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
-use crate::plan_task::read_plan;
+use crate::plan_task::{check_steps, read_plan};
 use crate::recording;
 use crate::render_format::Format;
 use crate::task::open_scenario;
@@ -358,8 +358,10 @@ fn scene(
     rate_hz: f64,
     output: Output,
 ) -> Result<Scene, Failure> {
-    if let Some(plans) = plan.map(SequencePlan::read).transpose()?.flatten() {
-        return scene_of_steps(id, &plans, arguments, rate_hz, output);
+    if let Some(file) = plan
+        && let Some(plans) = SequencePlan::read(file)?
+    {
+        return scene_of_steps(id, (file, &plans), arguments, rate_hz, output);
     }
     let read = plan.map(read_plan).transpose()?.flatten();
     let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
@@ -395,7 +397,7 @@ fn scene(
 /// What is seen of a scenario while its steps are carried out.
 fn scene_of_steps(
     id: &str,
-    plans: &SequencePlan,
+    (file, plans): (&Path, &SequencePlan),
     arguments: &RenderArguments,
     rate_hz: f64,
     output: Output,
@@ -403,6 +405,7 @@ fn scene_of_steps(
     let of_plan = plans.steps.first().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
     let options = OpenOptions { robot: arguments.robot.clone().or(of_plan), ..OpenOptions::default() };
     let scenario = open_scenario(id, &options, output)?;
+    check_steps(file, plans, &scenario, "shown in")?;
     let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None);
     let steps = plans.steps.iter().map(|plan| Ok((plan, timed(plan)?)));
     let steps = steps.collect::<Result<Vec<_>, PlanError>>()?;

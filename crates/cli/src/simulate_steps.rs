@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::arguments::Output;
 use crate::failure::Failure;
-use crate::plan_task::check_plan;
+use crate::plan_task::check_steps;
 use crate::progress;
 use crate::recording::{self, RecordedStep};
 use crate::simulate_plan::{SimulatePlanArguments, execute, is_as_planned, page_of};
@@ -55,18 +55,17 @@ pub fn run(
         ..OpenOptions::default()
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;
+    check_steps(file, plans, &scenario, "executed in")?;
     let refused = |problem: String| Failure::File { path: file.clone(), problem };
     let (count, planned) = (scenario.steps.len(), plans.steps.len());
-    if count == 0 || planned != count || plans.steps.iter().any(|plan| plan.waypoints.is_empty()) {
+    if planned != count || plans.steps.iter().any(|plan| plan.waypoints.is_empty()) {
         let problem =
             format!("the plan does not have a path for each of the {count} steps of '{}'", scenario.id);
         return Err(refused(problem));
     }
     // Before the first of them, which takes its time.
     let instead = arguments.instead.of_target();
-    for (step, plan) in scenario.steps.iter().zip(&plans.steps) {
-        check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
-        step.check(plan)?;
+    for step in &scenario.steps {
         let physics = instead.or(scenario.at_step(step)?.target_physics());
         if physics.mass_kg.is_none() {
             let problem = format!(

@@ -357,4 +357,7 @@ fn steps_are_executed_one_after_the_other() {
     let shown = command(&["render", "021", "235.plan.json", "-o", "021.html"]);
     let words = String::from_utf8_lossy(&shown.stderr).into_owned();
     assert!(words.contains("3 steps, but scenario '021' has 0"), "{words}");
+    assert_eq!(words.matches("the plan was made for scenario '235'").count(), 1, "{words}");
+    let drawn = command(&["render", "021", "235.plan.json", "-o", "021.png", "--size", "32x24"]);
+    assert_eq!(drawn.status.code(), Some(2), "a picture is of it or of nothing");
 }

@@ -23,6 +23,8 @@ const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
 /// A hand that can be at none of so many places is not tried at others: what it touches is mostly what carries the object.
 const ENOUGH_TO_REFUSE: usize = 16;
+/// The normal of a floor is no farther from the vertical, as a chord: rounding.
+const LEVEL: f64 = 1e-9;
 /// Between two configurations of a retreat, in metres, and how far it goes at most.
 const RUNG_M: f64 = 0.01;
 const MOST_RETREAT_M: f64 = 0.5;
@@ -267,7 +269,7 @@ impl Placer {
             };
             let is_floor = |part: &Part| {
                 let up = part.world_from_solid.rotation * Vector::z();
-                part.solid.is_half_space() && (up - Vector::z()).norm() < EXACT_ROTATION_RAD
+                part.solid.is_half_space() && (up - Vector::z()).norm() < LEVEL
             };
             if let Collider::Body(body) = contact.second
                 && cell.world().bodies()[body].parts.iter().all(is_floor)

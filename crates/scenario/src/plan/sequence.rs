@@ -70,8 +70,8 @@ impl SequencePlan {
     /// The format that this version writes.
     pub const FORMAT: &str = "cranny-sequence/1";
 
-    /// Plans the steps of a scenario one after the other, until one has no path that holds; and whether all have. What a request says of where things are
-    /// carried is not asked: the steps say that.
+    /// Plans the steps of a scenario one after the other, until one has no path that holds; and whether all have. What a
+    /// request says of where things are carried is not asked: the steps say that.
     ///
     /// # Errors
     /// [`SequenceError`]: of the scenario, or of a search.
