@@ -3,12 +3,14 @@
 pub mod system;
 
 mod counted;
+mod distinct;
 mod excerpt;
 mod fault;
 mod opener;
 mod text;
 
 pub use counted::counted;
+pub use distinct::distinct;
 pub use excerpt::{excerpt, visible};
 pub use fault::{FileFault, LIFTED_BY};
 pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};

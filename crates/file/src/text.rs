@@ -14,11 +14,17 @@ pub struct TextFault {
     pub problem: String,
 }
 
-/// What a YAML text says.
+/// What a YAML text says. Lines of `---` and `...` at its end, as a dump of a topic has them, hold no other document.
 ///
 /// # Errors
 /// The first fault.
 pub fn yaml<T: DeserializeOwned>(text: &str) -> Result<T, TextFault> {
+    let mut text = text.trim_end();
+    while let Some(before) = ["---", "..."].iter().find_map(|mark| text.strip_suffix(mark)) {
+        // Farther to the right they belong to a text.
+        let Some(before) = before.strip_suffix('\n') else { break };
+        text = before.trim_end();
+    }
     serde_saphyr::from_str_with_options(text, options(text.len())).map_err(|error| {
         let line = error.location().map_or(1, |location| usize::try_from(location.line()).unwrap_or(1));
         TextFault { line: line.max(1), problem: yaml_words(&error) }

@@ -11,7 +11,8 @@ use crate::joint_group::{Resolved, range, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::joint_step::{Motion, Step, Value};
 use crate::kinematics::LinkFrames;
-use crate::link_pairs::{adjacent_pairs, disabled_pairs};
+use crate::link_pairs::{adjacent_pairs, declared_pairs};
+use crate::planning_limits::PlanningLimits;
 use crate::rate_limits::{RateLimits, parse_rate_limits};
 use crate::robot_description::{DESCRIPTION, LIMITS};
 use crate::text_source::{parsed, read};
@@ -19,7 +20,7 @@ use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
     GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
-    Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    RateScales, Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
@@ -47,12 +48,17 @@ impl Robot {
         // 1. What the files say, and that it fits together.
         let mut urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
-        let rates = parsed(options.limits.as_ref(), parse_rate_limits)?.unwrap_or_default();
-        for (name, rate) in &rates {
-            let joint = tree.joint(name).ok_or_else(|| unknown_joint(&urdf, rate.at().to_string(), name))?;
-            rate.narrow(&mut urdf.joints[joint])?;
-        }
         let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
+        let rates = parsed(options.limits.as_ref(), parse_rate_limits)?.unwrap_or_default();
+        let planning = parsed(options.joint_limits.as_ref(), PlanningLimits::parse)?.unwrap_or_default();
+        for (name, rate) in planning.joints.iter().chain(&rates) {
+            match tree.joint(name) {
+                Some(joint) => rate.narrow(&mut urdf.joints[joint])?,
+                None if srdf.as_ref().is_some_and(|srdf| srdf.virtual_joint(name).is_some()) => {}
+                None => return Err(unknown_joint(&urdf, rate.at().to_string(), name)),
+            }
+        }
+        let scales = planning.scales(options.rate_scales);
         let (options, description) = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
         // 2. Which joints move, and how.
         let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
@@ -78,7 +84,10 @@ impl Robot {
         let limits: Vec<JointLimits> = resolved
             .group
             .iter()
-            .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
+            .map(|&joint| {
+                let name = &urdf.joints[joint].name;
+                joint_limits(&urdf.joints[joint], [rates.get(name), planning.joints.get(name)], scales)
+            })
             .collect::<Result<_, _>>()?;
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
@@ -88,12 +97,18 @@ impl Robot {
         let joint_names: Vec<String> =
             resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect();
         let start = description.as_ref().and_then(|description| description.start_of(&joint_names));
+        let group_states = group_states(&urdf, &tree, &srdf, &resolved.group)?;
+        let pairs = declared_pairs(&urdf, &tree, &srdf, options)?;
+        let values = urdf.joints.iter().map(|joint| joint.name.clone()).zip(resolved.values).collect();
         let robot = Self {
             name: urdf.name.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
-            adjacent_pairs: adjacent_pairs(&links, &movers),
-            disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
-            group_states: group_states(&urdf, &tree, &srdf, &resolved.group)?,
+            adjacent_pairs: adjacent_pairs(&links, &movers, &pairs.checked),
+            disabled_pairs: pairs.disabled,
+            values,
+            virtual_joints: srdf.virtual_joints,
+            passive_joints: srdf.passive_joints,
+            group_states,
             joint_names,
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
@@ -156,6 +171,7 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
         Some(GroupJoint {
             name: described.name.clone(),
             kind: motion.kind.into(),
+            is_continuous: motion.kind == UrdfJointKind::Continuous,
             child_link: tree.node_of_joint[joint],
             axis_in_child: motion.axis_in_child,
             effort: motion.limits.effort,
@@ -223,7 +239,12 @@ fn joint_motion(
     Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
 }
 
-fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {
+/// The limits of a joint of the group; of its rates, the first that gives one goes before the others.
+fn joint_limits(
+    joint: &UrdfJoint,
+    rates: [Option<&RateLimits>; 2],
+    scales: RateScales,
+) -> Result<JointLimits, RobotError> {
     let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
     let motion = joint.motion.as_ref().ok_or_else(missing)?;
     let velocity = motion.limits.velocity.ok_or_else(missing)?;
@@ -240,7 +261,11 @@ fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLi
         UrdfJointKind::Prismatic => JointUnit::Metre,
         UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
     };
-    let (acceleration, jerk) = rates.map_or((None, None), |rates| (rates.acceleration, rates.jerk));
+    let mut given = rates.into_iter().flatten();
+    let acceleration = given.clone().find_map(|rates| rates.acceleration);
+    let jerk = given.find_map(|rates| rates.jerk);
+    let velocity = velocity * scales.velocity.unwrap_or(1.0);
+    let acceleration = acceleration.map(|acceleration| acceleration * scales.acceleration.unwrap_or(1.0));
     Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
 }
 
@@ -312,8 +337,11 @@ fn group_states(
         let mut values = HashMap::new();
         for (name, value) in &state.values {
             let place = || format!("{}: state `{}`", state.at, state.name);
-            let joint = tree.joint(name).ok_or_else(|| unknown_joint(urdf, place(), name))?;
-            values.insert(joint, *value);
+            match tree.joint(name) {
+                Some(joint) => drop(values.insert(joint, *value)),
+                None if srdf.virtual_joint(name).is_some() => {}
+                None => return Err(unknown_joint(urdf, place(), name)),
+            }
         }
         let q: Option<Vec<f64>> = group.iter().map(|joint| values.get(joint).copied()).collect();
         states.extend(q.map(|q| (state.name.clone(), q)));

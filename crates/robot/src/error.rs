@@ -314,6 +314,18 @@ pub enum RobotError {
         /// What hinders it.
         hindrance: Hindrance,
     },
+    /// An SRDF holds something that is not known.
+    #[error("{at}: unknown {kind} `{name}` in an SRDF (known here: {known})")]
+    UnknownInSrdf {
+        /// Where.
+        at: Location,
+        /// `element`, `attribute`, …
+        kind: &'static str,
+        /// Its name.
+        name: String,
+        /// The names that are known.
+        known: String,
+    },
     /// A joint is to be held at a value outside its limits.
     #[error("{at}: joint `{joint}` cannot be held at {value}: its limits are {lower} to {upper}")]
     HeldOutsideLimits {

@@ -22,6 +22,20 @@ impl Robot {
         is_turned
     }
 
+    /// Turns continuous joints of `q` that are outside their limits by whole turns into them: all links stay where they
+    /// are. A joint with limits of its own stays as it is, and so does one that gears another by a fraction.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn turn_into_limits(&self, q: &mut [f64]) {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        for (joint, value) in q.iter_mut().enumerate() {
+            if self.full_turns[joint] && self.joints[joint].is_continuous {
+                *value = turned_within(*value, self.limits[joint].lower, self.limits[joint].upper);
+            }
+        }
+    }
+
     /// How far beyond need a path turns the joint that it turns farthest so, in radians: what the joint travels, less
     /// the way from where it starts to the nearest of the whole turns, within its limits, at which the path could end.
     /// Only joints that have a full turn count.
@@ -51,6 +65,20 @@ pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<b
     };
     let has_range = |limits: &JointLimits| limits.upper - limits.lower >= TAU;
     limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
+}
+
+/// `value` if it lies within the limits, else `value` and the fewest whole turns that bring it there; `value` if none
+/// do.
+pub(crate) fn turned_within(value: f64, lower: f64, upper: f64) -> f64 {
+    let turns = if value < lower {
+        ((lower - value) / TAU).ceil()
+    } else if value > upper {
+        ((upper - value) / TAU).floor()
+    } else {
+        return value;
+    };
+    let turned = value + turns * TAU;
+    if (lower..=upper).contains(&turned) { turned } else { value }
 }
 
 /// `value` and whole turns, within the limits as near to `reference` as can be.
@@ -89,6 +117,21 @@ mod tests {
                 (nearest_turn(value, reference, &limits) - expected).abs() < 1e-12,
                 "{value} {reference}"
             );
+        }
+    }
+
+    #[test]
+    fn a_value_is_turned_into_its_limits_or_stays() {
+        for (value, lower, upper, expected) in [
+            (37.7, -3.0 * PI, 3.0 * PI, 37.7 - 5.0 * TAU),
+            (-15.0, -3.0 * PI, 3.0 * PI, -15.0 + TAU),
+            (9.0, -3.0 * PI, 3.0 * PI, 9.0),
+            (TAU + 0.5, -1.0, 1.0, 0.5),
+            (2.0, -1.0, 1.0, 2.0),
+            (f64::INFINITY, -1.0, 1.0, f64::INFINITY),
+        ] {
+            let turned = turned_within(value, lower, upper);
+            assert!(turned == expected || (turned - expected).abs() < 1e-12, "{value}: {turned}");
         }
     }
 

@@ -1,7 +1,8 @@
 use std::collections::HashSet;
 
 use crate::tree::Tree;
-use crate::urdf_model::{Urdf, UrdfJoint, UrdfMotion};
+use crate::full_turn::turned_within;
+use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.
@@ -15,10 +16,12 @@ pub(crate) struct Resolved {
 }
 
 /// `value = multiplier · q[joint] + offset`, or `offset` alone.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct JointValue {
     pub(crate) follows: Option<(usize, f64)>,
     pub(crate) offset: f64,
+    /// Whether the joint could choose its value, but is held.
+    pub(crate) stands: bool,
 }
 
 impl Resolved {
@@ -101,6 +104,11 @@ impl Resolver<'_> {
                 follower = &self.urdf.joints[self.known_joint(&mimic.master, place)?];
             }
         }
+        for (name, at) in self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive)) {
+            if !self.is_virtual(name) {
+                self.joint_or_its_parts(name, || format!("{at}: passive_joint"))?;
+            }
+        }
         for name in &self.options.solid_meshes {
             self.known_link(name, || format!("{}: solid_meshes", self.urdf.file))?;
         }
@@ -130,6 +138,22 @@ impl Resolver<'_> {
         if parts.is_empty() { Ok(vec![self.known_joint(name, place)?]) } else { Ok(parts) }
     }
 
+    /// Whether the SRDF has a virtual joint of that name, and the URDF none.
+    fn is_virtual(&self, name: &str) -> bool {
+        self.tree.joint(name).is_none() && self.srdf.is_some_and(|srdf| srdf.virtual_joint(name).is_some())
+    }
+
+    /// The link that a chain begins at: the frame that the robot stands in stands for the link that stands there.
+    fn chain_base(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
+        let virtual_joints = self.srdf.iter().flat_map(|srdf| &srdf.virtual_joints);
+        let standing = virtual_joints.filter(|joint| joint.parent_frame == name).map(|joint| &joint.child_link);
+        let standing = standing.filter_map(|link| self.tree.node(link)).next();
+        match standing.filter(|_| self.tree.node(name).is_none()) {
+            Some(node) => Ok(node),
+            None => self.known_link(name, place),
+        }
+    }
+
     fn known_link(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         self.tree.node(name).ok_or_else(|| unknown_link(self.urdf, place(), name))
     }
@@ -142,6 +166,11 @@ impl Resolver<'_> {
 
     fn is_held(&self, joint: usize) -> bool {
         self.options.fixed.contains_key(&self.urdf.joints[joint].name)
+    }
+
+    fn is_passive(&self, joint: usize) -> bool {
+        let name = &self.urdf.joints[joint].name;
+        self.srdf.is_some_and(|srdf| srdf.passive_joints.contains(name))
     }
 
     fn root_to_tip(&self, tip: usize) -> Vec<usize> {
@@ -162,7 +191,8 @@ impl Resolver<'_> {
                     &mut Inside::default(),
                     &mut joints,
                 )?;
-                joints.retain(|&joint| self.is_free(joint));
+                // A joint that no motor drives stands where it is held.
+                joints.retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
                 joints.dedup();
                 joints
@@ -221,14 +251,14 @@ impl Resolver<'_> {
         groups.open.push(&group.name);
         let place = || format!("{}: group `{}`", group.at, group.name);
         for (base, tip) in &group.chains {
-            let (base_node, tip_node) = (self.known_link(base, place)?, self.known_link(tip, place)?);
+            let (base_node, tip_node) = (self.chain_base(base, place)?, self.known_link(tip, place)?);
             let chain = self.chain(base_node, tip_node).ok_or_else(|| {
                 let (at, base, tip) = (group.at.clone(), base.clone(), tip.clone());
                 RobotError::BrokenChain { at, base, tip }
             })?;
             joints.extend(chain);
         }
-        for name in &group.joints {
+        for name in group.joints.iter().filter(|name| !self.is_virtual(name)) {
             joints.extend(self.joint_or_its_parts(name, place)?);
         }
         for name in &group.links {
@@ -288,7 +318,7 @@ impl Resolver<'_> {
     /// The value of a joint of the file, mimicry followed to its end (see [`check_names`](Self::check_names)).
     fn value(&self, joint: usize, group: &[usize]) -> Result<JointValue, RobotError> {
         let described = &self.urdf.joints[joint];
-        let Some(motion) = &described.motion else { return Ok(JointValue { follows: None, offset: 0.0 }) };
+        let Some(motion) = &described.motion else { return Ok(JointValue { follows: None, offset: 0.0, stands: false }) };
         if let Some(mimic) = &motion.mimic {
             let master = self.known_joint(&mimic.master, || described.at.to_string())?;
             let value = self.value(master, group)?;
@@ -299,14 +329,16 @@ impl Resolver<'_> {
                     .map(|(index, factor)| (index, factor * mimic.multiplier))
                     .filter(|&(_, factor)| factor != 0.0),
                 offset: value.offset * mimic.multiplier + mimic.offset,
+                stands: false,
             });
         }
         if let Some(index) = group.iter().position(|&member| member == joint) {
-            return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0 });
+            return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0, stands: false });
         }
         let (lower, upper) = range(motion);
         let held = self.options.fixed.get(&described.name).copied();
-        Ok(JointValue { follows: None, offset: held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper)) })
+        let offset = held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper));
+        Ok(JointValue { follows: None, offset, stands: true })
     }
 
     /// Held values lie within limits, and those of mimic joints agree with what they follow.
@@ -329,7 +361,7 @@ impl Resolver<'_> {
                 }
             }
             let (lower, upper) = range(motion);
-            if value < lower || value > upper {
+            if !admits(motion, value) {
                 let (at, joint) = (joint.at.clone(), joint.name.clone());
                 return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
             }
@@ -341,6 +373,16 @@ impl Resolver<'_> {
 /// The limits of a movable joint.
 pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
     (motion.limits.lower, motion.limits.upper)
+}
+
+/// Whether a joint may be held at `value`: a continuous one at any number of whole turns.
+pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
+    let (lower, upper) = range(motion);
+    let value = match motion.kind {
+        UrdfJointKind::Continuous => turned_within(value, lower, upper),
+        _ => value,
+    };
+    (lower..=upper).contains(&value)
 }
 
 fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: Hindrance) -> RobotError {

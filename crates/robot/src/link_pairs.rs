@@ -3,13 +3,19 @@ use std::collections::BTreeMap;
 use crate::joint_group::unknown_link;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
-use crate::{Link, Mover, RobotError, Srdf};
+use crate::{Link, Location, Mover, RobotError, RobotOptions, Srdf};
 
 /// Two links with geometry are adjacent if the way between them through the tree meets no third one, and at most one joint
 /// moves them against each other. Two arms on a bare torso are not, nor a gantry's frame and its tool beyond bare carriages.
 ///
 /// Bare links that hang together form a patch; which links with geometry are around one is found first.
-pub(crate) fn adjacent_pairs(links: &[Link], movers: &[Vec<Mover>]) -> Vec<(usize, usize)> {
+///
+/// Pairs of `checked` are left out.
+pub(crate) fn adjacent_pairs(
+    links: &[Link],
+    movers: &[Vec<Mover>],
+    checked: &[(usize, usize)],
+) -> Vec<(usize, usize)> {
     // A patch is known by its topmost link.
     let mut patch_of: Vec<usize> = (0..links.len()).collect();
     let mut around: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -29,7 +35,9 @@ pub(crate) fn adjacent_pairs(links: &[Link], movers: &[Vec<Mover>]) -> Vec<(usiz
         }
     }
     pairs.retain(|&(first, second)| joints_between(&movers[first], &movers[second]) <= 1);
-    sorted_pairs(pairs)
+    let mut pairs = sorted_pairs(pairs);
+    pairs.retain(|pair| checked.binary_search(pair).is_err());
+    pairs
 }
 
 /// How many joints move one link against another, by those that move each.
@@ -38,26 +46,54 @@ fn joints_between(first: &[Mover], second: &[Mover]) -> usize {
     first.len() + second.len() - 2 * common
 }
 
-/// The pairs that the SRDF, or whoever loads the robot, says not to test.
-pub(crate) fn disabled_pairs(
+/// Pairs of links by declaration, each sorted.
+pub(crate) struct DeclaredPairs {
+    /// Those that are never tested.
+    pub(crate) disabled: Vec<(usize, usize)>,
+    /// Those that are tested even where they are adjacent.
+    pub(crate) checked: Vec<(usize, usize)>,
+}
+
+/// The pairs that the SRDF and the options name. As in `MoveIt`, `disable_collisions` goes before `enable_collisions`,
+/// and that before `disable_default_collisions`; the options go before all of them.
+pub(crate) fn declared_pairs(
     urdf: &Urdf,
     tree: &Tree,
     srdf: &Srdf,
-    unchecked_pairs: &[[String; 2]],
-) -> Result<Vec<(usize, usize)>, RobotError> {
+    options: &RobotOptions,
+) -> Result<DeclaredPairs, RobotError> {
     let find = |name: &String, place: &dyn Fn() -> String| {
         tree.node(name).ok_or_else(|| unknown_link(urdf, place(), name))
     };
-    let mut pairs = Vec::with_capacity(srdf.disabled_pairs.len() + unchecked_pairs.len());
-    for ((first, second), at) in srdf.disabled_pairs.iter().zip(&srdf.disabled_at) {
-        let place = || format!("{at}: disabled pair");
-        pairs.push((find(first, &place)?, find(second, &place)?));
+    let of_srdf = |pairs: &[(String, String)], lines: &[Location], what: &str| {
+        let pairs = pairs.iter().zip(lines).map(|((first, second), at)| {
+            let place = || format!("{at}: {what}");
+            Ok((find(first, &place)?, find(second, &place)?))
+        });
+        Ok(sorted_pairs(pairs.collect::<Result<_, RobotError>>()?))
+    };
+    let of_options = |pairs: &[[String; 2]], what: &str| {
+        let place = || what.to_owned();
+        let pairs = pairs.iter().map(|[first, second]| Ok((find(first, &place)?, find(second, &place)?)));
+        Ok(sorted_pairs(pairs.collect::<Result<_, RobotError>>()?))
+    };
+    let places = &srdf.places;
+    let named = of_srdf(&srdf.disabled_pairs, &places.disabled, "disabled pair")?;
+    let mut enabled = of_srdf(&srdf.enabled_pairs, &places.enabled, "enabled pair")?;
+    let mut disabled = Vec::new();
+    for (name, at) in srdf.untested_links.iter().zip(&places.untested) {
+        let link = find(name, &|| format!("{at}: disable_default_collisions"))?;
+        disabled.extend((0..tree.nodes.len()).filter(|other| *other != link).map(|other| (link, other)));
     }
-    for [first, second] in unchecked_pairs {
-        let place = || "unchecked_pairs".to_owned();
-        pairs.push((find(first, &place)?, find(second, &place)?));
-    }
-    Ok(sorted_pairs(pairs))
+    let mut disabled = sorted_pairs(disabled);
+    disabled.retain(|pair| enabled.binary_search(pair).is_err());
+    enabled.retain(|pair| named.binary_search(pair).is_err());
+    disabled.extend(named);
+    disabled.extend(of_options(&options.unchecked_pairs, "unchecked_pairs")?);
+    let asked = of_options(&options.checked_pairs, "checked_pairs")?;
+    disabled.retain(|pair| asked.binary_search(pair).is_err());
+    enabled.extend(asked);
+    Ok(DeclaredPairs { disabled: sorted_pairs(disabled), checked: sorted_pairs(enabled) })
 }
 
 fn sorted_pairs(mut pairs: Vec<(usize, usize)>) -> Vec<(usize, usize)> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 ///   `rest` where the folder itself is called `P`.
 /// - `file:///path`, or an absolute path: that file.
 /// - anything else: relative to the URDF's folder.
-pub(crate) fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<PathBuf> {
+pub fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<PathBuf> {
     if let Some(name) = filename.strip_prefix("package://") {
         let (package, rest) = name.split_once('/').unwrap_or((name, ""));
         let base_dir = base_dir.map(absolute);

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use cranny_spatial::Pose;
 
 use crate::derived::Derived;
+use crate::joint_group::JointValue;
 use crate::joint_step::Step;
 use crate::link::{GroupJoint, Link, Mover};
 use crate::loose_links::LooseLinks;
-use crate::{JointLimits, LimitViolation, RobotHand};
+use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
 /// an `Arc`.
@@ -36,6 +37,10 @@ pub struct Robot {
     pub(crate) disabled_pairs: Vec<(usize, usize)>,
     pub(crate) adjacent_pairs: Vec<(usize, usize)>,
     pub(crate) group_states: Vec<(String, Vec<f64>)>,
+    /// The value of every joint of the URDF, by name.
+    pub(crate) values: HashMap<String, JointValue>,
+    pub(crate) virtual_joints: Vec<VirtualJoint>,
+    pub(crate) passive_joints: Vec<String>,
     /// Forward kinematics of every link that moves, parents first.
     pub(crate) steps: Vec<Step>,
     /// Those of `steps` that lead to the tip.
@@ -140,6 +145,41 @@ impl Robot {
     /// state, or none that names every joint of the group.
     pub fn group_state(&self, name: &str) -> Option<Vec<f64>> {
         self.group_states.iter().find(|(state, _)| state == name).map(|(_, q)| q.clone())
+    }
+
+    /// The value that the joint of that name, whether of the group or not, has at `q` (m, rad); 0 if it is fixed, None if
+    /// the URDF has no such joint.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn joint_value(&self, joint: &str, q: &[f64]) -> Option<f64> {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let JointValue { follows, offset, .. } = *self.values.get(joint)?;
+        Some(follows.map_or(offset, |(joint, multiplier)| multiplier * q[joint] + offset))
+    }
+
+    /// Whether the URDF has a joint of that name, whether of the group or not.
+    pub fn has_joint(&self, joint: &str) -> bool {
+        self.values.contains_key(joint)
+    }
+
+    /// The joints outside the group that could move, but stand still, each with its value (m, rad), by name.
+    pub fn standing_joints(&self) -> Vec<(&str, f64)> {
+        let standing = self.values.iter().filter(|(_, value)| value.stands);
+        let mut standing: Vec<(&str, f64)> =
+            standing.map(|(joint, value)| (joint.as_str(), value.offset)).collect();
+        standing.sort_unstable_by_key(|(joint, _)| *joint);
+        standing
+    }
+
+    /// The joints of the SRDF between the robot and what it stands on.
+    pub fn virtual_joints(&self) -> &[VirtualJoint] {
+        &self.virtual_joints
+    }
+
+    /// The joints that no motor drives, by the names in the SRDF.
+    pub fn passive_joints(&self) -> &[String] {
+        &self.passive_joints
     }
 
     /// Whether every value of `q` lies within its limits. A NaN does not.

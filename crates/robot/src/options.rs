@@ -10,6 +10,11 @@ pub struct RobotOptions {
     /// Groups, states and disabled pairs. Default: the file with the URDF's stem and the ending `.srdf`
     /// beside it, if there is one.
     pub srdf: Option<TextSource>,
+    /// `MoveIt`'s `joint_limits.yaml`: what it gives replaces what the URDF gives. Default: none.
+    pub joint_limits: Option<TextSource>,
+    /// What is taken of the speed and acceleration limits, from 0 to 1. Default: what `joint_limits` has as
+    /// `default_velocity_scaling_factor` and `default_acceleration_scaling_factor`, else 1.
+    pub rate_scales: RateScales,
     /// Acceleration and jerk limits. Default: `limits.yaml` beside the URDF, if there is one.
     pub limits: Option<TextSource>,
     /// The joints that `q` stands for.
@@ -37,6 +42,17 @@ pub struct RobotOptions {
     pub solid_meshes: Vec<String>,
     /// Pairs of links, by name, that may touch: exempt as those are that the SRDF disables.
     pub unchecked_pairs: Vec<[String; 2]>,
+    /// Pairs of links, by name, that are checked whatever the SRDF has to them, and although they are adjacent.
+    pub checked_pairs: Vec<[String; 2]>,
+}
+
+/// What is taken of the limits of speed and acceleration, each from 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateScales {
+    /// Of the greatest speeds.
+    pub velocity: Option<f64>,
+    /// Of the greatest accelerations.
+    pub acceleration: Option<f64>,
 }
 
 /// The joints that `q` stands for, in order.

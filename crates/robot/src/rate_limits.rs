@@ -10,10 +10,12 @@ use crate::urdf_model::{UrdfJoint, UrdfJointKind};
 
 /// The figures of a `limits.yaml` for one joint, and where they stand.
 pub(crate) struct RateLimits {
-    at: Location,
-    joint: String,
-    range: [Option<f64>; 2],
-    velocity: Option<f64>,
+    pub(crate) at: Location,
+    pub(crate) joint: String,
+    pub(crate) range: [Option<f64>; 2],
+    /// Whether the range may be wider than that of the URDF.
+    pub(crate) replaces: bool,
+    pub(crate) velocity: Option<f64>,
     pub(crate) acceleration: Option<f64>,
     pub(crate) jerk: Option<f64>,
 }
@@ -23,8 +25,21 @@ impl RateLimits {
         &self.at
     }
 
+    /// Whether its rates can be.
+    pub(crate) fn check_rates(&self) -> Result<(), RobotError> {
+        for (attribute, value) in
+            [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)]
+        {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+                let (at, element) = (self.at.clone(), format!("joint `{}`", self.joint));
+                return Err(RobotError::NotPositive { at, element, attribute, value });
+            }
+        }
+        Ok(())
+    }
+
     /// Gives the joint the range and the velocity that are said here. A continuous joint gets any range; what has one
-    /// already can only lose of it.
+    /// already can only lose of it, unless the range [replaces](Self::replaces) it.
     pub(crate) fn narrow(&self, joint: &mut UrdfJoint) -> Result<(), RobotError> {
         let given = self.range.iter().chain([&self.velocity]).flatten().next();
         let Some(motion) = &mut joint.motion else {
@@ -34,6 +49,7 @@ impl RateLimits {
         };
         let limits = &mut motion.limits;
         let widest = match motion.kind {
+            _ if self.replaces => (f64::MIN, f64::MAX),
             UrdfJointKind::Continuous => (f64::MIN, f64::MAX),
             _ => (limits.lower, limits.upper),
         };
@@ -41,6 +57,7 @@ impl RateLimits {
             if let Some(value) = value.filter(|value| !(widest.0..=widest.1).contains(value)) {
                 let (at, element) = (self.at.clone(), format!("joint `{}`", self.joint));
                 let range = match motion.kind {
+                    _ if self.replaces => "a number".to_owned(),
                     UrdfJointKind::Continuous => "a number".to_owned(),
                     _ => format!("between {} and {}, the limits in the URDF", widest.0, widest.1),
                 };
@@ -70,17 +87,17 @@ pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<Strin
     for (joint, entry) in parsed.joints {
         let at = at(entry.referenced);
         let Entry { lower, upper, velocity, acceleration, jerk } = entry.value;
-        for (attribute, value) in [("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)] {
-            match value {
-                Some(value) if value.is_nan() || value <= 0.0 || value.is_infinite() => {
-                    let element = format!("joint `{joint}`");
-                    return Err(RobotError::NotPositive { at, element, attribute, value });
-                }
-                _ => {}
-            }
-        }
-        let range = [lower, upper];
-        limits.insert(joint.clone(), RateLimits { at, joint, range, velocity, acceleration, jerk });
+        let limit = RateLimits {
+            at,
+            joint: joint.clone(),
+            range: [lower, upper],
+            replaces: false,
+            velocity,
+            acceleration,
+            jerk,
+        };
+        limit.check_rates()?;
+        limits.insert(joint, limit);
     }
     Ok(limits)
 }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::hand_description::line_of;
-use crate::joint_group::{range, unknown_joint, unknown_link};
+use crate::joint_group::{admits, range, unknown_joint, unknown_link};
 use crate::rate_limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
@@ -143,7 +143,7 @@ impl RobotDescription {
                 });
             };
             let (lower, upper) = range(motion);
-            if motion.mimic.is_none() && !(lower..=upper).contains(&value) {
+            if motion.mimic.is_none() && !admits(motion, value) {
                 return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
             }
         }

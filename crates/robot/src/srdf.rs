@@ -14,8 +14,51 @@ pub struct Srdf {
     pub end_effectors: Vec<EndEffector>,
     /// Pairs of links that are never tested against each other.
     pub disabled_pairs: Vec<(String, String)>,
-    /// Where each of `disabled_pairs` stands.
-    pub(crate) disabled_at: Vec<Location>,
+    /// Links that are tested against no other link but those of `enabled_pairs`
+    /// (`disable_default_collisions`).
+    pub untested_links: Vec<String>,
+    /// Pairs of links that are tested unless `disabled_pairs` names them (`enable_collisions`).
+    pub enabled_pairs: Vec<(String, String)>,
+    /// Joints between the robot and what it stands on.
+    pub virtual_joints: Vec<VirtualJoint>,
+    /// Joints that no motor drives.
+    pub passive_joints: Vec<String>,
+    /// Where each of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` stands.
+    pub(crate) places: Places,
+}
+
+/// Lines of an SRDF, by what stands in them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Places {
+    pub(crate) disabled: Vec<Location>,
+    pub(crate) untested: Vec<Location>,
+    pub(crate) enabled: Vec<Location>,
+    pub(crate) passive: Vec<Location>,
+}
+
+/// A joint between a robot and what it stands on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VirtualJoint {
+    /// Its name.
+    pub name: String,
+    /// How it moves.
+    pub kind: VirtualJointKind,
+    /// The frame that the robot stands in.
+    pub parent_frame: String,
+    /// The link that stands there.
+    pub child_link: String,
+}
+
+/// How a [`VirtualJoint`] moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumString, strum::IntoStaticStr)]
+#[strum(serialize_all = "lowercase")]
+pub enum VirtualJointKind {
+    /// Not at all.
+    Fixed,
+    /// In the plane x, y, and about z.
+    Planar,
+    /// Any way.
+    Floating,
 }
 
 /// A named set of joints: all those of its chains, links, joints and sub-groups.
@@ -72,17 +115,42 @@ impl Srdf {
         let xml = XmlText::parse(text, file)?;
         let robot = xml.robot()?;
         let mut srdf = Self::default();
+        let pair = |element: Element<'_>| -> Result<(String, String), RobotError> {
+            known(element, &["link1", "link2", "reason"], &[])?;
+            Ok((element.text("link1")?.to_owned(), element.text("link2")?.to_owned()))
+        };
         for element in robot.children() {
             match element.tag() {
                 "group" => srdf.groups.push(parse_group(element)?),
                 "group_state" => srdf.group_states.push(parse_state(element)?),
                 "end_effector" => srdf.end_effectors.push(parse_end_effector(element)?),
                 "disable_collisions" => {
-                    let pair = (element.text("link1")?.to_owned(), element.text("link2")?.to_owned());
-                    srdf.disabled_pairs.push(pair);
-                    srdf.disabled_at.push(element.at());
+                    srdf.disabled_pairs.push(pair(element)?);
+                    srdf.places.disabled.push(element.at());
                 }
-                _ => {}
+                "enable_collisions" => {
+                    srdf.enabled_pairs.push(pair(element)?);
+                    srdf.places.enabled.push(element.at());
+                }
+                "disable_default_collisions" => {
+                    known(element, &["link"], &[])?;
+                    srdf.untested_links.push(element.text("link")?.to_owned());
+                    srdf.places.untested.push(element.at());
+                }
+                "passive_joint" => {
+                    known(element, &["name"], &[])?;
+                    srdf.passive_joints.push(element.text("name")?.to_owned());
+                    srdf.places.passive.push(element.at());
+                }
+                "virtual_joint" => srdf.virtual_joints.push(parse_virtual_joint(element)?),
+                // Approximations, hints and plugins of others, which change neither groups nor pairs.
+                "link_sphere_approximation"
+                | "joint_property"
+                | "group_tcps"
+                | "kinematics_plugin_config"
+                | "contact_managers_plugin_config"
+                | "calibration_config" => {}
+                _ => return Err(unknown(element, "element", element.tag(), &ELEMENTS)),
             }
         }
         // Groups may hold groups, and are looked up by their name.
@@ -97,11 +165,97 @@ impl Srdf {
     pub fn group(&self, name: &str) -> Option<&SrdfGroup> {
         self.groups.iter().find(|group| group.name == name)
     }
+
+    /// Whether a group, or one within it, names that joint.
+    pub fn has_joint(&self, group: &str, joint: &str) -> bool {
+        self.any_group(group, |group| group.joints.iter().any(|name| name == joint))
+    }
+
+    /// Whether a chain of a group, or of one within it, begins at that frame or link.
+    pub fn has_chain_from(&self, group: &str, base: &str) -> bool {
+        self.any_group(group, |group| group.chains.iter().any(|(from, _)| from == base))
+    }
+
+    /// Whether something holds for a group, or for one within it.
+    fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
+        let mut names = vec![name];
+        // Groups within groups may be a loop.
+        for next in 0..=self.groups.len() {
+            let Some(group) = names.get(next).and_then(|name| self.group(name)) else { continue };
+            if holds(group) {
+                return true;
+            }
+            let new: Vec<&str> =
+                group.subgroups.iter().map(String::as_str).filter(|name| !names.contains(name)).collect();
+            names.extend(new);
+        }
+        false
+    }
+
+    /// The virtual joint of that name, or of which that is the name of a part (`NAME/x`).
+    pub(crate) fn virtual_joint(&self, name: &str) -> Option<&VirtualJoint> {
+        self.virtual_joints.iter().find(|joint| {
+            name.strip_prefix(&joint.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        })
+    }
+}
+
+/// Elements that are read.
+const ELEMENTS: [&str; 8] = [
+    "group",
+    "group_state",
+    "end_effector",
+    "virtual_joint",
+    "passive_joint",
+    "disable_collisions",
+    "enable_collisions",
+    "disable_default_collisions",
+];
+
+/// Refuses an element with attributes or elements other than these.
+fn known(
+    element: Element<'_>,
+    attributes: &[&'static str],
+    elements: &[&'static str],
+) -> Result<(), RobotError> {
+    if let Some(name) = element.attribute_names().find(|name| !attributes.contains(name)) {
+        return Err(unknown(element, "attribute", name, attributes));
+    }
+    match element.children().find(|child| !elements.contains(&child.tag())) {
+        Some(child) => Err(unknown(child, "element", child.tag(), elements)),
+        None => Ok(()),
+    }
+}
+
+fn unknown(element: Element<'_>, kind: &'static str, name: &str, known: &[&str]) -> RobotError {
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    RobotError::UnknownInSrdf { at: element.at(), kind, name: name.to_owned(), known }
+}
+
+fn parse_virtual_joint(element: Element<'_>) -> Result<VirtualJoint, RobotError> {
+    known(element, &["name", "type", "parent_frame", "child_link"], &[])?;
+    let kind = element.text("type")?;
+    Ok(VirtualJoint {
+        name: element.text("name")?.to_owned(),
+        kind: kind
+            .parse()
+            .map_err(|_| unknown(element, "type of virtual joint", kind, &["fixed", "planar", "floating"]))?,
+        parent_frame: element.text("parent_frame")?.to_owned(),
+        child_link: element.text("child_link")?.to_owned(),
+    })
 }
 
 fn parse_group(element: Element<'_>) -> Result<SrdfGroup, RobotError> {
+    known(element, &["name"], &["chain", "joint", "link", "group"])?;
+    for chain in element.all("chain") {
+        known(chain, &["base_link", "tip_link"], &[])?;
+    }
     let names = |tag| -> Result<Vec<String>, RobotError> {
-        element.all(tag).map(|child| Ok(child.text("name")?.to_owned())).collect()
+        let name = |child: Element<'_>| {
+            known(child, &["name"], &[])?;
+            Ok(child.text("name")?.to_owned())
+        };
+        element.all(tag).map(name).collect()
     };
     Ok(SrdfGroup {
         name: element.text("name")?.to_owned(),
@@ -117,6 +271,7 @@ fn parse_group(element: Element<'_>) -> Result<SrdfGroup, RobotError> {
 }
 
 fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
+    known(element, &["name", "group"], &["joint"])?;
     Ok(GroupState {
         name: element.text("name")?.to_owned(),
         group: element.text("group")?.to_owned(),
@@ -134,6 +289,7 @@ fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
 /// The value of a joint; of a planar one three, which stand for the three joints that it is here. Of a floating one
 /// `MoveIt` writes a quaternion: that is not read.
 fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
+    known(joint, &["name", "value"], &[])?;
     let name = joint.text("name")?;
     let named = |suffix: &str| format!("{name}/{suffix}");
     Ok(match joint.text("value")?.split_whitespace().count() {
@@ -147,6 +303,7 @@ fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
 }
 
 fn parse_end_effector(element: Element<'_>) -> Result<EndEffector, RobotError> {
+    known(element, &["name", "group", "parent_link", "parent_group"], &[])?;
     Ok(EndEffector {
         name: element.text("name")?.to_owned(),
         group: element.text("group")?.to_owned(),

@@ -121,6 +121,11 @@ impl<'a> Element<'a> {
         }
     }
 
+    /// The names of its attributes, without those of a namespace of its own.
+    pub(crate) fn attribute_names(&self) -> impl Iterator<Item = &'a str> {
+        self.node.attributes().filter(|attribute| attribute.namespace().is_none()).map(|attribute| attribute.name())
+    }
+
     /// The elements directly inside.
     pub(crate) fn children(self) -> impl Iterator<Item = Element<'a>> {
         self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })

@@ -1,9 +1,15 @@
 //! Problems of MoveIt and `MotionBenchMaker`: scene, request and robot.
 
+pub(crate) mod base;
+pub(crate) mod deviation;
 pub(crate) mod error;
 pub(crate) mod export;
 pub(crate) mod file;
+pub(crate) mod form;
+pub(crate) mod frames;
+pub(crate) mod matrix;
 pub(crate) mod problem;
 pub(crate) mod request;
 pub(crate) mod robot;
+pub(crate) mod scene_text;
 pub(crate) mod world;

@@ -63,16 +63,20 @@ pub(crate) fn positive(
 /// The rotation of a quaternion (x, y, z, w) of unit length.
 pub(crate) fn rotation(
     path: &Path,
-    [x, y, z, w]: [f64; 4],
+    quaternion: [f64; 4],
     location: serde_saphyr::Location,
 ) -> Result<Rotation, ScenarioError> {
+    rotation_at(at(path, location), quaternion)
+}
+
+/// The rotation of a quaternion (x, y, z, w) of unit length that stands at `at`.
+pub(crate) fn rotation_at(at: Location, [x, y, z, w]: [f64; 4]) -> Result<Rotation, ScenarioError> {
     /// How far the length may be from 1: that of one printed with four digits is closer.
     const TOLERANCE: f64 = 1e-3;
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
     let is_unit = (norm - 1.0).abs() <= TOLERANCE;
-    let fault = || ScenarioError::Quaternion { at: at(path, location), norm };
-    is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or_else(fault)
+    is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or(ScenarioError::Quaternion { at, norm })
 }
 
 /// A line of a file, from 1, as errors name it.

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use cranny_file::distinct;
 use cranny_robot::Location;
 
 /// What can be wrong with a `MoveIt` scene, a request, or the robot that they name. The message is complete in itself: file and line where there is one.
@@ -7,14 +8,94 @@ use cranny_robot::Location;
 #[non_exhaustive]
 pub enum MoveItError {
     /// A `MoveIt` joint state does not give each joint one position.
-    #[error("{at}: the joint state has {names} names, but {values} positions")]
+    #[error("{at}: the joint state has {names} names, but {values} {kind}")]
     JointState {
         /// Where.
         at: Location,
         /// How many joints are named.
         names: usize,
-        /// How many positions there are.
+        /// `positions` or `transforms`.
+        kind: &'static str,
+        /// How many of them there are.
         values: usize,
+    },
+    /// A `MoveIt` scene has no world.
+    #[error(
+        "{}: no world: the scene has no 'world' (one without objects is `world: {{collision_objects: []}}`)",
+        path.display()
+    )]
+    NoWorld {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// A file does not hold one message.
+    #[error("{}: a list of {actual} messages, but one is read (give that alone)", path.display())]
+    NotOneMessage {
+        /// The file.
+        path: PathBuf,
+        /// How many it holds.
+        actual: usize,
+    },
+    /// A `.scene` file is not in the form of one.
+    #[error("{at}: expected {expected}, not '{found}'")]
+    SceneText {
+        /// Where.
+        at: Location,
+        /// What belongs there.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// An `allowed_collision_matrix` is none.
+    #[error(
+        "{at}: the matrix of allowed collisions must be symmetric, with {names} rows of {names} values for its {names} \
+         names, and a value for each default"
+    )]
+    Matrix {
+        /// Where.
+        at: Location,
+        /// How many names it has.
+        names: usize,
+    },
+    /// A fixed transform puts a frame elsewhere than it is known to be.
+    #[error("{at}: frame '{frame}' is known, and elsewhere (leave the transform out)")]
+    FrameTwice {
+        /// Where.
+        at: Location,
+        /// The frame.
+        frame: String,
+    },
+    /// The pose of the robot's base is given for something else.
+    #[error("{at}: '{joint}' is no virtual joint of the robot's SRDF (it has: {known})")]
+    NoVirtualJoint {
+        /// Where.
+        at: Location,
+        /// The name.
+        joint: String,
+        /// The virtual joints that there are.
+        known: String,
+    },
+    /// A goal asks a joint that follows others, or is held, to be elsewhere.
+    #[error(
+        "{at}: the goal asks joint '{joint}' to be at {}, but it does not move freely, and is at {} there",
+        distinct([*asked, *actual], 4)[0],
+        distinct([*asked, *actual], 4)[1]
+    )]
+    GoalElsewhere {
+        /// Where.
+        at: Location,
+        /// The joint.
+        joint: String,
+        /// The value in the goal, in metres or radians.
+        asked: f64,
+        /// Where it is.
+        actual: f64,
+    },
+    /// A scene does not name its robot, and none is given.
+    #[error("{}: the scene does not name its robot (give its URDF: --robot URDF)", path.display())]
+    NoRobotName {
+        /// The scene file.
+        path: PathBuf,
     },
     /// A joint has two values.
     #[error("{at}: joint '{joint}' has a value already")]

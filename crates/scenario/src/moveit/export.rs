@@ -8,8 +8,9 @@ use cranny_robot::Robot;
 use cranny_shape::ShapeError;
 use cranny_spatial::Pose;
 
-use crate::files::yaml;
-use crate::moveit::world::bodies;
+use crate::moveit::base::world_from_root;
+use crate::moveit::form::read_scene;
+use crate::moveit::world::{MessageFile, bodies};
 use crate::{RecipeShape, ScenarioError, write_whole_file};
 
 /// A floor is written as a box this long and wide, in metres, with its upper side in the plane of the floor:
@@ -20,13 +21,15 @@ const FLOOR_SIDE_M: f64 = 20.0;
 const FLOOR_DEPTH_M: f64 = 1.0;
 
 /// The collision objects of the planning scene in `path`, in the root frame of `robot`, which also gives the
-/// frames that objects may stand in. The frame `world` is the robot's root.
+/// frames that objects may stand in. The planning frame is the robot's root, unless the scene's robot state moves it.
 ///
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.
 pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioError> {
-    let scene = yaml::read_argument(path)?;
-    Ok(World::new(bodies(path, &scene, robot, &Pose::identity())?)?)
+    let scene = read_scene(path)?;
+    let state = (&MessageFile { path }, &scene.robot_state);
+    let world_from_root = world_from_root(&[state], robot, &mut Vec::new())?;
+    Ok(World::new(bodies(path, &scene, robot, &world_from_root)?)?)
 }
 
 /// The text of a `PlanningScene`: `world` as collision objects in the frame of the robot's root, `start` (m, rad;

@@ -1,66 +1,120 @@
-//! What `MoveIt` scene and request files may say, as far as it is read. See `moveit` for what becomes of it.
+//! The messages of `MoveIt` scenes and requests, key by key. See `moveit` for what becomes of them.
 //!
-//! Keys that do not change the problem (colours, scaling factors, planner names, …) are passed over; those
-//! that would, and are not read, are looked at so that they can be refused.
+//! Every message lists all keys that it has in any version of `MoveIt`, and refuses every other, so that a key
+//! that is misspelt or stands at the wrong place cannot pass for one that is not given. Keys of type [`Passed`]
+//! have no bearing on the problem; every other is honoured, or refused where it holds something that is not.
+#![expect(dead_code, reason = "what has no bearing on the problem is listed, and not read")]
 
 use std::fmt;
 use std::marker::PhantomData;
 
+use cranny_collision::Body;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_saphyr::Spanned;
 
+/// A value that has no bearing on the problem.
+type Passed = IgnoredAny;
+
+/// A list that is refused unless it is empty.
+pub(crate) type Refused = Option<Spanned<Vec<IgnoredAny>>>;
+
 /// A `PlanningScene`.
-#[derive(Deserialize)]
-pub(crate) struct SceneFile {
-    #[serde(default)]
-    pub robot_model_name: String,
-    #[serde(default)]
-    pub robot_state: StateEntry,
-    #[serde(default)]
-    pub fixed_frame_transforms: Vec<TransformEntry>,
-    #[serde(default)]
-    pub allowed_collision_matrix: MatrixEntry,
-    #[serde(default)]
-    pub link_padding: Vec<PaddingEntry>,
-    #[serde(default)]
-    pub link_scale: Vec<ScaleEntry>,
-    #[serde(default)]
-    pub world: WorldEntry,
-}
-
 #[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct SceneFile {
+    name: Passed,
+    pub robot_model_name: String,
+    pub robot_state: StateEntry,
+    pub fixed_frame_transforms: Vec<TransformEntry>,
+    pub allowed_collision_matrix: MatrixEntry,
+    pub link_padding: Vec<PaddingEntry>,
+    pub link_scale: Vec<ScaleEntry>,
+    object_colors: Passed,
+    pub world: Option<WorldEntry>,
+    pub is_diff: Option<Spanned<bool>>,
+}
+
+impl SceneFile {
+    /// A scene of nothing but a world.
+    pub fn of(world: WorldEntry) -> Self {
+        Self { world: Some(world), ..Self::default() }
+    }
+}
+
+/// A `PlanningSceneWorld`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct WorldEntry {
-    #[serde(default)]
     pub collision_objects: Vec<ObjectEntry>,
-    pub octomap: Option<Spanned<IgnoredAny>>,
+    pub octomap: Option<Spanned<OctomapEntry>>,
+    /// Bodies of a `.scene` text, in the planning frame.
+    #[serde(skip)]
+    pub text_bodies: Vec<Body>,
+}
+
+/// An `OctomapWithPose`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct OctomapEntry {
+    header: Passed,
+    origin: Passed,
+    pub octomap: Option<OctreeEntry>,
+}
+
+/// An `Octomap`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct OctreeEntry {
+    header: Passed,
+    binary: Passed,
+    id: Passed,
+    resolution: Passed,
+    pub data: Option<OctreeData>,
+}
+
+/// Bytes, as a list or as a text.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a list of numbers, or a text")]
+pub(crate) enum OctreeData {
+    List(Vec<i64>),
+    Text(String),
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct PaddingEntry {
+    #[serde(default)]
+    link_name: Passed,
     pub padding: Spanned<f64>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct ScaleEntry {
+    #[serde(default)]
+    link_name: Passed,
     pub scale: Spanned<f64>,
 }
 
+/// A `TransformStamped`.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct TransformEntry {
     #[serde(default)]
     pub header: HeaderEntry,
-    pub child_frame_id: String,
+    pub child_frame_id: Spanned<String>,
     pub transform: Spanned<PoseEntry>,
 }
 
-/// Which pairs of links and objects may touch: rows and columns in the order of the names.
+/// An `AllowedCollisionMatrix`: rows and columns in the order of the names.
 #[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct MatrixEntry {
-    #[serde(default)]
-    pub entry_names: Vec<String>,
-    #[serde(default)]
+    pub entry_names: Option<Spanned<Vec<String>>>,
     pub entry_values: Vec<RowEntry>,
+    pub default_entry_names: Vec<String>,
+    pub default_entry_values: Vec<bool>,
 }
 
 /// A row of the matrix: a list, or a list under the key `enabled`.
@@ -68,15 +122,33 @@ pub(crate) struct MatrixEntry {
 #[serde(untagged, expecting = "expected a list of true and false")]
 pub(crate) enum RowEntry {
     List(Vec<bool>),
-    Message { enabled: Vec<bool> },
+    Message(RowMessage),
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RowMessage {
+    enabled: Vec<bool>,
+}
+
+impl RowEntry {
+    pub fn values(&self) -> &[bool] {
+        match self {
+            Self::List(values) | Self::Message(RowMessage { enabled: values }) => values,
+        }
+    }
+}
+
+/// A `CollisionObject`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct ObjectEntry {
     pub id: Spanned<String>,
     #[serde(default)]
     pub header: HeaderEntry,
     pub pose: Option<Spanned<PoseEntry>>,
+    #[serde(default, rename = "type")]
+    kind: Passed,
     #[serde(default)]
     pub primitives: Vec<Spanned<PrimitiveEntry>>,
     #[serde(default)]
@@ -85,25 +157,38 @@ pub(crate) struct ObjectEntry {
     pub meshes: Vec<Spanned<MeshEntry>>,
     #[serde(default)]
     pub mesh_poses: Vec<Spanned<PoseEntry>>,
+    pub planes: Refused,
+    pub plane_poses: Refused,
+    // Frames on the object, to which nothing here refers.
     #[serde(default)]
-    pub planes: Vec<Spanned<IgnoredAny>>,
+    subframe_names: Passed,
+    #[serde(default)]
+    subframe_poses: Passed,
     pub operation: Option<Spanned<NameOrNumber>>,
 }
 
-/// The frame that a message is in; empty: the world.
+/// The frame that a message is in; empty: the planning frame.
 #[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct HeaderEntry {
+    seq: Passed,
+    stamp: Passed,
     pub frame_id: Option<Spanned<String>>,
 }
 
+/// A `SolidPrimitive`.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct PrimitiveEntry {
     #[serde(rename = "type")]
     pub kind: NameOrNumber,
     pub dimensions: Vec<Spanned<f64>>,
+    // Of a prism, which is refused.
+    #[serde(default)]
+    polygon: Passed,
 }
 
-/// What the message definitions number, and files spell out.
+/// A value that the message definitions number, and files spell out.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected a name, or the number that stands for it")]
 pub(crate) enum NameOrNumber {
@@ -111,12 +196,27 @@ pub(crate) enum NameOrNumber {
     Name(String),
 }
 
+impl NameOrNumber {
+    /// Its lower-case name in `names`, the first of which has the number `first`. A byte may be written as a text of
+    /// one character, as Python does.
+    pub fn name(&self, names: &[&str], first: u8) -> String {
+        let number = match self {
+            Self::Number(number) => *number,
+            Self::Name(name) => match name.as_bytes() {
+                &[byte] if byte.is_ascii_control() => byte,
+                _ => return name.to_lowercase(),
+            },
+        };
+        let name = number.checked_sub(first).and_then(|index| names.get(usize::from(index)));
+        name.map_or_else(|| number.to_string(), |name| (*name).to_owned())
+    }
+}
+
 /// A mesh in the file itself, or the name of a mesh file.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct MeshEntry {
-    #[serde(default)]
     pub vertices: Vec<Spanned<Components<3>>>,
-    #[serde(default)]
     pub triangles: Vec<TriangleEntry>,
     pub resource: Option<String>,
     /// Scale of `resource` along each axis.
@@ -127,11 +227,26 @@ pub(crate) struct MeshEntry {
 #[serde(untagged, expecting = "expected the three corners of a triangle, by their numbers")]
 pub(crate) enum TriangleEntry {
     List([u32; 3]),
-    Message { vertex_indices: [u32; 3] },
+    Message(TriangleMessage),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TriangleMessage {
+    vertex_indices: [u32; 3],
+}
+
+impl TriangleEntry {
+    pub fn corners(&self) -> [u32; 3] {
+        match self {
+            Self::List(corners) | Self::Message(TriangleMessage { vertex_indices: corners }) => *corners,
+        }
+    }
 }
 
 /// A pose, or a transform, whose parts go by other names; what is left out is zero.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct PoseEntry {
     #[serde(alias = "translation")]
     pub position: Option<Components<3>>,
@@ -142,51 +257,116 @@ pub(crate) struct PoseEntry {
 
 /// A `MotionPlanRequest`.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct RequestFile {
     pub group_name: Spanned<String>,
     #[serde(default)]
     pub start_state: StateEntry,
     pub goal_constraints: Option<Spanned<Vec<Spanned<ConstraintsEntry>>>>,
     pub path_constraints: Option<Spanned<ConstraintsEntry>>,
+    pub trajectory_constraints: Option<Spanned<TrajectoryConstraintsEntry>>,
+    /// Of the greatest speeds, from 0 to 1; 0: not given.
+    #[serde(default)]
+    pub max_velocity_scaling_factor: Option<Spanned<f64>>,
+    #[serde(default)]
+    pub max_acceleration_scaling_factor: Option<Spanned<f64>>,
+    pub max_cartesian_speed: Option<Spanned<f64>>,
+    // Where, and how, MoveIt is to search.
+    #[serde(default)]
+    workspace_parameters: Passed,
+    #[serde(default)]
+    planner_id: Passed,
+    #[serde(default)]
+    pipeline_id: Passed,
+    #[serde(default)]
+    num_planning_attempts: Passed,
+    #[serde(default)]
+    allowed_planning_time: Passed,
+    // A hint for planners that begin from a trajectory.
+    #[serde(default)]
+    reference_trajectories: Passed,
+    // Whose speed `max_cartesian_speed` limits.
+    #[serde(default)]
+    cartesian_speed_limited_link: Passed,
+    #[serde(default)]
+    cartesian_speed_end_effector_link: Passed,
 }
 
+/// A `RobotState`.
 #[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct StateEntry {
     pub joint_state: Option<Spanned<JointStateEntry>>,
     pub multi_dof_joint_state: Option<Spanned<FloatingStateEntry>>,
-    pub attached_collision_objects: Option<Spanned<Vec<IgnoredAny>>>,
+    pub attached_collision_objects: Refused,
+    // Whatever it is: joints that the request leaves out stand as in the scene.
+    is_diff: Passed,
 }
 
-#[derive(Deserialize)]
+/// A `JointState`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct JointStateEntry {
-    #[serde(default)]
+    // Positions of joints are in no frame.
+    header: Passed,
     pub name: Vec<Spanned<String>>,
-    #[serde(default)]
     pub position: Vec<Spanned<f64>>,
+    pub velocity: Vec<Spanned<f64>>,
+    effort: Passed,
 }
 
-#[derive(Deserialize)]
+/// A `MultiDOFJointState`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct FloatingStateEntry {
-    #[serde(default)]
+    pub header: HeaderEntry,
+    pub joint_names: Vec<String>,
     pub transforms: Vec<Spanned<PoseEntry>>,
+    twist: Passed,
+    wrench: Passed,
 }
 
-#[derive(Deserialize)]
+/// `Constraints`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct ConstraintsEntry {
-    #[serde(default, rename = "joint_constraints")]
+    name: Passed,
+    #[serde(rename = "joint_constraints")]
     pub joints: Vec<JointConstraintEntry>,
-    #[serde(default, rename = "position_constraints")]
+    #[serde(rename = "position_constraints")]
     pub positions: Vec<IgnoredAny>,
-    #[serde(default, rename = "orientation_constraints")]
+    #[serde(rename = "orientation_constraints")]
     pub orientations: Vec<IgnoredAny>,
-    #[serde(default, rename = "visibility_constraints")]
+    #[serde(rename = "visibility_constraints")]
     pub visibilities: Vec<IgnoredAny>,
 }
 
+impl ConstraintsEntry {
+    /// Whether it asks for more than values of joints.
+    pub fn has_others(&self) -> bool {
+        !(self.positions.is_empty() && self.orientations.is_empty() && self.visibilities.is_empty())
+    }
+}
+
+/// `TrajectoryConstraints`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct TrajectoryConstraintsEntry {
+    pub constraints: Vec<IgnoredAny>,
+}
+
+/// A `JointConstraint`; the goal is reached as it stands, without its tolerances.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct JointConstraintEntry {
     pub joint_name: Spanned<String>,
     pub position: Spanned<f64>,
+    #[serde(default)]
+    tolerance_above: Passed,
+    #[serde(default)]
+    tolerance_below: Passed,
+    #[serde(default)]
+    weight: Passed,
 }
 
 /// x, y, z and so on: a list, or a number under each letter.

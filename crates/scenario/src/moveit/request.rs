@@ -1,12 +1,11 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_robot::{Location, Robot};
-use cranny_spatial::Pose;
+use cranny_robot::{Location, RateScales, Robot};
 use serde_saphyr::Spanned;
 
+use crate::MoveItDeviation;
 use crate::MoveItError;
 use crate::ScenarioError;
-use crate::files::yaml;
 use crate::moveit::file::{ConstraintsEntry, JointStateEntry, RequestFile, SceneFile, StateEntry};
 use crate::moveit::world::MessageFile;
 
@@ -21,69 +20,112 @@ pub(crate) struct Files<'a> {
 /// Values of joints (m, rad) by name, with the place each stands at.
 pub(crate) type State = BTreeMap<String, (f64, Location)>;
 
+/// A value this close to another is a rounding of it, in metres or radians: that of one printed with four decimals is.
+pub(crate) const ROUNDING: f64 = 1e-4;
+
+/// A speed below this is that of an encoder at rest, in m/s or rad/s.
+const AT_REST: f64 = 1e-3;
+
 impl Files<'_> {
-    /// What the request says of the start, and where it says nothing, the scene.
-    pub fn state(&self) -> Result<State, ScenarioError> {
+    /// The states of both files, that of the request first.
+    pub fn states(&self) -> [(&MessageFile<'_>, &StateEntry); 2] {
+        [(&self.request_file, &self.request.start_state), (&self.scene_file, &self.scene.robot_state)]
+    }
+
+    /// The start state of the request, and for joints that it leaves out, that of the scene.
+    pub fn state(&self, deviations: &mut Vec<MoveItDeviation>) -> Result<State, ScenarioError> {
         let mut state = State::new();
-        let request = (&self.request_file, &self.request.start_state);
-        for (file, StateEntry { joint_state, .. }) in [request, (&self.scene_file, &self.scene.robot_state)] {
-            let Some(Spanned { value: JointStateEntry { name, position }, referenced, .. }) = joint_state
+        for (file, StateEntry { joint_state, .. }) in self.states() {
+            let Some(Spanned { value: JointStateEntry { name, position, velocity, .. }, referenced, .. }) =
+                joint_state
             else {
                 continue;
             };
-            if name.len() != position.len() {
-                let (at, names, values) = (file.at(*referenced), name.len(), position.len());
-                return Err(MoveItError::JointState { at, names, values }.into());
+            for (kind, values) in [("positions", position), ("velocities", velocity)] {
+                if name.len() != values.len() && !(kind == "velocities" && values.is_empty()) {
+                    let (at, names, values) = (file.at(*referenced), name.len(), values.len());
+                    return Err(MoveItError::JointState { at, names, kind, values }.into());
+                }
             }
-            let mut said = State::new();
-            for (name, position) in name.iter().zip(position) {
+            let mut given = State::new();
+            for (index, (name, position)) in name.iter().zip(position).enumerate() {
                 let at = file.at(position.referenced);
                 let value = file.finite(position)?;
-                if said.insert(name.value.clone(), (value, at)).is_some() {
+                if given.insert(name.value.clone(), (value, at)).is_some() {
                     let at = file.at(name.referenced);
                     return Err(MoveItError::JointTwice { at, joint: name.value.clone() }.into());
                 }
+                let velocity = velocity.get(index).map_or(Ok(0.0), |velocity| file.finite(velocity))?;
+                if velocity.abs() > AT_REST && !state.contains_key(&name.value) {
+                    deviations.push(MoveItDeviation::Moves { joint: name.value.clone(), velocity });
+                }
             }
-            for (joint, value) in said {
+            for (joint, value) in given {
                 state.entry(joint).or_insert(value);
             }
-        }
-        if let Some(attached) = &self.request.start_state.attached_collision_objects
-            && !attached.value.is_empty()
-        {
-            let hint = "add it to the URDF";
-            return Err(self.request_file.unsupported(attached.referenced, "an attached object", hint));
         }
         Ok(state)
     }
 
-    pub fn world_from_root(&self) -> Result<Pose, ScenarioError> {
-        let Some(floating) = &self.request.start_state.multi_dof_joint_state else {
-            return Ok(Pose::identity());
-        };
-        match &floating.value.transforms[..] {
-            [] => Ok(Pose::identity()),
-            [transform] => self.request_file.pose(transform),
-            _ => {
-                let hint = "only the one between world and robot is read";
-                Err(self.request_file.unsupported(floating.referenced, "more than one floating joint", hint))
-            }
+    /// Refuses what the request asks for beyond a start and configurations to reach.
+    pub fn refuse_what_is_not_asked(&self) -> Result<(), ScenarioError> {
+        let (file, request) = (&self.request_file, &self.request);
+        let attached = &request.start_state.attached_collision_objects;
+        file.refuse(attached, "an attached object", "add it to the URDF")?;
+        if let Some(path) = &request.path_constraints
+            && (path.value.has_others() || !path.value.joints.is_empty())
+        {
+            return Err(file.unsupported(path.referenced, "a path constraint", "leave it out"));
         }
+        if let Some(constraints) = &request.trajectory_constraints
+            && !constraints.value.constraints.is_empty()
+        {
+            return Err(file.unsupported(constraints.referenced, "a trajectory constraint", "leave it out"));
+        }
+        if let Some(speed) = request.max_cartesian_speed.as_ref().filter(|speed| speed.value != 0.0) {
+            return Err(file.unsupported(speed.referenced, "a limit of Cartesian speed", "leave it out"));
+        }
+        Ok(())
     }
 
-    pub fn start(&self, robot: &Robot, state: &State) -> Result<Vec<f64>, ScenarioError> {
+    /// What the request takes of the limits of speed and acceleration; 0 stands for a factor that is not given.
+    pub fn rate_scales(&self) -> Result<RateScales, ScenarioError> {
+        let scale = |factor: &Option<Spanned<f64>>| match factor {
+            Some(factor) if !(0.0..=1.0).contains(&factor.value) => {
+                let hint = "give one from 0 to 1";
+                let what = "a scaling factor outside 0 to 1";
+                Err(self.request_file.unsupported(factor.referenced, what, hint))
+            }
+            Some(factor) => Ok(Some(factor.value).filter(|value| *value > 0.0)),
+            None => Ok(None),
+        };
+        Ok(RateScales {
+            velocity: scale(&self.request.max_velocity_scaling_factor)?,
+            acceleration: scale(&self.request.max_acceleration_scaling_factor)?,
+        })
+    }
+
+    /// The configuration to start from.
+    pub fn start(
+        &self,
+        robot: &Robot,
+        state: &State,
+        deviations: &mut Vec<MoveItDeviation>,
+    ) -> Result<Vec<f64>, ScenarioError> {
         let start = &self.request.start_state.joint_state;
         let value = |joint: &String| match state.get(joint) {
             Some((value, _)) => Ok(*value),
             None => Err(ScenarioError::MissingJoint {
                 at: start.as_ref().map_or_else(
-                    || yaml::line(self.request_file.path, 1),
+                    || self.request_file.line(1),
                     |start| self.request_file.at(start.referenced),
                 ),
                 joint: joint.clone(),
             }),
         };
-        robot.joint_names().iter().map(value).collect()
+        let mut q = robot.joint_names().iter().map(value).collect::<Result<_, _>>()?;
+        take_into_limits(robot, &mut q, "start", deviations);
+        Ok(q)
     }
 
     pub fn goal_constraints(&self) -> Result<&[Spanned<ConstraintsEntry>], ScenarioError> {
@@ -93,46 +135,86 @@ impl Files<'_> {
         }
     }
 
-    pub fn goals(&self, robot: &Robot) -> Result<Vec<Vec<f64>>, ScenarioError> {
-        let file = &self.request_file;
-        if let Some(path) = &self.request.path_constraints
-            && (has_other_constraints(&path.value) || !path.value.joints.is_empty())
-        {
-            return Err(file.unsupported(path.referenced, "a path constraint", "leave it out"));
+    /// The joints that goals name, with all values that they are to have.
+    pub fn goal_values(&self) -> Result<BTreeMap<&str, Vec<f64>>, ScenarioError> {
+        let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for constraint in self.goal_constraints()?.iter().flat_map(|goal| &goal.value.joints) {
+            values.entry(&constraint.joint_name.value).or_default().push(constraint.position.value);
         }
-        let goal = |entry: &Spanned<ConstraintsEntry>| {
-            if has_other_constraints(&entry.value) {
+        Ok(values)
+    }
+
+    /// The configurations to reach. A goal may name joints that do not move freely, if they are where it has them.
+    pub fn goals(
+        &self,
+        robot: &Robot,
+        deviations: &mut Vec<MoveItDeviation>,
+    ) -> Result<Vec<Vec<f64>>, ScenarioError> {
+        let file = &self.request_file;
+        let mut goal = |entry: &Spanned<ConstraintsEntry>| {
+            if entry.value.has_others() {
                 let hint = "give the goal as joint constraints";
                 return Err(file.unsupported(entry.referenced, "a goal that is no configuration", hint));
             }
             let mut q: Vec<Option<f64>> = vec![None; robot.dof()];
+            let mut named = BTreeSet::new();
+            let mut others = Vec::new();
             for constraint in &entry.value.joints {
                 let (at, joint) = (file.at(constraint.joint_name.referenced), &constraint.joint_name.value);
-                let index = robot.joint_names().iter().position(|name| name == joint);
-                let Some(index) = index else {
+                let value = file.finite(&constraint.position)?;
+                if !named.insert(joint) {
+                    return Err(MoveItError::JointTwice { at, joint: joint.clone() }.into());
+                }
+                if let Some(index) = robot.joint_names().iter().position(|name| name == joint) {
+                    q[index] = Some(value);
+                } else if robot.has_joint(joint) {
+                    others.push((at, joint, value));
+                } else {
                     let known = robot.joint_names().join(", ");
                     return Err(ScenarioError::UnknownJoint { at, joint: joint.clone(), known });
-                };
-                if q[index].replace(file.finite(&constraint.position)?).is_some() {
-                    return Err(MoveItError::JointTwice { at, joint: joint.clone() }.into());
                 }
             }
             let missing = |(value, joint): (Option<f64>, &String)| {
-                value.ok_or_else(|| {
-                    MoveItError::GoalWithoutJoint { at: file.at(entry.referenced), joint: joint.clone() }
-                        .into()
-                })
+                let fault =
+                    || MoveItError::GoalWithoutJoint { at: file.at(entry.referenced), joint: joint.clone() };
+                value.ok_or_else(fault)
             };
-            q.into_iter().zip(robot.joint_names()).map(missing).collect()
+            let mut q: Vec<f64> =
+                q.into_iter().zip(robot.joint_names()).map(missing).collect::<Result<_, MoveItError>>()?;
+            for (at, joint, asked) in others {
+                let actual = robot.joint_value(joint, &q).unwrap_or(f64::NAN);
+                if (asked - actual).abs() > ROUNDING {
+                    return Err(
+                        MoveItError::GoalElsewhere { at, joint: joint.clone(), asked, actual }.into()
+                    );
+                }
+            }
+            take_into_limits(robot, &mut q, "goal", deviations);
+            Ok(q)
         };
-        self.goal_constraints()?.iter().map(goal).collect()
+        self.goal_constraints()?.iter().map(&mut goal).collect()
     }
 }
 
-pub(crate) fn joints_of(goal: &ConstraintsEntry) -> impl Iterator<Item = &str> {
-    goal.joints.iter().map(|constraint| constraint.joint_name.value.as_str())
-}
-
-fn has_other_constraints(entry: &ConstraintsEntry) -> bool {
-    !(entry.positions.is_empty() && entry.orientations.is_empty() && entry.visibilities.is_empty())
+/// Turns continuous joints into their limits, and takes a limit for its rounding.
+fn take_into_limits(
+    robot: &Robot,
+    q: &mut Vec<f64>,
+    what: &'static str,
+    deviations: &mut Vec<MoveItDeviation>,
+) {
+    let given = q.clone();
+    robot.turn_into_limits(q);
+    for (index, joint) in robot.joint_names().iter().enumerate() {
+        let (joint, requested) = (joint.clone(), given[index]);
+        if q[index] != requested {
+            deviations.push(MoveItDeviation::Turned { what, joint, requested, taken: q[index] });
+            continue;
+        }
+        let limit = robot.limits()[index].clamp(requested);
+        if limit != requested && (limit - requested).abs() <= ROUNDING {
+            q[index] = limit;
+            deviations.push(MoveItDeviation::Rounded { what, joint, requested, limit });
+        }
+    }
 }

@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::path::Path;
 
 use cranny_collision::{Body, Part};
@@ -12,10 +12,11 @@ use crate::ScenarioError;
 use crate::files::sizes;
 use crate::files::yaml;
 use crate::moveit::file::{
-    HeaderEntry, MeshEntry, NameOrNumber, ObjectEntry, PoseEntry, PrimitiveEntry, SceneFile, TriangleEntry,
+    MeshEntry, ObjectEntry, OctreeData, PoseEntry, PrimitiveEntry, Refused, SceneFile, TriangleEntry,
 };
+use crate::moveit::frames::Frames;
 
-/// The bodies of a scene, in the planning frame; `world_from_root` is where the robot stands.
+/// The bodies of a scene, in the root frame of the robot; `world_from_root` is where the robot stands.
 pub(crate) fn bodies(
     path: &Path,
     scene: &SceneFile,
@@ -27,7 +28,8 @@ pub(crate) fn bodies(
     let frames = Frames::new(&file, scene, robot, world_from_root)?;
     let mut bodies: Vec<Body> = Vec::new();
     let mut names = HashSet::new();
-    for object in &scene.world.collision_objects {
+    let Some(world) = &scene.world else { return Ok(bodies) };
+    for object in &world.collision_objects {
         let name = &object.id.value;
         if !names.insert(name) {
             return Err(ScenarioError::NameTaken { at: file.at(object.id.referenced), name: name.clone() });
@@ -35,6 +37,13 @@ pub(crate) fn bodies(
         let root_from_object =
             frames.find(&file, &object.header)? * file.optional_pose(object.pose.as_ref())?;
         bodies.push(file.body(object, &root_from_object)?);
+    }
+    for Body { name, parts } in &world.text_bodies {
+        let placed = |part: &Part| Part {
+            world_from_solid: frames.planning() * part.world_from_solid,
+            solid: part.solid.clone(),
+        };
+        bodies.push(Body { name: name.clone(), parts: parts.iter().map(placed).collect() });
     }
     Ok(bodies)
 }
@@ -47,6 +56,10 @@ pub(crate) struct MessageFile<'a> {
 impl MessageFile<'_> {
     pub fn at(&self, location: serde_saphyr::Location) -> Location {
         yaml::at(self.path, location)
+    }
+
+    pub fn line(&self, line: usize) -> Location {
+        yaml::line(self.path, line)
     }
 
     pub fn finite(&self, number: &Spanned<f64>) -> Result<f64, ScenarioError> {
@@ -81,16 +94,38 @@ impl MessageFile<'_> {
         ScenarioError::Unsupported { at: self.at(location), what, hint }
     }
 
+    /// Refuses a list that is not empty.
+    pub fn refuse(
+        &self,
+        list: &Refused,
+        what: &'static str,
+        hint: &'static str,
+    ) -> Result<(), ScenarioError> {
+        match list {
+            Some(list) if !list.value.is_empty() => Err(self.unsupported(list.referenced, what, hint)),
+            _ => Ok(()),
+        }
+    }
+
     /// What would make the world another one than is read.
     fn refuse_what_is_not_read(&self, scene: &SceneFile) -> Result<(), ScenarioError> {
-        if let Some(octomap) = &scene.world.octomap {
-            return Err(self.unsupported(octomap.referenced, "an octomap", "give its obstacles as objects"));
+        if let Some(is_diff) = scene.is_diff.as_ref().filter(|is_diff| is_diff.value) {
+            let hint = "give the whole scene, with is_diff: false";
+            return Err(self.unsupported(is_diff.referenced, "a change to another scene", hint));
         }
-        if let Some(attached) = &scene.robot_state.attached_collision_objects
-            && !attached.value.is_empty()
-        {
-            return Err(self.unsupported(attached.referenced, "an attached object", "add it to the URDF"));
+        if let Some(octomap) = scene.world.as_ref().and_then(|world| world.octomap.as_ref()) {
+            let data = octomap.value.octomap.as_ref().and_then(|octree| octree.data.as_ref());
+            let is_empty = match data {
+                None => true,
+                Some(OctreeData::List(bytes)) => bytes.is_empty(),
+                Some(OctreeData::Text(text)) => text.is_empty(),
+            };
+            if !is_empty {
+                return Err(self.unsupported(octomap.referenced, "an octomap", "give its obstacles as objects"));
+            }
         }
+        let attached = &scene.robot_state.attached_collision_objects;
+        self.refuse(attached, "an attached object", "add it to the URDF")?;
         let grown = scene.link_padding.iter().map(|entry| (&entry.padding, 0.0));
         for (number, neutral) in grown.chain(scene.link_scale.iter().map(|entry| (&entry.scale, 1.0))) {
             if (number.value - neutral).abs() > 0.0 || number.value.is_nan() {
@@ -104,17 +139,13 @@ impl MessageFile<'_> {
     fn body(&self, object: &ObjectEntry, root_from_object: &Pose) -> Result<Body, ScenarioError> {
         let (name, location) = (&object.id.value, object.id.referenced);
         if let Some(operation) = &object.operation {
-            let is_addition = match &operation.value {
-                NameOrNumber::Number(number) => *number == 0,
-                NameOrNumber::Name(name) => name.eq_ignore_ascii_case("add"),
-            };
-            if !is_addition {
+            if operation.value.name(&["add", "remove", "append", "move"], 0) != "add" {
                 let hint = "give the scene as it is, each object added once";
                 return Err(self.unsupported(operation.referenced, "a change to an object", hint));
             }
         }
-        if let Some(plane) = object.planes.first() {
-            return Err(self.unsupported(plane.referenced, "a plane", "give a box"));
+        for planes in [&object.planes, &object.plane_poses] {
+            self.refuse(planes, "a plane", "give a box")?;
         }
         let mut parts = Vec::new();
         for (kind, poses, count) in [
@@ -149,17 +180,8 @@ impl MessageFile<'_> {
     }
 
     fn primitive(&self, object: &str, entry: &Spanned<PrimitiveEntry>) -> Result<Solid, ScenarioError> {
-        let kind = match &entry.value.kind {
-            // Of `shape_msgs/SolidPrimitive`.
-            NameOrNumber::Number(number) => {
-                let names = ["box", "sphere", "cylinder", "cone"];
-                let index = usize::from(*number).checked_sub(1);
-                index
-                    .and_then(|index| names.get(index))
-                    .map_or_else(|| number.to_string(), |&name| name.into())
-            }
-            NameOrNumber::Name(name) => name.to_lowercase(),
-        };
+        // Of `shape_msgs/SolidPrimitive`.
+        let kind = entry.value.kind.name(&["box", "sphere", "cylinder", "cone", "prism"], 1);
         let mut numbers = Vec::new();
         for number in &entry.value.dimensions {
             numbers.push(self.finite(number)?);
@@ -192,15 +214,18 @@ impl MessageFile<'_> {
             ScenarioError::Shape { at, body: object.to_owned(), reason }
         };
         if let Some(resource) = resource {
-            let name = resource.strip_prefix("file://").unwrap_or(resource);
-            if name.contains("://") {
+            let tried = cranny_robot::mesh_candidates(resource, self.path.parent(), &[]);
+            let Some(path) = tried.iter().find(|path| path.is_file()).or(tried.first()) else {
                 let hint = "name the mesh file relative to the scene, or in full";
                 return Err(self.unsupported(entry.referenced, "a mesh under another address", hint));
-            }
-            let path = self.path.parent().unwrap_or(Path::new("")).join(name);
+            };
             let scale = dimensions.map_or(Vector::repeat(1.0), |scale| Vector::from(scale.0));
-            let soup = TriangleSoup::load(&path, scale).map_err(fault)?;
-            return Solid::mesh(&soup).map_err(|reason| fault(reason.in_file(&path)));
+            let soup = TriangleSoup::load(path, scale).map_err(fault)?;
+            if !vertices.is_empty() || !triangles.is_empty() {
+                let hint = "give a file or triangles, not both";
+                return Err(self.unsupported(entry.referenced, "a mesh that is given twice", hint));
+            }
+            return Solid::mesh(&soup).map_err(|reason| fault(reason.in_file(path)));
         }
         let mut soup = TriangleSoup { vertices: Vec::new(), triangles: Vec::new() };
         for vertex in vertices {
@@ -209,50 +234,7 @@ impl MessageFile<'_> {
             }
             soup.vertices.push(Point::from(vertex.value.0));
         }
-        soup.triangles.extend(triangles.iter().map(|triangle| match triangle {
-            TriangleEntry::List(corners) | TriangleEntry::Message { vertex_indices: corners } => *corners,
-        }));
+        soup.triangles.extend(triangles.iter().map(TriangleEntry::corners));
         Solid::mesh(&soup).map_err(fault)
     }
 }
-
-/// The frames that poses can be given in: the world, links that stand still, and what the scene fixes.
-struct Frames(BTreeMap<String, Pose>);
-
-impl Frames {
-    fn new(
-        file: &MessageFile<'_>,
-        scene: &SceneFile,
-        robot: &Robot,
-        world_from_root: &Pose,
-    ) -> Result<Self, ScenarioError> {
-        let rest = robot.frames();
-        let still = (0..robot.links().len()).filter(|&link| robot.ancestors(link).is_empty());
-        let mut root_from: BTreeMap<String, Pose> =
-            still.map(|link| (robot.links()[link].name.clone(), *rest.link(link))).collect();
-        root_from.insert(WORLD.to_owned(), world_from_root.inverse());
-        let mut frames = Self(root_from);
-        for entry in &scene.fixed_frame_transforms {
-            let root_from_frame = frames.find(file, &entry.header)? * file.pose(&entry.transform)?;
-            frames.0.entry(entry.child_frame_id.clone()).or_insert(root_from_frame);
-        }
-        Ok(frames)
-    }
-
-    /// `root_from_frame`.
-    fn find(&self, file: &MessageFile<'_>, header: &HeaderEntry) -> Result<Pose, ScenarioError> {
-        let Some(frame) = &header.frame_id else { return Ok(self.0[WORLD]) };
-        let name = frame.value.trim_start_matches('/');
-        let name = if name.is_empty() { WORLD } else { name };
-        self.0.get(name).copied().ok_or_else(|| {
-            MoveItError::UnknownFrame {
-                at: file.at(frame.referenced),
-                frame: name.to_owned(),
-                known: self.0.keys().cloned().collect::<Vec<_>>().join(", "),
-            }
-            .into()
-        })
-    }
-}
-
-const WORLD: &str = "world";

@@ -1,0 +1,137 @@
+use std::fmt;
+use std::path::Path;
+
+use cranny_file::TEXT;
+use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use crate::files::yaml;
+use crate::moveit::file::{RequestFile, SceneFile, WorldEntry};
+use crate::moveit::scene_text;
+use crate::{MoveItError, ScenarioError};
+
+/// The planning scene of a file, in any of the forms that one is written in:
+///
+/// - a `PlanningScene`, bare, as the only entry of a list, or under the `scene` of a service or an action;
+/// - a `PlanningSceneWorld`; a `CollisionObject`, or a list of them;
+/// - the text of a `.scene` file.
+///
+/// # Errors
+/// [`MoveItError::NoWorld`] for a scene that gives none; [`ScenarioError::Yaml`] for a key that the message does not
+/// have.
+pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
+    /// `GetPlanningScene`, `ApplyPlanningScene`.
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Service {
+        #[serde(alias = "planning_scene")]
+        scene: SceneFile,
+    }
+    let text = yaml::text(TEXT.argument(), path)?;
+    if scene_text::is_scene_text(&text) {
+        let text_bodies = scene_text::parse(path, &text)?;
+        return Ok(SceneFile::of(WorldEntry { text_bodies, ..WorldEntry::default() }));
+    }
+    let form: Form = yaml::parse(path, &text)?;
+    let scene = if form.has("scene") || form.has("planning_scene") {
+        yaml::parse::<Service>(path, &text)?.scene
+    } else if form.has("collision_objects") || form.has("octomap") {
+        SceneFile::of(yaml::parse(path, &text)?)
+    } else if form.has("id") {
+        let collision_objects = form.list(path, &text)?;
+        SceneFile::of(WorldEntry { collision_objects, ..WorldEntry::default() })
+    } else {
+        form.only::<SceneFile>(path, &text)?
+    };
+    if scene.world.is_none() {
+        return Err(MoveItError::NoWorld { path: path.to_owned() }.into());
+    }
+    Ok(scene)
+}
+
+/// The request for a motion plan of a file: a `MotionPlanRequest`, bare, as the only entry of a list, or under the key
+/// of a service or an action.
+///
+/// # Errors
+/// [`ScenarioError::Yaml`] for a key that the message does not have.
+pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
+    /// `GetMotionPlan`, `MoveGroup`.
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Service {
+        #[serde(alias = "request")]
+        motion_plan_request: RequestFile,
+    }
+    let text = yaml::text(TEXT.argument(), path)?;
+    let form: Form = yaml::parse(path, &text)?;
+    if form.has("motion_plan_request") || form.has("request") {
+        return Ok(yaml::parse::<Service>(path, &text)?.motion_plan_request);
+    }
+    form.only(path, &text)
+}
+
+/// The outermost keys of a file of messages.
+struct Form {
+    /// Those of the message, or of the first in a list.
+    keys: Vec<String>,
+    /// How many messages are in the list, if it is one.
+    messages: Option<usize>,
+}
+
+impl Form {
+    fn has(&self, key: &str) -> bool {
+        self.keys.iter().any(|known| known == key)
+    }
+
+    /// The one message of the file.
+    fn only<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<T, ScenarioError> {
+        let messages = self.list(path, text)?;
+        let actual = messages.len();
+        let mut messages = messages.into_iter();
+        match (messages.next(), actual) {
+            (Some(message), 1) => Ok(message),
+            _ => Err(MoveItError::NotOneMessage { path: path.to_owned(), actual }.into()),
+        }
+    }
+
+    /// All messages of the file.
+    fn list<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<Vec<T>, ScenarioError> {
+        match self.messages {
+            None => Ok(vec![yaml::parse(path, text)?]),
+            Some(_) => yaml::parse(path, text),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Form {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FormVisitor)
+    }
+}
+
+struct FormVisitor;
+
+impl<'de> Visitor<'de> for FormVisitor {
+    type Value = Form;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("a message: a mapping (key: value), or a list of one")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Form, A::Error> {
+        let mut keys = Vec::new();
+        while let Some((key, IgnoredAny)) = entries.next_entry::<String, IgnoredAny>()? {
+            keys.push(key);
+        }
+        Ok(Form { keys, messages: None })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut messages: A) -> Result<Form, A::Error> {
+        let keys = messages.next_element::<Form>()?.map(|first| first.keys);
+        let mut count = usize::from(keys.is_some());
+        while messages.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        Ok(Form { keys: keys.unwrap_or_default(), messages: Some(count) })
+    }
+}
