@@ -30,7 +30,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     }
     let begin = Instant::now();
     let demand = Demand { robust: arguments.robust, ..Demand::default() };
-    let PlanTask { source, grasps, problem } =
+    let PlanTask { source, grasps, problem, deviations } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let carry = match &arguments.place {
@@ -70,6 +70,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         iterations: answer.statistics.iterations,
         valid: answer.is_valid(),
         start_faults: start::faults(&problem),
+        deviations,
         plan_file: is_written.then_some(file.as_path()),
         duration_s: answer.timed.as_ref().map(|timed| timed.trajectory.duration_s()),
         timing_time_s: answer.timed.as_ref().map(|timed| timed.time_s),

@@ -21,6 +21,9 @@ pub struct Answered<'a> {
     pub iterations: u64,
     pub valid: bool,
     pub start_faults: Vec<String>,
+    /// Where the problem is not what its files say, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<String>,
     pub plan_file: Option<&'a Path>,
     pub duration_s: Option<f64>,
     pub timing_time_s: Option<f64>,
@@ -110,6 +113,9 @@ fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let (duration_s, method) = (timing.duration_s, timing.method.name());
     format!("{duration_s:.3} s, {method}{corners}{closes}{opens}; {:.3} ms to time", seconds * 1e3)
 }
+
+/// More reasons why goals are refused are not listed.
+const MOST_GOAL_FAULTS: usize = 12;
 
 /// What the search took, and what for.
 fn times(answered: &Answered) -> String {
@@ -220,6 +226,20 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     for fault in &answered.start_faults {
         line("start", fault.clone());
+    }
+    let refused = plan.goal_faults.iter().enumerate().flat_map(|(goal, faults)| {
+        let number = if plan.goal_faults.len() > 1 { format!("{goal}: ") } else { String::new() };
+        faults.iter().map(move |fault| format!("{number}{fault}"))
+    });
+    let refused: Vec<String> = refused.collect();
+    for fault in refused.iter().take(MOST_GOAL_FAULTS) {
+        line("goal", fault.clone());
+    }
+    if refused.len() > MOST_GOAL_FAULTS {
+        line("", format!("and {} more; --json lists them all", refused.len() - MOST_GOAL_FAULTS));
+    }
+    for deviation in &answered.deviations {
+        line("note", deviation.clone());
     }
     if plan.outcome == Outcome::Solved && !answered.valid {
         line("judged", "NOT valid; please report this".to_owned());

@@ -19,6 +19,8 @@ pub struct PlanTask {
     /// What can be grasped; nothing where the goal is a configuration.
     pub grasps: GraspSet,
     pub problem: Problem,
+    /// Where the problem is not what its files say, in sentences.
+    pub deviations: Vec<String>,
 }
 
 /// The plan of a file; `None` for a file of bare way points.
@@ -48,7 +50,7 @@ impl PlanTask {
             grasps,
             margins,
         };
-        Ok(Self { source, grasps: scenario.grasps, problem })
+        Ok(Self { source, grasps: scenario.grasps, problem, deviations: Vec::new() })
     }
 
     fn open_moveit(
@@ -59,7 +61,11 @@ impl PlanTask {
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
         let opened = MoveItProblem::open(scene, request, &options)?;
-        note_all(&opened.deviations, output)?;
+        // They stand in the answer too; one for a person has them alone.
+        let deviations: Vec<String> = opened.deviations.iter().map(ToString::to_string).collect();
+        if output.json {
+            note_all(&deviations, output)?;
+        }
         note_all(&model_notes(&opened.robot, &opened.world), output)?;
         let margins = Margins { grasp_margin_m: 0.0, ..arguments.margins.or(margins) };
         let mut problem = opened.problem(margins)?;
@@ -72,7 +78,7 @@ impl PlanTask {
             margins,
             ..PlanSource::default()
         };
-        Ok(Self { source, grasps: GraspSet::default(), problem })
+        Ok(Self { source, grasps: GraspSet::default(), problem, deviations })
     }
 }
 

@@ -1,7 +1,5 @@
 use cranny_plan::Problem;
 
-use crate::text::millimetres;
-
 /// At most so many reasons are listed.
 const MOST: usize = 8;
 
@@ -10,31 +8,10 @@ pub fn faults(problem: &Problem) -> Vec<String> {
     if problem.start_is_free() {
         return Vec::new();
     }
-    if let Some(violation) = problem.robot().first_limit_violation(problem.start()) {
-        let name = &problem.robot().joint_names()[violation.joint];
-        return vec![format!(
-            "{name} is {:.4}, outside its limits [{:.4}, {:.4}]",
-            violation.value, violation.lower, violation.upper
-        )];
+    let faults = problem.configuration_faults(problem.start());
+    let mut lines: Vec<String> = faults.iter().take(MOST).map(ToString::to_string).collect();
+    if faults.len() > MOST {
+        lines.push(format!("and {} more", faults.len() - MOST));
     }
-    let Some(cell) = problem.cell() else {
-        return vec![
-            "the released check refuses it: a link touches, or is below the floor height".to_owned(),
-        ];
-    };
-    let contacts = cell.contacts(problem.start(), &mut cell.scratch());
-    let describe = |contact: &cranny_collision::Contact| {
-        let [first, second] = contact.names(cell);
-        if contact.clearance_m < cranny_spatial::CONTACT_M {
-            format!("{first} touches {second}, {} deep", millimetres(contact.depth_m))
-        } else {
-            let (is, demanded) = (millimetres(contact.clearance_m), millimetres(contact.required_m));
-            format!("{first} is {is} from {second}, but {demanded} is demanded")
-        }
-    };
-    let mut faults: Vec<String> = contacts.iter().take(MOST).map(describe).collect();
-    if contacts.len() > MOST {
-        faults.push(format!("and {} more pairs", contacts.len() - MOST));
-    }
-    faults
+    lines
 }

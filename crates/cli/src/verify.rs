@@ -30,7 +30,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         }
         _ => None,
     };
-    let PlanTask { source, problem, .. } =
+    let PlanTask { source, problem, deviations, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     if let Some(plan) = &plan {
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
@@ -47,7 +47,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         Some(audit) => audit,
         None => audit_with(&problem, &path, settings)?,
     };
-    let answered = Answered { criterion: problem.criterion(), robot, grasps, audit: &audit };
+    let answered = Answered { criterion: problem.criterion(), robot, grasps, deviations, audit: &audit };
     text::answer(&answered, || page(&answered, path.len()), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
@@ -64,12 +64,15 @@ struct Answered<'a> {
     robot: Option<PathBuf>,
     #[serde(skip_serializing_if = "Option::is_none")]
     grasps: Option<PathBuf>,
+    /// Where the problem is not what its files say, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    deviations: Vec<String>,
     #[serde(flatten)]
     audit: &'a Audit,
 }
 
 fn page(answered: &Answered, way_points: usize) -> String {
-    let Answered { criterion, robot, grasps, audit } = answered;
+    let Answered { criterion, robot, grasps, deviations, audit } = answered;
     let word = if audit.valid { "valid" } else { "NOT valid" };
     let by = if *criterion == Criterion::Paper {
         " under the paper's criterion, which proves nothing"
@@ -103,6 +106,9 @@ fn page(answered: &Answered, way_points: usize) -> String {
     }
     if let Some(grasp) = &audit.own_grasp {
         let _ = writeln!(page, "  goal        {}", text::own_grasp(grasp));
+    }
+    for deviation in deviations {
+        let _ = writeln!(page, "  note        {deviation}");
     }
     for pair in &audit.not_checked {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));

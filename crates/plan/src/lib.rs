@@ -42,6 +42,7 @@ pub use search::ranges::Ranges;
 pub use search::roadmap::{Roadmap, RoadmapFile};
 pub use search::search_state::Search;
 pub use task::carry::{Carrier, CarryEnd, Grip, LiftOffSettings};
+pub use task::configuration_fault::ConfigurationFault;
 pub use task::grasp_failure::{FailureReason, GraspFailure};
 pub use task::grasp_measure::GraspMeasure;
 pub use task::hand_filter::{APPROACH_M, HandFilter, robot_hand};

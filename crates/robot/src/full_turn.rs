@@ -67,18 +67,12 @@ pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<b
     limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
 }
 
-/// `value` if it lies within the limits, else `value` and the fewest whole turns that bring it there; `value` if none
-/// do.
+/// `value` if it lies within the limits, else that number of whole turns from it which is nearest to their middle;
+/// `value` if none of them lies within.
 pub(crate) fn turned_within(value: f64, lower: f64, upper: f64) -> f64 {
-    let turns = if value < lower {
-        ((lower - value) / TAU).ceil()
-    } else if value > upper {
-        ((upper - value) / TAU).floor()
-    } else {
-        return value;
-    };
-    let turned = value + turns * TAU;
-    if (lower..=upper).contains(&turned) { turned } else { value }
+    let limits = lower..=upper;
+    let turned = value - ((value - 0.5 * (lower + upper)) / TAU).round() * TAU;
+    if limits.contains(&turned) && !limits.contains(&value) { turned } else { value }
 }
 
 /// `value` and whole turns, within the limits as near to `reference` as can be.
@@ -123,15 +117,16 @@ mod tests {
     #[test]
     fn a_value_is_turned_into_its_limits_or_stays() {
         for (value, lower, upper, expected) in [
-            (37.7, -3.0 * PI, 3.0 * PI, 37.7 - 5.0 * TAU),
-            (-15.0, -3.0 * PI, 3.0 * PI, -15.0 + TAU),
+            (37.7, -3.0 * PI, 3.0 * PI, 37.7 - 6.0 * TAU),
+            (-15.0, -3.0 * PI, 3.0 * PI, -15.0 + 2.0 * TAU),
             (9.0, -3.0 * PI, 3.0 * PI, 9.0),
             (TAU + 0.5, -1.0, 1.0, 0.5),
             (2.0, -1.0, 1.0, 2.0),
             (f64::INFINITY, -1.0, 1.0, f64::INFINITY),
         ] {
             let turned = turned_within(value, lower, upper);
-            assert!(turned == expected || (turned - expected).abs() < 1e-12, "{value}: {turned}");
+            let is_same = turned.total_cmp(&expected).is_eq() || (turned - expected).abs() < 1e-12;
+            assert!(is_same, "{value}: {turned}");
         }
     }
 

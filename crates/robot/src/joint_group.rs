@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 
-use crate::tree::Tree;
 use crate::full_turn::turned_within;
+use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
 
@@ -104,7 +104,9 @@ impl Resolver<'_> {
                 follower = &self.urdf.joints[self.known_joint(&mimic.master, place)?];
             }
         }
-        for (name, at) in self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive)) {
+        for (name, at) in
+            self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive))
+        {
             if !self.is_virtual(name) {
                 self.joint_or_its_parts(name, || format!("{at}: passive_joint"))?;
             }
@@ -146,7 +148,8 @@ impl Resolver<'_> {
     /// The link that a chain begins at: the frame that the robot stands in stands for the link that stands there.
     fn chain_base(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         let virtual_joints = self.srdf.iter().flat_map(|srdf| &srdf.virtual_joints);
-        let standing = virtual_joints.filter(|joint| joint.parent_frame == name).map(|joint| &joint.child_link);
+        let standing =
+            virtual_joints.filter(|joint| joint.parent_frame == name).map(|joint| &joint.child_link);
         let standing = standing.filter_map(|link| self.tree.node(link)).next();
         match standing.filter(|_| self.tree.node(name).is_none()) {
             Some(node) => Ok(node),
@@ -192,7 +195,8 @@ impl Resolver<'_> {
                     &mut joints,
                 )?;
                 // A joint that no motor drives stands where it is held.
-                joints.retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
+                joints
+                    .retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
                 joints.dedup();
                 joints
@@ -318,7 +322,9 @@ impl Resolver<'_> {
     /// The value of a joint of the file, mimicry followed to its end (see [`check_names`](Self::check_names)).
     fn value(&self, joint: usize, group: &[usize]) -> Result<JointValue, RobotError> {
         let described = &self.urdf.joints[joint];
-        let Some(motion) = &described.motion else { return Ok(JointValue { follows: None, offset: 0.0, stands: false }) };
+        let Some(motion) = &described.motion else {
+            return Ok(JointValue { follows: None, offset: 0.0, stands: false });
+        };
         if let Some(mimic) = &motion.mimic {
             let master = self.known_joint(&mimic.master, || described.at.to_string())?;
             let value = self.value(master, group)?;

@@ -197,10 +197,20 @@ impl Robot {
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
     pub fn first_limit_violation(&self, q: &[f64]) -> Option<LimitViolation> {
+        self.limit_violations(q).next()
+    }
+
+    /// The joints whose values lie outside their limits, in the order of `q`.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn limit_violations(&self, q: &[f64]) -> impl Iterator<Item = LimitViolation> {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
-        let joint = q.iter().zip(&self.limits).position(|(&value, limits)| !limits.contain(value))?;
-        let JointLimits { lower, upper, .. } = self.limits[joint];
-        Some(LimitViolation { joint, value: q[joint], lower, upper })
+        let violation = |(joint, (&value, limits)): (usize, (&f64, &JointLimits))| {
+            let JointLimits { lower, upper, .. } = *limits;
+            (!limits.contain(value)).then_some(LimitViolation { joint, value, lower, upper })
+        };
+        q.iter().zip(&self.limits).enumerate().filter_map(violation)
     }
 }
 

@@ -122,7 +122,8 @@ joint_limits:
         assert_eq!(limits.scales(RateScales::default()).velocity, Some(0.1));
         let asked = RateScales { velocity: Some(0.5), ..RateScales::default() };
         assert_eq!(limits.scales(asked).velocity, Some(0.5));
-        for (from, to) in [("max_jerk", "max_jrek"), ("0.1", "1.5"), ("max_velocity: 2", "max_velocity: -2")] {
+        for (from, to) in [("max_jerk", "max_jrek"), ("0.1", "1.5"), ("max_velocity: 2", "max_velocity: -2")]
+        {
             assert!(PlanningLimits::parse(&text.replace(from, to), "joint_limits.yaml").is_err(), "{to}");
         }
     }

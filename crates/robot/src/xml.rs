@@ -123,7 +123,10 @@ impl<'a> Element<'a> {
 
     /// The names of its attributes, without those of a namespace of its own.
     pub(crate) fn attribute_names(&self) -> impl Iterator<Item = &'a str> {
-        self.node.attributes().filter(|attribute| attribute.namespace().is_none()).map(|attribute| attribute.name())
+        self.node
+            .attributes()
+            .filter(|attribute| attribute.namespace().is_none())
+            .map(|attribute| attribute.name())
     }
 
     /// The elements directly inside.

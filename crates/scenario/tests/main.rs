@@ -19,6 +19,7 @@ mod identity;
 mod ik_statuses;
 mod lanes;
 mod moveit;
+mod moveit_forms;
 mod objects;
 mod other_robots;
 mod own_layout;

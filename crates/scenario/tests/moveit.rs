@@ -204,7 +204,8 @@ fn where_the_problem_is_not_what_the_files_say_is_said() {
     let copy = Copy::new();
     let problem = copy.changed("request.yaml", "[0.5, 0.02, -1, 0.02]", "[0.5, 0.065, -1, 0.065]").unwrap();
     let held = MoveItDeviation::HeldAtLimit { joint: "pinch".into(), requested: 0.065, held: 0.04 };
-    assert_eq!(problem.deviations, std::slice::from_ref(&held));
+    let follows = MoveItDeviation::NotFree { joint: "pinch_back".into(), requested: 0.065, held: 0.04 };
+    assert_eq!(problem.deviations, [held.clone(), follows]);
     assert_eq!(held.to_string(), "joint 'pinch' is held at its limit 0.04 instead of 0.065");
 
     let problem = copy.changed("scene.yaml", "[base, lower]", "[can, lower]").unwrap();
@@ -254,7 +255,7 @@ fn faults_of_a_scene_name_file_and_line() {
         (
             "        - vertices:",
             "        - resource: package://a/b.obj\n          vertices:",
-            "is not supported",
+            "b.obj: cannot read the mesh",
         ),
         ("- id: can\n", "- id: can\n      planes: [{coef: [0, 0, 1, 0]}]\n", "scene.yaml:22: a plane is not"),
         (
@@ -262,7 +263,11 @@ fn faults_of_a_scene_name_file_and_line() {
             "- id: can\n      operation: remove\n",
             "scene.yaml:22: a change to an object is not",
         ),
-        ("world:\n", "world:\n  octomap: {data: ''}\n", "scene.yaml:14: an octomap is not supported"),
+        (
+            "world:\n",
+            "world:\n  octomap: {octomap: {data: '#'}}\n",
+            "scene.yaml:14: an octomap is not supported",
+        ),
         ("world:\n", "link_padding: [{link_name: base, padding: 0.01}]\nworld:\n", "scene.yaml:13: padding"),
         (
             "world:\n",
@@ -446,7 +451,9 @@ fn the_robot_of_detailed_meshes_keeps_its_fingers_within_their_limit() {
     assert_eq!(problem.robot.dof(), 7);
     let held =
         MoveItDeviation::HeldAtLimit { joint: "panda_finger_joint1".into(), requested: 0.065, held: 0.04 };
-    assert_eq!(problem.deviations, [held]);
+    let follows =
+        MoveItDeviation::NotFree { joint: "panda_finger_joint2".into(), requested: 0.065, held: 0.04 };
+    assert_eq!(problem.deviations, [held, follows]);
     let frames = problem.robot.frames();
     let at = |name: &str| frames.link(problem.robot.link_index(name).unwrap()).translation.vector;
     assert!(((at("panda_leftfinger") - at("panda_rightfinger")).norm() - 0.08).abs() < 1e-9);

@@ -146,6 +146,7 @@ fn solve_once(
         segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
     }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
+    let goal_faults = if outcome == Outcome::GoalsInvalid { problem.goal_faults() } else { Vec::new() };
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
@@ -182,6 +183,7 @@ fn solve_once(
         statistics,
         carry_to,
         failures,
+        goal_faults,
         not_checked,
     })
 }

@@ -135,7 +135,10 @@ impl fmt::Display for MoveItDeviation {
                 )
             }
             Self::Moves { joint, velocity } => {
-                write!(formatter, "joint '{joint}' moves at the start ({velocity:.4}), but a path begins at rest")
+                write!(
+                    formatter,
+                    "joint '{joint}' moves at the start ({velocity:.4}), but a path begins at rest"
+                )
             }
             Self::PassiveMoves { joint } => write!(
                 formatter,

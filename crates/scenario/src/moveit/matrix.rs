@@ -68,8 +68,7 @@ impl<'a> Matrix<'a> {
         }
         let is_there = |name: &&&str| robot.link_index(name).is_some() || bodies.contains(**name);
         let free = self.free.iter().filter(is_there);
-        deviations
-            .extend(free.map(|name| MoveItDeviation::AllowedLinkChecked { name: (*name).to_owned() }));
+        deviations.extend(free.map(|name| MoveItDeviation::AllowedLinkChecked { name: (*name).to_owned() }));
         deviations
     }
 }

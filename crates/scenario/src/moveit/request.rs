@@ -184,9 +184,7 @@ impl Files<'_> {
             for (at, joint, asked) in others {
                 let actual = robot.joint_value(joint, &q).unwrap_or(f64::NAN);
                 if (asked - actual).abs() > ROUNDING {
-                    return Err(
-                        MoveItError::GoalElsewhere { at, joint: joint.clone(), asked, actual }.into()
-                    );
+                    return Err(MoveItError::GoalElsewhere { at, joint: joint.clone(), asked, actual }.into());
                 }
             }
             take_into_limits(robot, &mut q, "goal", deviations);

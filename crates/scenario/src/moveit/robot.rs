@@ -113,8 +113,11 @@ impl Files<'_> {
         clamped: &HashSet<String>,
         deviations: &mut Vec<MoveItDeviation>,
     ) {
-        let start: Vec<f64> =
-            robot.joint_names().iter().map(|joint| state.get(joint).map_or(0.0, |(value, _)| *value)).collect();
+        let start: Vec<f64> = robot
+            .joint_names()
+            .iter()
+            .map(|joint| state.get(joint).map_or(0.0, |(value, _)| *value))
+            .collect();
         let outside = |joint: &String| !robot.joint_names().contains(joint) && !clamped.contains(joint);
         for (joint, (requested, _)) in state.iter().filter(|(joint, _)| outside(joint)) {
             let held = robot.joint_value(joint, &start).unwrap_or(*requested);

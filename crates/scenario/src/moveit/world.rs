@@ -121,7 +121,11 @@ impl MessageFile<'_> {
                 Some(OctreeData::Text(text)) => text.is_empty(),
             };
             if !is_empty {
-                return Err(self.unsupported(octomap.referenced, "an octomap", "give its obstacles as objects"));
+                return Err(self.unsupported(
+                    octomap.referenced,
+                    "an octomap",
+                    "give its obstacles as objects",
+                ));
             }
         }
         let attached = &scene.robot_state.attached_collision_objects;

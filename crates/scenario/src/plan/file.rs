@@ -93,6 +93,9 @@ pub struct PlanFile {
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
+    /// Where every goal configuration was refused: for each the reasons, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub goal_faults: Vec<Vec<String>>,
     /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_to: Option<Vec<Vec<f64>>>,
@@ -188,6 +191,11 @@ impl PlanFile {
             shortening: answer.shortening.as_ref().map(PlanShortening::of),
             optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
             failures: answer.failures.clone(),
+            goal_faults: answer
+                .goal_faults
+                .iter()
+                .map(|faults| faults.iter().map(ToString::to_string).collect())
+                .collect(),
             carry_to: match &answer.carry_to {
                 Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
                 _ => None,
@@ -328,6 +336,7 @@ mod tests {
                 reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
                 attempts: 0,
             }],
+            goal_faults: Vec::new(),
             carry_to: None,
             carry_clear_m: None,
             robustness: None,
