@@ -1,5 +1,6 @@
 use std::fmt;
 
+use cranny_file::distinct;
 use cranny_robot::JointUnit;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
@@ -297,26 +298,30 @@ impl fmt::Display for Place {
     }
 }
 
+/// How far two values are apart that are not equal: never shown as zero.
+fn apart(off: f64, decimals: usize) -> String {
+    let [off, _] = distinct([off, 0.0], decimals);
+    off
+}
+
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mm = |metres: f64| metres * 1e3;
         match self {
             Self::Start(JointOffset { joint, off, unit }) => {
-                write!(f, "{joint} is {off:.6} {unit} off the start")
+                write!(f, "{joint} is {} {unit} off the start", apart(*off, 6))
             }
             Self::JointLimit { way_point, excess: JointOffset { joint, off, unit } } => {
-                write!(f, "way point {way_point}: {joint} is {off:.4} {unit} beyond its limit")
+                let off = apart(*off, 4);
+                write!(f, "way point {way_point}: {joint} is {off} {unit} beyond its limit")
             }
             Self::Contact { place: place @ Place { first, second, .. }, depth_m } => {
                 write!(f, "{place}: {first} is {:.3} mm deep in {second}", mm(*depth_m))
             }
             Self::NotFree { way_point } => write!(f, "way point {way_point} is not free"),
             Self::Clearance { place: place @ Place { first, second, .. }, clearance_m, required_m } => {
-                let (clearance, required) = (mm(*clearance_m), mm(*required_m));
-                write!(
-                    f,
-                    "{place}: {first} is {clearance:.3} mm from {second}, {required:.3} mm are demanded"
-                )
+                let [clearance, required] = distinct([mm(*clearance_m), mm(*required_m)], 3);
+                write!(f, "{place}: {first} is {clearance} mm from {second}, {required} mm are demanded")
             }
             Self::Unresolved { place: place @ Place { first, second, .. }, .. } => {
                 write!(f, "{place}: {first} against {second} can be neither proven nor refuted")
@@ -330,7 +335,7 @@ impl fmt::Display for Violation {
                 write!(f, "the path ends {off:.2} mm and {turned:.2}° from the nearest grasp, {grasp}")
             }
             Self::Configuration { farthest: JointOffset { joint, off, unit }, .. } => {
-                write!(f, "the path ends with {joint} {off:.6} {unit} off the nearest goal")
+                write!(f, "the path ends with {joint} {} {unit} off the nearest goal", apart(*off, 6))
             }
             Self::Grip { way_point, reason } => write!(f, "way point {way_point}: {}", reason.sentence()),
             Self::WeakGrasp { way_point, score, required } => {
