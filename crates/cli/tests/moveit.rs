@@ -65,6 +65,7 @@ fn a_moveit_problem_is_planned_and_written() {
         (&"crate1".into(), &"solved".into(), &"exact".into())
     );
     assert_eq!((&answer["grasp"], &answer["valid"]), (&Value::Null, &true.into()));
+    assert_eq!(answer["deviations"][0], "joint 'grip' is held at its limit 0.1 instead of 0.2");
     let way_points = answer["waypoints"].as_array().expect("way points");
     assert_eq!(way_points.first(), Some(&serde_json::json!([-1.0, 0.0])));
     assert_eq!(way_points.last(), Some(&serde_json::json!([1.0, 0.5])));
@@ -74,7 +75,7 @@ fn a_moveit_problem_is_planned_and_written() {
         cranny(folder.path(), &["plan", "--moveit", "crate1.yaml", "request1.yaml", "--margin", "5"]);
     let text = String::from_utf8_lossy(&summary.stdout);
     assert_eq!(summary.status.code(), Some(0), "{text}");
-    for word in ["crate1: solved", "clearance", "way points", "crate1.plan.json"] {
+    for word in ["crate1: solved", "clearance", "way points", "crate1.plan.json", "held at its limit 0.1"] {
         assert!(text.contains(word), "no '{word}' in {text}");
     }
 }
@@ -89,6 +90,31 @@ fn a_start_in_contact_is_an_honest_no() {
     assert_eq!(refused.status.code(), Some(1), "{text}");
     assert!(text.contains("start-invalid") && text.contains("hook touches post"), "{text}");
     assert!(!folder.path().join("crate1.plan.json").exists());
+}
+
+#[test]
+fn a_goal_that_is_refused_has_its_reasons() {
+    let folder = folder();
+    let goals =
+        REQUEST.replace("position: 1}", "position: 3.00011}").replace("position: 0.5}", "position: 1.5}");
+    let goals = goals
+        + "  - joint_constraints: [{joint_name: turn, position: 2.5}, {joint_name: lift, position: 0}]\n";
+    std::fs::write(folder.path().join("request1.yaml"), goals).expect("written");
+    let plan = ["plan", "--moveit", "crate1.yaml", "request1.yaml"];
+    let refused = cranny(folder.path(), &plan);
+    let text = String::from_utf8_lossy(&refused.stdout);
+    assert_eq!(refused.status.code(), Some(1), "{text}");
+    for reason in [
+        "goals-invalid",
+        "0: turn is 3.00011, outside its limits [-3.00000, 3.00000]",
+        "0: lift is 1.5000, outside its limits [-1.0000, 1.0000]",
+        "1: boom touches post",
+    ] {
+        assert!(text.contains(reason), "no '{reason}' in {text}");
+    }
+    let answer = cranny(folder.path(), &[&plan[..], &["--json"]].concat());
+    let answer: Value = serde_json::from_slice(&answer.stdout).expect("one JSON document");
+    assert_eq!(answer["goal_faults"].as_array().map(Vec::len), Some(2), "{answer}");
 }
 
 #[test]
