@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
+mod moveit_folder;
 mod released_object;
 
 mod alteration;
@@ -20,6 +21,7 @@ mod ik_statuses;
 mod lanes;
 mod moveit;
 mod moveit_forms;
+mod moveit_robot;
 mod objects;
 mod other_robots;
 mod own_layout;
