@@ -117,7 +117,8 @@ impl PyPlan {
     }
 
     /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
-    /// ("always-touching", "never-moves"). What is said holds but for these.
+    /// ("always-touching", "never-moves", "resting": contact of an object with what carries it, with `segment` and
+    /// `allowance_m`). All statements hold but for these.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.file.not_checked)

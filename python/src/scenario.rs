@@ -381,7 +381,7 @@ impl PyScenario {
         } else {
             scenario
         };
-        let world = World::new(bodies).map_err(fault)?;
+        let world = scenario.world.with_bodies(bodies).map_err(fault)?;
         let scenario = Scenario { world, target: place, export: None, ..scenario };
         let caller = slf.getattr("with_moveit_scene")?;
         let made = Made::opened(&caller, (absolute(&path)?,), &PyDict::new(slf.py()))?;

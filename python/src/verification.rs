@@ -1,6 +1,6 @@
 //! `Verification`: what a judge found in a path.
 
-use cranny_plan::Audit;
+use cranny_plan::{Audit, NotChecked};
 use pyo3::prelude::*;
 
 use crate::json::python_of;
@@ -50,7 +50,8 @@ impl PyVerification {
     }
 
     /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
-    /// ("always-touching", "never-moves"). What is said holds but for these.
+    /// ("always-touching", "never-moves", "resting": contact of an object with what carries it, with `segment` and
+    /// `allowance_m`). All statements hold but for these.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.audit.not_checked)
@@ -66,13 +67,10 @@ impl PyVerification {
 
     fn __repr__(&self) -> String {
         let Audit { valid, violations, .. } = &self.audit;
-        let unchecked = self.audit.not_checked.len();
-        if *valid && unchecked > 0 {
-            format!("<cranny.Verification: valid, but for {unchecked} pairs that are not checked>")
-        } else if *valid {
-            "<cranny.Verification: valid>".to_owned()
-        } else {
-            format!("<cranny.Verification: not valid, {} violations>", violations.len())
+        match NotChecked::summary(&self.audit.not_checked).filter(|_| *valid) {
+            Some(summary) => format!("<cranny.Verification: valid, but for {summary}>"),
+            None if *valid => "<cranny.Verification: valid>".to_owned(),
+            None => format!("<cranny.Verification: not valid, {} violations>", violations.len()),
         }
     }
 }

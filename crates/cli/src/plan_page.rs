@@ -174,7 +174,7 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
         );
     }
     for pair in &plan.not_checked {
-        line("not checked", text::not_checked(pair));
+        line(text::exemption(pair), text::not_checked(pair));
     }
     if !plan.waypoints.is_empty() {
         let points = counted(plan.waypoints.len(), "way point");

@@ -1,7 +1,7 @@
 use std::io::Write;
 
 use cranny_file::{counted, visible};
-use cranny_plan::{NotChecked, NotCheckedReason, OwnGrasp};
+use cranny_plan::{AllowedContact, NotChecked, NotCheckedReason, OwnGrasp};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -85,19 +85,26 @@ pub fn only_so_many(count: usize, noun: &str) -> String {
     format!("there {verb} {}, counted from 0", counted(count, noun))
 }
 
-/// What is said right after "proven" or "valid" where something was not compared.
+/// What follows "proven" or "valid" where something was not compared, or may touch.
 pub fn but_for(not_checked: &[NotChecked]) -> String {
-    match not_checked.len() {
-        0 => String::new(),
-        1 => ", but for 1 pair that is not checked".to_owned(),
-        count => format!(", but for {count} pairs that are not checked"),
-    }
+    NotChecked::summary(not_checked).map_or_else(String::new, |summary| format!(", but for {summary}"))
+}
+
+/// The heading under which something is named that was not compared, or may touch.
+pub fn exemption(pair: &NotChecked) -> &'static str {
+    if pair.contact.is_some() { "contact" } else { "not checked" }
 }
 
 /// Two things that touch and are not compared, why, and what to do about it.
 pub fn not_checked(pair: &NotChecked) -> String {
-    let NotChecked { first, second, depth_m, reason } = pair;
+    let NotChecked { first, second, depth_m, reason, contact } = pair;
     let depth = millimetres(*depth_m);
+    if let Some(AllowedContact { segment, allowance_m }) = contact {
+        let (segment, allowance) = (<&str>::from(segment), millimetres(*allowance_m));
+        return format!(
+            "{first} may touch the face of {second} that carries it in {segment}: {depth} deep, at most {allowance}"
+        );
+    }
     match reason {
         NotCheckedReason::NeverMoves => {
             format!("{first} stands still, {depth} deep in {second}")

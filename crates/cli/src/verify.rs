@@ -111,7 +111,7 @@ fn page(answered: &Answered, way_points: usize) -> String {
         let _ = writeln!(page, "  note        {deviation}");
     }
     for pair in &audit.not_checked {
-        let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
+        let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));

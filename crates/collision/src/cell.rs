@@ -91,6 +91,9 @@ impl Cell {
         let lanes = Lanes::new(&robot, &body, lanes.clone(), tree, &pairs);
         let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
         unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, parts));
+        if let Some(held) = of_held {
+            unchecked.extend(Unchecked::resting(held.link, held.spared, parts));
+        }
         Self {
             robot,
             body,

@@ -86,6 +86,15 @@ impl Surroundings {
             }
         }
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
-        Ok(Self { world: World::new(bodies)?, parts, lanes: lanes.into(), tree })
+        Ok(Self { world: self.world.with_bodies(bodies)?, parts, lanes: lanes.into(), tree })
+    }
+
+    /// The same with further parts of its bodies, numbered after all others.
+    pub fn with_parts(&self, further: Vec<(usize, Part)>) -> Self {
+        let lanes = self.lanes.iter().cloned().chain(further.iter().map(|(_, part)| LanePart::of(part)));
+        let lanes = lanes.collect();
+        let parts = [&self.parts[..], &further].concat();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        Self { world: self.world.clone(), parts, lanes, tree }
     }
 }

@@ -34,15 +34,33 @@ pub enum CollisionError {
         /// What was to be held.
         name: String,
     },
-    /// A body rests in a hollow.
+    /// A body is in contact with something other than a face below it that carries it, or too deep in that.
     #[error(
-        "'{name}' rests in a hollow of '{other}': no direction leads off it, so that no lift-off can be proven"
+        "'{name}' touches '{other}', {:.2} mm deep, and does not rest on it: it may touch the faces below it that carry it, \
+         up to {:.1} mm deep, and nothing else; move them apart",
+        depth_m * 1e3,
+        crate::CONTACT_ALLOWANCE_M * 1e3
     )]
-    Hollow {
+    Touches {
         /// The body.
         name: String,
-        /// What it rests in.
+        /// What it touches.
         other: String,
+        /// Their depth in each other, in metres.
+        depth_m: f64,
+    },
+    /// The centre of mass of a body is not over what it touches below it.
+    #[error(
+        "'{name}' touches '{other}' and does not rest on it: its centre of mass is {:.2} mm beside what is below it",
+        off_m * 1e3
+    )]
+    Topples {
+        /// The body.
+        name: String,
+        /// What it touches.
+        other: String,
+        /// Distance of the centre of mass from what is below the body, seen along gravity, in metres.
+        off_m: f64,
     },
     /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].
     #[error("the pose of body '{name}' is not within 1000 m of the robot's root")]

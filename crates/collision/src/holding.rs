@@ -2,11 +2,9 @@ use std::sync::Arc;
 
 use cranny_robot::{FARTHEST_HELD_M, Hold};
 
-use crate::CollisionError;
-use crate::held_body::HeldBody;
+use crate::held_body::{HeldBody, Spared};
+use crate::{CollisionError, Resting};
 
-#[cfg(doc)]
-use crate::Resting;
 use crate::cell::{Cell, Scratch};
 use crate::cell_parts::CellParts;
 use crate::link_body::{LinkBody, group_separation};
@@ -62,12 +60,20 @@ impl Cell {
         })
     }
 
-    /// The same cell with what is held not checked against these parts of the world ([`Resting::parts`]),
-    /// and no others.
+    /// The same cell with what is held free to touch the faces that carry it, and nothing else: it is not checked against the
+    /// parts that have them, but against what of these is higher. [`Self::stays_off`] proves that it stays above the faces;
+    /// [`Self::unchecked`] names them.
     #[must_use]
-    pub fn sparing(&self, spared: &[usize]) -> Self {
+    pub fn sparing(&self, resting: &Resting) -> Self {
+        let (mut spared, mut higher) = (Vec::new(), Vec::new());
+        for (part, depth_m, lip) in resting.spared(self.parts()) {
+            spared.push(Spared { part, depth_m });
+            higher.extend(lip);
+        }
         let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
-        Self::of(CellParts { held, ..self.parts_of() })
+        let around =
+            if higher.is_empty() { self.around.clone() } else { Arc::new(self.around.with_parts(higher)) };
+        Self::of(CellParts { held, around, ..self.parts_of() })
     }
 
     /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.

@@ -1,6 +1,7 @@
 use cranny_robot::Robot;
 
 use crate::Margins;
+use crate::held_body::Spared;
 use crate::link_body::LinkBody;
 use crate::part_tree::PartTree;
 use crate::travel::shared_joints;
@@ -83,8 +84,8 @@ pub(crate) struct Held<'a> {
     pub link: usize,
     /// The body of the world that it was.
     pub body: usize,
-    /// Parts of the world that it is not checked against, by their number among all.
-    pub spared: &'a [usize],
+    /// Parts of the world that it is not checked against.
+    pub spared: &'a [Spared],
 }
 
 /// The pairs of a link with every part.
@@ -123,7 +124,7 @@ impl Pairs {
                     other => other.map(|_| Grasped::Support),
                 },
                 is_held: held.is_some_and(|held| held.body == body),
-                is_spared: held.is_some_and(|held| held.spared.contains(&part)),
+                is_spared: held.is_some_and(|held| held.spared.iter().any(|spared| spared.part == part)),
             }
         };
         let link_pair = |(first, second): (usize, usize)| {

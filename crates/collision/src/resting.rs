@@ -1,143 +1,231 @@
-use std::sync::Arc;
-
 use cranny_shape::{Solid, closest_points, overlap};
-use cranny_spatial::{Point, Pose, Vector};
+use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::CollisionError;
 use crate::cell::{Cell, Scratch};
+use crate::contact_patch::{Across, PlanePoint, distance_to_hull, shared};
+use crate::extent::Extent;
 use crate::link_body::group_separation;
 use crate::world::{Body, Part};
 
-/// Where a body of the world rests on others: what it touches, and how far it is in them or off them.
+/// A body of the world on the faces that carry it.
 ///
-/// The separation of two things along a unit vector is how far one must go along it to touch the other; negative for how
-/// deep they are in each other. The greatest of all directions is their signed separation, and along any of them it can
-/// only be less: so whoever does not come closer along that direction does not come closer at all.
+/// A part carries the body by a face below it: a plane across a direction that is upwards to within 45°, above which the
+/// body lies and under which the part does, both to within [`CONTACT_ALLOWANCE_M`], and on which they meet. The centre of
+/// mass lies, along gravity, over the convex hull of where they meet on all faces that carry it. What of a part is higher
+/// than the plane of its face is no part of that contact, nor is any other part.
+///
+/// The separation along the direction is the height of the body's lowest point above the face: never more than the distance
+/// to what is under the plane, so what keeps it positive touches nothing there.
 #[derive(Clone, Debug)]
 pub struct Resting {
     extent: Extent,
-    /// A part that the body touches, each.
+    /// The faces that carry it.
     contacts: Vec<RestingContact>,
+    /// Other parts that are nearer than the margin of what is held.
+    beside: Vec<Neighbour>,
+    /// Distance of its centre of mass from what it might rest on, seen along gravity, in metres; `None` where that is below
+    /// it, or nothing is.
+    overhang_m: Option<f64>,
 }
 
-/// One part of the world that a body rests on.
+/// A face that a body rests on.
 #[derive(Clone, Copy, Debug)]
 struct RestingContact {
-    /// Its number among all parts of the world.
+    /// The part, by its number among all parts of the world.
     part: usize,
     /// The body of the world that it belongs to.
     body: usize,
-    /// From the part to the body at rest, a unit vector.
+    /// Its outward normal, a unit vector.
     direction: Vector,
-    /// How far the part reaches along the direction, in metres.
+    /// Height of the face along the direction, in metres.
     top_m: f64,
     /// At rest, along the direction, in metres.
     separation_m: f64,
 }
 
-/// Which of the directions along which two things are separate is looked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Enough {
-    /// That along which they are farthest apart.
-    Best,
-    /// Any along which they are as far apart as they are: that between their nearest points, which takes longest to find, only
-    /// where no other is.
-    Any,
+/// A part near a body that it does not rest on.
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    body: usize,
+    /// Distance, in metres.
+    gap_m: f64,
+    /// Depth in each other, in metres.
+    depth_m: f64,
 }
 
-/// The direction is that of the signed separation if it is less by no more than this, in metres.
-const HOLLOW_M: f64 = 5e-5;
+/// Depth to which a body may be in the face that it rests on, in metres: stated poses and sizes are rounded.
+pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
 
+/// A body rests on what is no farther below it, in metres: those of the paper's release float up to 1.8 mm above what
+/// carries them.
+const MOST_GAP_M: f64 = 2e-3;
+/// Points of a body that are no higher above its lowest are its foot, in metres: it may be tilted by 1°. A face that is no
+/// farther below the highest carries it too, if it must.
+const FOOT_M: f64 = 1e-3;
+/// The least cosine of the angle between a face's normal and the vertical: on steeper ones hardly anything stays.
+const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Normals of a part that are closer are one, as a chord.
+const ONE_NORMAL: f64 = 1e-3;
+/// Directions of a part that are tried.
+const MOST_DIRECTIONS: usize = 12;
 /// As in a proof of a motion, in metres.
 const RESOLUTION_M: f64 = 1e-6;
 
+/// A part that may carry a body, and where the two meet, seen along gravity.
+struct Candidate {
+    contact: RestingContact,
+    patch: Vec<PlanePoint>,
+    neighbour: Neighbour,
+}
+
 impl Cell {
-    /// How a body of the world rests: on every part of other bodies that is closer than `clear_m`.
+    /// A body of the world on what carries it.
     ///
     /// # Errors
-    /// [`CollisionError::Hollow`] where the body is in a hollow of what it touches, so that no direction is that of their
-    /// separation; [`CollisionError::Hold`] for a body that has no end.
+    /// [`CollisionError::Touches`] where the body is in contact with anything else, [`CollisionError::Topples`] where it is
+    /// in contact with faces that do not carry it; [`CollisionError::Hold`] for a body that has no end.
     ///
     /// # Panics
     /// If the world has no body of that index.
-    pub fn resting(&self, body: usize, clear_m: f64) -> Result<Resting, CollisionError> {
+    pub fn resting(&self, body: usize) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
         let extent = Extent::of(thing)?;
         // As it is held from: so bits agree.
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
-        self.resting_of(body, &extent, (&world_from_held, &placed), clear_m, Enough::Best)
+        let resting = self.resting_of(body, &extent, &world_from_held, &placed);
+        let Some(met) = resting.beside.iter().find(|other| other.gap_m < CONTACT_M) else {
+            return Ok(resting);
+        };
+        let (name, other) = (thing.name.clone(), self.world().bodies()[met.body].name.clone());
+        Err(match resting.overhang_m {
+            Some(off_m) if met.depth_m <= CONTACT_ALLOWANCE_M => CollisionError::Topples { name, other, off_m },
+            _ => CollisionError::Touches { name, other, depth_m: met.depth_m },
+        })
     }
 
-    /// How a body of the world would rest with its first solid elsewhere, as [`Self::resting`].
-    ///
-    /// # Errors
-    /// [`CollisionError::Hollow`].
+    /// A body of the world on what would carry it with its first solid elsewhere.
     ///
     /// # Panics
     /// If the world has no body of that index.
-    pub fn resting_at(
-        &self,
-        body: usize,
-        extent: &Extent,
-        world_from_held: &Pose,
-        clear_m: f64,
-    ) -> Result<Resting, CollisionError> {
+    pub fn resting_at(&self, body: usize, extent: &Extent, world_from_held: &Pose) -> Resting {
         let thing: &Body = &self.world().bodies()[body];
         let moved = moved_to(thing, world_from_held);
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (moved * part.world_from_solid, &part.solid)).collect();
-        self.resting_of(body, extent, (world_from_held, &placed), clear_m, Enough::Any)
+        self.resting_of(body, extent, world_from_held, &placed)
     }
 
+    /// 1. Parts near the body, and those that may carry it.
+    /// 2. Of these the highest, and lower ones as long as the centre of mass is not over where they meet it.
     fn resting_of(
         &self,
         body: usize,
         extent: &Extent,
-        (world_from_held, placed): (&Pose, &[(Pose, &Solid)]),
-        clear_m: f64,
-        enough: Enough,
-    ) -> Result<Resting, CollisionError> {
-        let thing: &Body = &self.world().bodies()[body];
-        let mut resting = Resting { extent: extent.clone(), contacts: Vec::new() };
-        for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
-        {
+        world_from_held: &Pose,
+        placed: &[(Pose, &Solid)],
+    ) -> Resting {
+        // 1.
+        let required_m = self.margins().of_held_m();
+        let near_m = required_m.max(MOST_GAP_M);
+        let (mut candidates, mut beside) = (Vec::new(), Vec::new());
+        for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body) {
             let of_part = std::iter::once((part.world_from_solid, &part.solid));
-            let gap = group_separation(placed.iter().copied(), &of_part, clear_m);
-            if gap.lower_m >= clear_m {
+            let gap = group_separation(placed.iter().copied(), &of_part, near_m);
+            if gap.lower_m >= near_m {
                 continue;
             }
             let depths = placed.iter().filter_map(|(pose, solid)| {
                 overlap(solid, pose, &part.solid, &part.world_from_solid).map(|overlap| overlap.depth_m)
             });
-            let depth_m = depths.fold(0.0, f64::max);
-            let signed_m = if gap.upper_m > 0.0 { gap.lower_m } else { -depth_m };
-            let along = |directions: Vec<Vector>| {
-                let along = directions.into_iter().filter_map(|direction| {
-                    let top_m = reach_along(part, &direction)?;
-                    let separation_m = extent.lowest_along(world_from_held, &direction) - top_m;
-                    Some(RestingContact { part: index, body: *other, direction, top_m, separation_m })
-                });
-                along.max_by(|a, b| a.separation_m.total_cmp(&b.separation_m))
-            };
-            let is_it = |best: &RestingContact| best.separation_m >= signed_m - HOLLOW_M;
-            let first = if enough == Enough::Any { along(axes(part)).filter(is_it) } else { None };
-            let best = first.or_else(|| along([axes(part), between(placed, part)].concat()));
-            let hollow = || CollisionError::Hollow {
-                name: thing.name.clone(),
-                other: self.world().bodies()[*other].name.clone(),
-            };
-            let best = best.filter(is_it).ok_or_else(hollow)?;
-            // Nearer than at rest is what is nearer than it is at rest, whatever the direction can show of that.
-            let separation_m = best.separation_m.max(signed_m);
-            resting.contacts.push(RestingContact { separation_m, ..best });
+            let depth_m = if gap.upper_m > 0.0 { 0.0 } else { depths.fold(0.0, f64::max) };
+            let neighbour = Neighbour { body: *other, gap_m: gap.lower_m, depth_m };
+            let is_near = neighbour.gap_m < MOST_GAP_M && depth_m <= CONTACT_ALLOWANCE_M + RESOLUTION_M;
+            let carried = || self.carried_by((index, part), (extent, world_from_held, placed), neighbour);
+            match is_near.then(carried).flatten() {
+                Some(candidate) => candidates.push(candidate),
+                None => beside.push(neighbour),
+            }
         }
-        Ok(resting)
+        // 2.
+        candidates.sort_by(|a, b| a.contact.separation_m.total_cmp(&b.contact.separation_m));
+        let up = self.world().up();
+        let center = Across::new(&up).seen(&extent.center_of_mass(world_from_held));
+        let highest_m = candidates.first().map_or(0.0, |first| first.contact.separation_m);
+        let (mut patch, mut count, mut off_m) = (Vec::new(), 0, f64::INFINITY);
+        for candidate in &candidates {
+            let below_m = candidate.contact.separation_m - highest_m;
+            if below_m > FOOT_M || (below_m > CONTACT_ALLOWANCE_M && off_m <= CONTACT_ALLOWANCE_M) {
+                break;
+            }
+            patch.extend_from_slice(&candidate.patch);
+            off_m = distance_to_hull(&patch, center);
+            count += 1;
+        }
+        let is_carried = off_m <= CONTACT_ALLOWANCE_M;
+        let others = candidates.split_off(if is_carried { count } else { 0 });
+        beside.extend(others.iter().map(|other| other.neighbour));
+        beside.retain(|other| other.gap_m < required_m);
+        Resting {
+            extent: extent.clone(),
+            contacts: candidates.iter().map(|candidate| candidate.contact).collect(),
+            beside,
+            overhang_m: (!is_carried && count > 0).then_some(off_m),
+        }
     }
 
-    /// How far the held body has come off what it rested on, at `q`: the least separation, in metres, infinite where it
-    /// rested on nothing.
+    /// The face by which a part may carry a body.
+    fn carried_by(
+        &self,
+        (index, part): (usize, &Part),
+        (extent, world_from_held, placed): (&Extent, &Pose, &[(Pose, &Solid)]),
+        neighbour: Neighbour,
+    ) -> Option<Candidate> {
+        let up = self.world().up();
+        let surface = surface_near(part, placed);
+        let signed_m = if neighbour.depth_m > 0.0 { -neighbour.depth_m } else { neighbour.gap_m };
+        directions(part, &surface, placed, &up).into_iter().find_map(|direction| {
+            let low_m = extent.lowest_along(world_from_held, &direction);
+            // A mesh is as far below as it is away.
+            let top_m = reach_along(part, &direction).unwrap_or(low_m - signed_m);
+            let separation_m = low_m - top_m;
+            let contact =
+                RestingContact { part: index, body: neighbour.body, direction, top_m, separation_m };
+            if !(-CONTACT_ALLOWANCE_M - RESOLUTION_M..MOST_GAP_M + FOOT_M).contains(&separation_m) {
+                return None;
+            }
+            let is_higher = |corner: &Point| direction.dot(&corner.coords) > contact.cut_m();
+            if surface.iter().flatten().any(is_higher)
+                && let Some(lip) = contact.lip(part)
+            {
+                let lip = std::iter::once((lip.world_from_solid, &lip.solid));
+                if group_separation(placed.iter().copied(), &lip, CONTACT_M).lower_m < CONTACT_M {
+                    return None;
+                }
+            }
+            let feet = extent.lower_triangles(world_from_held, &direction, low_m + FOOT_M);
+            let across = Across::new(&direction);
+            let feet = feet.iter().map(|corners| across.slice(corners, [f64::NEG_INFINITY, low_m + FOOT_M]));
+            let patch: Vec<PlanePoint> = if part.solid.is_half_space() {
+                feet.flatten().collect()
+            } else {
+                let heights_m = [top_m - FOOT_M, top_m + CONTACT_ALLOWANCE_M];
+                let tops: Vec<Vec<PlanePoint>> =
+                    surface.iter().map(|corners| across.slice(corners, heights_m)).collect();
+                feet.flat_map(|foot| tops.iter().flat_map(move |top| shared(&foot, top)).collect::<Vec<_>>())
+                    .collect()
+            };
+            let along_gravity = Across::new(&up);
+            let patch: Vec<_> =
+                patch.iter().map(|point| along_gravity.seen(&across.point(*point, top_m))).collect();
+            (!patch.is_empty()).then_some(Candidate { contact, patch, neighbour })
+        })
+    }
+
+    /// Least height of the held body above the faces that it rested on, at `q`, in metres; infinite where it rested on
+    /// nothing.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.
@@ -149,9 +237,9 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Where on the straight motion from `a` to `b`, in [0, 1], the held body comes nearer to what it rested on than at rest,
-    /// by more than `slack_m`, or that cannot be excluded, and to which body of the world; `None` if it is proven to stay
-    /// off all of it.
+    /// Where on the straight motion from `a` to `b`, in [0, 1], the held body comes nearer to a face that it rested on than at
+    /// rest, by more than `slack_m`, or deeper in it than [`CONTACT_ALLOWANCE_M`], or that cannot be excluded, and to which
+    /// body of the world; `None` if it is proven to stay off all of them.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -168,14 +256,15 @@ impl Cell {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }
+        let deepest_m = -CONTACT_ALLOWANCE_M - 2.0 * RESOLUTION_M;
         let mut open = vec![(0.5, 0.5)];
         while let Some((middle, half_width)) = open.pop() {
             self.check_at(a, b, middle, half_width, scratch, 1.0);
             let travel_m = scratch.travel.of(held);
             let world_from_held = self.world_from_held(scratch);
             for contact in &resting.contacts {
-                let over_m =
-                    resting.separation_m(contact, &world_from_held) - (contact.separation_m - slack_m);
+                let least_m = (contact.separation_m - slack_m).max(deepest_m);
+                let over_m = resting.separation_m(contact, &world_from_held) - least_m;
                 if over_m >= travel_m {
                     continue;
                 }
@@ -196,22 +285,54 @@ impl Cell {
 }
 
 impl Resting {
-    /// The parts of the world that the body touches, by their number among all.
-    pub fn parts(&self) -> Vec<usize> {
-        self.contacts.iter().map(|contact| contact.part).collect()
-    }
-
-    /// The bodies that it touches, and how far it is off each, in metres, negative for how deep in it.
-    pub fn bodies(&self) -> impl Iterator<Item = (usize, f64)> {
+    /// The bodies that carry it, and its height above the face of each, in metres, negative for its depth in it.
+    pub fn supports(&self) -> impl Iterator<Item = (usize, f64)> {
         self.contacts.iter().map(|contact| (contact.body, contact.separation_m))
     }
 
-    /// Ways off what the body touches, unit vectors, the first to be tried first: up, and away from all of it.
-    pub fn ways_off(&self) -> Vec<Vector> {
-        let up = Vector::z();
+    /// Other bodies nearer than the margin of what is held, with the distance and the depth, in metres.
+    pub fn beside(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        self.beside.iter().map(|other| (other.body, other.gap_m, other.depth_m))
+    }
+
+    /// Distance of its centre of mass from what might carry it, seen along gravity, in metres, where that is not below it.
+    pub fn overhang_m(&self) -> Option<f64> {
+        self.overhang_m
+    }
+
+    /// The greatest angle between the normal of a face that carries it and a direction, a unit vector, in radians.
+    pub fn slope_rad(&self, up: &Vector) -> f64 {
+        self.contacts.iter().map(|contact| contact.direction.angle(up)).fold(0.0, f64::max)
+    }
+
+    /// Whether a cell that spares the one ([`Cell::sparing`]) spares the other.
+    pub fn is_spared_alike(&self, other: &Self) -> bool {
+        let is_alike = |(a, b): (&RestingContact, &RestingContact)| {
+            a.part == b.part
+                && (a.direction - b.direction).norm() < 1e-9
+                && (a.top_m - b.top_m).abs() < 1e-9
+                && (a.depth_m() - b.depth_m()).abs() < RESOLUTION_M
+        };
+        self.contacts.len() == other.contacts.len() && self.contacts.iter().zip(&other.contacts).all(is_alike)
+    }
+
+    /// Ways off what carries it, unit vectors, the first to be tried first: up, and away from all faces.
+    pub fn ways_off(&self, up: Vector) -> Vec<Vector> {
         let away: Vector = self.contacts.iter().map(|contact| contact.direction).sum();
         let mixed = (up + away).try_normalize(1e-6);
         std::iter::once(up).chain(mixed.filter(|way| (way - up).norm() > 1e-6)).collect()
+    }
+
+    /// The faces that carry it, each with the number of its part and the depth in it, in metres, and what of that part is
+    /// higher than the face.
+    pub(crate) fn spared<'a>(
+        &'a self,
+        parts: &'a [(usize, Part)],
+    ) -> impl Iterator<Item = (usize, f64, Option<(usize, Part)>)> + use<'a> {
+        self.contacts.iter().map(|contact| {
+            let lip = contact.lip(&parts[contact.part].1);
+            (contact.part, contact.depth_m(), lip.map(|lip| (contact.body, lip)))
+        })
     }
 
     fn separation_m(&self, contact: &RestingContact, world_from_held: &Pose) -> f64 {
@@ -219,47 +340,23 @@ impl Resting {
     }
 }
 
-/// How far a body of the world reaches along any direction (its support mapping), in the frame of its first solid.
-#[derive(Clone, Debug)]
-pub struct Extent {
-    /// Its convex solids.
-    solids: Vec<(Pose, Solid)>,
-    /// The corners of its meshes.
-    corners: Arc<[Point]>,
-}
-
-impl Extent {
-    /// Of a body.
-    ///
-    /// # Errors
-    /// [`CollisionError::Hold`] for one that has no end.
-    pub fn of(body: &Body) -> Result<Self, CollisionError> {
-        let unusable = || CollisionError::Hold { name: body.name.clone() };
-        let held_from_world = body.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
-        let (mut solids, mut corners) = (Vec::new(), Vec::new());
-        for part in &body.parts {
-            let held_from_part = held_from_world * part.world_from_solid;
-            if part.solid.support_point(&Vector::x()).is_some() {
-                solids.push((held_from_part, part.solid.clone()));
-            } else {
-                let (points, _) = part.solid.bounding_points().ok_or_else(unusable)?;
-                corners.extend(points.iter().map(|point| held_from_part * point));
-            }
-        }
-        Ok(Self { solids, corners: corners.into() })
+impl RestingContact {
+    fn depth_m(&self) -> f64 {
+        (-self.separation_m).max(0.0)
     }
 
-    /// How far the body, its first solid at a pose, reaches back along a direction, a unit vector: the least value of any of
-    /// its points along it, in metres.
-    pub fn lowest_along(&self, world_from_held: &Pose, direction: &Vector) -> f64 {
-        let own = world_from_held.rotation.inverse() * direction;
-        let of_corners = self.corners.iter().map(|corner| own.dot(&corner.coords));
-        let of_solids = self.solids.iter().filter_map(|(held_from_solid, solid)| {
-            let farthest = solid.support_point(&(held_from_solid.rotation.inverse() * -own))?;
-            Some(own.dot(&(held_from_solid * farthest).coords))
-        });
-        let lowest = of_corners.chain(of_solids).fold(f64::INFINITY, f64::min);
-        lowest + direction.dot(&world_from_held.translation.vector)
+    /// What of the part is higher is none of the face.
+    fn cut_m(&self) -> f64 {
+        self.top_m + CONTACT_ALLOWANCE_M
+    }
+
+    /// What of a part is higher than its face: an obstacle like any other.
+    fn lip(&self, part: &Part) -> Option<Part> {
+        let Part { world_from_solid, solid } = part;
+        let own = world_from_solid.rotation.inverse() * self.direction;
+        let height_m = self.cut_m() - self.direction.dot(&world_from_solid.translation.vector);
+        let solid = solid.surface_above(&own, height_m)?;
+        Some(Part { world_from_solid: *world_from_solid, solid })
     }
 }
 
@@ -269,32 +366,56 @@ pub(crate) fn moved_to(body: &Body, world_from_held: &Pose) -> Pose {
     world_from_held * now.inverse()
 }
 
-/// How far a part reaches along a direction, in metres; `None` where it has no end.
+/// Reach of a convex part along a direction, in metres; `None` for a mesh, infinite for what has no end that way.
 fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
     let Part { world_from_solid, solid } = part;
+    let origin_m = direction.dot(&world_from_solid.translation.vector);
     if solid.is_half_space() {
         let normal = world_from_solid.rotation * Vector::z();
-        return ((normal - direction).norm() < 1e-9)
-            .then(|| direction.dot(&world_from_solid.translation.vector));
+        return Some(if (normal - direction).norm() < 1e-9 { origin_m } else { f64::INFINITY });
     }
     let own = world_from_solid.rotation.inverse() * direction;
-    let of_meshes = || {
-        let (points, _) = solid.bounding_points()?;
-        points.iter().map(|point| own.dot(&point.coords)).reduce(f64::max)
-    };
-    let farthest = solid.support_point(&own).map(|point| own.dot(&point.coords)).or_else(of_meshes)?;
-    Some(farthest + direction.dot(&world_from_solid.translation.vector))
+    Some(own.dot(&solid.support_point(&own)?.coords) + origin_m)
 }
 
-/// Directions along which a part and a body may be separate: the axes of the part, and upwards …
-fn axes(part: &Part) -> Vec<Vector> {
-    let axes = [Vector::x(), Vector::y(), Vector::z()].map(|axis| part.world_from_solid.rotation * axis);
-    let mut directions: Vec<Vector> = axes.iter().flat_map(|axis| [*axis, -axis]).collect();
-    directions.push(Vector::z());
-    directions
+/// The triangles of a part near a body.
+fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
+    let Part { world_from_solid, solid } = part;
+    let mut near: Vec<[Point; 3]> = Vec::new();
+    for (pose, own) in placed {
+        let region = own.aabb().transformed(&world_from_solid.inv_mul(pose)).grown(MOST_GAP_M + FOOT_M);
+        let corners = solid.triangles_near(&region).into_iter();
+        near.extend(corners.map(|corners| corners.map(|corner| world_from_solid * corner)));
+        if solid.support_point(&Vector::x()).is_some() {
+            break;
+        }
+    }
+    near
 }
 
-/// … and between their nearest points.
+/// Normals that a face of a part below a body may have, the first to be tried first.
+fn directions(
+    part: &Part,
+    surface: &[[Point; 3]],
+    placed: &[(Pose, &Solid)],
+    up: &Vector,
+) -> Vec<Vector> {
+    let normal = part.world_from_solid.rotation * Vector::z();
+    if part.solid.is_half_space() {
+        return if normal.dot(up) >= STEEPEST { vec![normal] } else { Vec::new() };
+    }
+    let normals = surface.iter().filter_map(|[a, b, c]| (b - a).cross(&(c - a)).try_normalize(0.0));
+    let mut found = vec![*up];
+    for normal in normals.chain(between(placed, part)).filter(|normal| normal.dot(up) >= STEEPEST) {
+        let is_known = found.iter().any(|known| (known - normal).norm() < ONE_NORMAL);
+        if !is_known && found.len() < MOST_DIRECTIONS {
+            found.push(normal);
+        }
+    }
+    found
+}
+
+/// Directions from a part to a body between their nearest points.
 fn between(placed: &[(Pose, &Solid)], part: &Part) -> Vec<Vector> {
     let nearest = placed
         .iter()

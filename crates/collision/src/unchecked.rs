@@ -3,10 +3,11 @@ use cranny_shape::overlap;
 use cranny_spatial::CONTACT_M;
 
 use crate::contact::Collider;
+use crate::held_body::Spared;
 use crate::link_body::{LinkBody, group_separation};
 use crate::world::Part;
 
-/// Two things that touch, and that no check and no proof compares: whoever says "free" or "proven" names them.
+/// Two things that touch, and that no check and no proof compares, or only as far as an allowance: each answer names them.
 ///
 /// Pairs that are exempt by declaration (adjacent links, those of an SRDF) are not among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,9 @@ pub enum UncheckedReason {
     AlwaysTouching,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
+    /// What is held, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper in it
+    /// than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
+    Resting,
 }
 
 impl Unchecked {
@@ -66,6 +70,19 @@ impl Unchecked {
                         found.push(Self { first, second, depth_m, reason: UncheckedReason::NeverMoves });
                     }
                 }
+            }
+        }
+        found
+    }
+
+    /// What is held, on what it may rest on.
+    pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for &Spared { part, depth_m } in spared {
+            let (first, second) = (Collider::Link(held_link), Collider::Body(parts[part].0));
+            match found.iter_mut().find(|known| known.second == second) {
+                Some(known) => known.depth_m = known.depth_m.max(depth_m),
+                None => found.push(Self { first, second, depth_m, reason: UncheckedReason::Resting }),
             }
         }
         found

@@ -1,5 +1,5 @@
 use cranny_shape::{Ball, Solid};
-use cranny_spatial::{FARTHEST_M, Point, Pose, Vector};
+use cranny_spatial::{FARTHEST_M, Point, Pose, Rotation, Vector};
 
 use crate::CollisionError;
 
@@ -56,10 +56,25 @@ impl Body {
 #[derive(Clone, Debug, Default)]
 pub struct World {
     bodies: Vec<Body>,
+    up: Upwards,
 }
 
+/// The direction against gravity in the planning frame, a unit vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Upwards(Vector);
+
+impl Default for Upwards {
+    fn default() -> Self {
+        Self(Vector::z())
+    }
+}
+
+/// A direction that is nearer to an axis of the planning frame is that axis, as a chord: rounding of a pose.
+const ALONG_AXIS: f64 = 1e-9;
+
 impl World {
-    /// A world of these bodies.
+    /// A world of these bodies. Up is the normal of its floor, the only body that is a half-space; without one, or with
+    /// several, the z axis of the planning frame, unless [`Self::with_up`] gives it.
     ///
     /// # Errors
     /// [`CollisionError::Pose`] for a pose that is not finite, or farther away than [`FARTHEST_M`].
@@ -72,7 +87,40 @@ impl World {
                 return Err(CollisionError::Pose { name: body.name.clone() });
             }
         }
-        Ok(Self { bodies })
+        let mut planes = bodies.iter().flat_map(|body| &body.parts).filter(|part| part.solid.is_half_space());
+        let floor = planes.next().filter(|_| planes.next().is_none());
+        let up = floor.map(|floor| floor.world_from_solid.rotation * Vector::z());
+        let world = Self { bodies, up: Upwards::default() };
+        Ok(match up {
+            Some(up) => world.with_up(&up),
+            None => world,
+        })
+    }
+
+    /// The same world with gravity against this direction of the planning frame, a unit vector.
+    #[must_use]
+    pub fn with_up(self, up: &Vector) -> Self {
+        let is_z = (up - Vector::z()).norm() < ALONG_AXIS;
+        Self { up: Upwards(if is_z { Vector::z() } else { *up }), ..self }
+    }
+
+    /// The same gravity around other bodies.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_bodies(&self, bodies: Vec<Body>) -> Result<Self, CollisionError> {
+        Ok(Self::new(bodies)?.with_up(&self.up.0))
+    }
+
+    /// The direction against gravity in the planning frame, a unit vector: objects rest on what is below them along it.
+    pub fn up(&self) -> Vector {
+        self.up.0
+    }
+
+    /// A rotation that takes the z axis upwards: none where up is that axis.
+    pub fn world_from_level(&self) -> Rotation {
+        Rotation::rotation_between(&Vector::z(), &self.up.0)
+            .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI))
     }
 
     /// All bodies, in the order in which they were given.
@@ -91,31 +139,35 @@ impl World {
         })
     }
 
-    /// The bodies that `body` rests on: those within 1 cm of it that have a part whose box
-    /// reaches no higher than the middle of the body.
+    /// The bodies that `body` rests on: those that it meets if it is lowered by 1 cm, by a part whose box reaches no higher
+    /// than its middle.
     pub fn supports_of(&self, body: usize) -> Vec<usize> {
+        let level_from_world =
+            Pose::from_parts(Vector::zeros().into(), self.world_from_level().inverse());
+        let lowered = Pose::from_parts((-self.up.0 * SUPPORT_GAP_M).into(), Rotation::identity());
         let middle = self.bodies[body]
             .parts
             .iter()
-            .map(|part| (part.world_from_solid * part.solid.ball().center).z)
+            .map(|part| (level_from_world * part.world_from_solid * part.solid.ball().center).z)
             .fold(f64::INFINITY, f64::min);
         let is_support = |other: &Body| {
             other.parts.iter().any(|part| {
+                let level_from_part = level_from_world * part.world_from_solid;
                 let top = if part.solid.is_half_space() {
-                    part.world_from_solid.translation.z
+                    level_from_part.translation.z
                 } else {
-                    part.solid.aabb().transformed(&part.world_from_solid).high().z
+                    part.solid.aabb().transformed(&level_from_part).high().z
                 };
                 top <= middle
                     && self.bodies[body].parts.iter().any(|own| {
                         let gap = cranny_shape::separation(
                             &own.solid,
-                            &own.world_from_solid,
+                            &(lowered * own.world_from_solid),
                             &part.solid,
                             &part.world_from_solid,
                             SUPPORT_GAP_M,
                         );
-                        gap.upper_m <= SUPPORT_GAP_M
+                        gap.upper_m <= 0.0
                     })
             })
         };
@@ -123,6 +175,6 @@ impl World {
     }
 }
 
-/// An object counts as resting on what is nearer than this, in metres: the released objects float up to a
-/// few millimetres above what carries them, and sink as deep.
+/// An object counts as resting on what is no farther below it, in metres: the released objects float up to a few
+/// millimetres above what carries them.
 const SUPPORT_GAP_M: f64 = 0.01;

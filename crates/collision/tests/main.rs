@@ -13,5 +13,6 @@ mod many_parts;
 mod margins;
 mod motions;
 mod released_check;
+mod resting;
 mod robot_bodies;
 mod self_pairs;

@@ -121,6 +121,13 @@ fn a_table_of_three_parts_supports_what_stands_on_it_and_on_the_floor_below_it()
 }
 
 #[test]
+fn what_stands_beside_an_object_does_not_support_it() {
+    let object = || block("object", [0.0, 0.0, 0.05], [0.05; 3]);
+    let curb = block("curb", [0.061, 0.0, 0.01], [0.01; 3]);
+    assert_eq!(supports(vec![object(), curb, Body::floor(0.0)]), ["floor"]);
+}
+
+#[test]
 fn what_hangs_above_an_object_does_not_support_it() {
     let object = block("object", [0.0, 0.0, 0.5], [0.05; 3]);
     assert!(supports(vec![object, block("lid", [0.0, 0.0, 0.65], [0.1; 3])]).is_empty());

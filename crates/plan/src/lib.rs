@@ -49,10 +49,11 @@ pub use task::hand_filter::{APPROACH_M, HandFilter, robot_hand};
 pub use task::ik_annotation::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
 };
-pub use task::not_checked::{NotChecked, NotCheckedReason};
+pub use task::not_checked::{AllowedContact, ContactSegment, NotChecked, NotCheckedReason};
 pub use task::own_grasp::OwnGrasp;
-pub use task::place::{Placed, Placement, Placer};
+pub use task::place::{Placement, Placer};
 pub use task::place_settings::{AfterPlacing, PlaceGoal, PlaceSettings, PlaceSpot};
+pub use task::placed::Placed;
 pub use task::problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
 pub use timing::trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};

@@ -12,5 +12,6 @@ pub(crate) mod not_checked;
 pub(crate) mod own_grasp;
 pub(crate) mod place;
 pub(crate) mod place_settings;
+pub(crate) mod placed;
 pub(crate) mod problem;
 pub(crate) mod rests;

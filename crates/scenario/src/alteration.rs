@@ -1,6 +1,6 @@
 //! Scenarios made from others: a body more or less, the object elsewhere.
 
-use cranny_collision::{Body, World};
+use cranny_collision::Body;
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
 
@@ -23,7 +23,7 @@ impl Scenario {
         let behind = self.target.unwrap_or_else(|| bodies.iter().take_while(|body| !is_floor(body)).count());
         bodies.insert(behind, body);
         let target = self.target.map(|target| target + 1);
-        Ok(Self { world: World::new(bodies)?, target, export: None, ..self.clone() })
+        Ok(Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() })
     }
 
     /// The same scenario without the body of that name; without the target, there is none.
@@ -38,7 +38,7 @@ impl Scenario {
             .target
             .filter(|&target| target != removed)
             .map(|target| if removed < target { target - 1 } else { target });
-        let altered = Self { world: World::new(bodies)?, target, export: None, ..self.clone() };
+        let altered = Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() };
         Ok(if target.is_some() {
             altered
         } else {
@@ -72,7 +72,7 @@ impl Scenario {
         }
         let is_own = self.target == Some(body);
         let grasps = if is_own { self.grasps.moved(motion) } else { self.grasps.clone() };
-        let (world, start) = (World::new(bodies)?, start.to_vec());
+        let (world, start) = (self.world.with_bodies(bodies)?, start.to_vec());
         Ok(Self { world, grasps, start, ik: Vec::new(), export: None, ..self.clone() })
     }
 

@@ -1,4 +1,4 @@
-use cranny_spatial::Point;
+use cranny_spatial::{Point, Vector};
 
 use crate::convex::{Convex, Core};
 use crate::disjoint_sets::DisjointSets;
@@ -12,7 +12,8 @@ pub(crate) struct Mesh {
     triangles: Vec<Convex>,
     balls: Vec<Ball>,
     tree: TriangleTree,
-    inside: Inside,
+    /// Nothing for a surface that encloses nothing.
+    inside: Option<Inside>,
     witnesses: Vec<Point>,
     repairs: MeshRepairs,
 }
@@ -23,11 +24,26 @@ impl Mesh {
     pub fn new(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         let Enclosure { soup, inside, repairs } = Enclosure::of(soup)?;
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        Ok(Self { inside: Some(inside), ..Self::of_corners(&corners, one_vertex_per_body(&soup), repairs) })
+    }
+
+    /// What of the surface lies higher than `height_m` (m) along a direction, a unit vector; `None` if nothing does. It
+    /// encloses nothing.
+    pub fn above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
+        let higher = |corner: &Point| direction.dot(&corner.coords) - height_m;
+        let mut kept: Vec<[Point; 3]> = Vec::new();
+        for triangle in self.triangles.iter().map(corners) {
+            let polygon = cut_off(&triangle, higher);
+            kept.extend((2..polygon.len()).map(|last| [polygon[0], polygon[last - 1], polygon[last]]));
+        }
+        let repairs = MeshRepairs { triangles: kept.len(), ..self.repairs };
+        (!kept.is_empty()).then(|| Self::of_corners(&kept, vec![kept[0][0]], repairs))
+    }
+
+    fn of_corners(corners: &[[Point; 3]], witnesses: Vec<Point>, repairs: MeshRepairs) -> Self {
         let triangles = corners.iter().map(triangle).collect();
         let balls = corners.iter().map(|t| Bounds::around(&t.map(|corner| (corner, 0.0))).ball).collect();
-        let tree = TriangleTree::new(&corners);
-        let witnesses = one_vertex_per_body(&soup);
-        Ok(Self { triangles, balls, tree, inside, witnesses, repairs })
+        Self { triangles, balls, tree: TriangleTree::new(corners), inside: None, witnesses, repairs }
     }
 
     /// What was done to the file's triangles.
@@ -70,8 +86,30 @@ impl Mesh {
 
     /// Whether the volume contains `point` (mesh frame): bodies that touch or overlap are all full.
     pub fn contains(&self, point: &Point) -> bool {
-        self.inside.contains(&self.tree, |triangle| corners(&self.triangles[triangle as usize]), point)
+        let corners = |triangle: u32| corners(&self.triangles[triangle as usize]);
+        self.inside.as_ref().is_some_and(|inside| inside.contains(&self.tree, corners, point))
     }
+
+    /// The corners of the triangles whose boxes meet `region`.
+    pub fn corners_near(&self, region: &Aabb) -> impl Iterator<Item = [Point; 3]> {
+        self.tree.near(region).map(|triangle| corners(&self.triangles[triangle as usize]))
+    }
+}
+
+/// What of a triangle has a positive height: a convex polygon, in order.
+fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point> {
+    let mut polygon = Vec::new();
+    for (index, a) in triangle.iter().enumerate() {
+        let b = &triangle[(index + 1) % 3];
+        let (of_a, of_b) = (height_m(a), height_m(b));
+        if of_a > 0.0 {
+            polygon.push(*a);
+        }
+        if (of_a > 0.0) != (of_b > 0.0) {
+            polygon.push(a + (b - a) * (of_a / (of_a - of_b)));
+        }
+    }
+    polygon
 }
 
 /// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983); positive where the eye sees the

@@ -189,6 +189,26 @@ impl Solid {
         }
     }
 
+    /// What of a mesh lies higher than `height_m` (m) along a direction, a unit vector, in its own frame: a surface, which
+    /// encloses nothing. `None` if nothing does, or for what is no mesh.
+    #[must_use]
+    pub fn surface_above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
+        let Kind::Mesh(mesh) = &self.kind else { return None };
+        let mesh = mesh.above(direction, height_m)?;
+        let bounds = Bounds::around(&mesh.vertices().map(|vertex| (vertex, 0.0)).collect::<Vec<_>>());
+        Some(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
+    }
+
+    /// The triangles of its surface whose boxes meet a region of its own frame, or more, normals outwards, as those of
+    /// [`Self::tessellation`]: none of a half-space.
+    pub fn triangles_near(&self, region: &Aabb) -> Vec<[Point; 3]> {
+        if let Kind::Mesh(mesh) = &self.kind {
+            return mesh.corners_near(region).collect();
+        }
+        let soup = self.tessellation().unwrap_or_default();
+        (0..soup.triangles.len()).map(|triangle| soup.corners(triangle)).collect()
+    }
+
     /// The least z of the solid after `target_from_solid`, in metres; minus infinity for a half-space.
     pub fn lowest_z(&self, target_from_solid: &Pose) -> f64 {
         match &self.kind {

@@ -38,8 +38,8 @@ impl TaskCells {
         };
         let placer = Placer::new(carrier, settings.clone())?;
         let near = placer.grip_at(&grip, down)?;
-        let put_down = near.zip(placer.open(&grip, down).ok());
-        Ok(put_down.map(|put_down| Self { grip, put_down: Some(put_down) }))
+        let placed = placer.open(&grip, down).ok();
+        Ok(placed.map(|placed| Self { grip, put_down: Some((near, placed)) }))
     }
 
     /// Pose of the first solid of the object where it was put down, if it was.

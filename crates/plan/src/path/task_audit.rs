@@ -1,8 +1,8 @@
 use cranny_collision::Resting;
 
 use crate::{
-    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Grip, Place, Placer, PlanError, Problem,
-    Violation, audit_with,
+    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, ContactSegment, Grip, Place, Placer, PlanError,
+    Problem, Violation, audit_with,
 };
 
 /// The pieces of a task's path, each from where the one before ends, and what is said of them.
@@ -93,7 +93,7 @@ fn lift_off(
     };
     let before = path.reach.len() - 1;
     let near = Near { carrier, grip, resting: carrier.resting(), from, path: path.lift_off, before };
-    near.judge(audit, settings, |place| Violation::LiftOff { place })?;
+    near.judge(audit, settings, ContactSegment::LiftOff)?;
     let way_point = near.last();
     if let Some((length_m, most_m)) = near.too_long_m() {
         audit.violations.push(Violation::LongLiftOff { way_point, length_m, most_m });
@@ -122,18 +122,23 @@ impl Near<'_> {
         &self,
         audit: &mut Audit,
         settings: AuditSettings,
-        comes_nearer: fn(Place) -> Violation,
+        segment: ContactSegment,
     ) -> Result<(), PlanError> {
         let lifting = self.grip.lifting(self.from, self.from)?;
         let anywhere = AuditSettings { at_goal: false, ..settings };
-        append(audit, audit_with(&lifting, self.path, anywhere)?, self.before);
+        let mut judged = audit_with(&lifting, self.path, anywhere)?;
+        judged.not_checked = judged.not_checked.into_iter().map(|pair| pair.along(segment)).collect();
+        append(audit, judged, self.before);
         let mut scratch = lifting.exact_cell("audit")?.scratch();
         for (edge, ends) in self.path.windows(2).enumerate() {
             let ends = [&ends[0][..], &ends[1]];
             if let Some((at, body)) = self.carrier.stays_off(self.grip, self.resting, ends, &mut scratch) {
                 let (first, second) = (self.carrier.object().to_owned(), self.carrier.body_name(body));
                 let place = Place { edge: self.before + edge, at, first, second };
-                audit.violations.push(comes_nearer(place));
+                audit.violations.push(match segment {
+                    ContactSegment::LiftOff => Violation::LiftOff { place },
+                    ContactSegment::SetDown => Violation::SetDown { place },
+                });
             }
         }
         Ok(())
@@ -198,21 +203,19 @@ fn place(
     let mut before = path.reach.len() + path.lift_off.len() + path.carry.len() - 3;
     let way_point = before + set_down.len() - 1;
     let world_from_held = placer.held_at(grip, down);
-    let placement = placer.placement_at(&world_from_held);
-    let in_hollow = || Some("it is in a hollow".to_owned());
-    if let Some(fault) = placement.as_ref().map_or_else(in_hollow, |placement| placer.fault_of(placement)) {
+    let placement = placer.placement(&world_from_held);
+    if let Some(fault) = placer.fault_of(&placement) {
         audit.violations.push(Violation::NotPlaced { way_point, fault });
     }
-    if let Some(placement) = placement {
-        let grip = &placement.grip_near(grip)?;
-        let near = Near { carrier, grip, resting: placement.resting(), from, path: set_down, before };
-        near.judge(audit, settings, |place| Violation::SetDown { place })?;
-        if let Some((length_m, most_m)) = near.too_long_m() {
-            audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });
-        }
-        if !near.is_off_at(above) {
-            audit.violations.push(Violation::NotAbove { way_point: before });
-        }
+    let near_grip = &placement.grip_near(grip)?;
+    let near =
+        Near { carrier, grip: near_grip, resting: placement.resting(), from, path: set_down, before };
+    near.judge(audit, settings, ContactSegment::SetDown)?;
+    if let Some((length_m, most_m)) = near.too_long_m() {
+        audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });
+    }
+    if !near.is_off_at(above) {
+        audit.violations.push(Violation::NotAbove { way_point: before });
     }
     before = way_point;
     let placed = match placer.open(grip, down) {

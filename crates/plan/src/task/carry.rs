@@ -9,9 +9,10 @@ use crate::{FailureReason, Goal, PlaceSettings, PlanError, Problem};
 
 /// How an object leaves what it rests on.
 ///
-/// Of each body that it touches at rest it stays, until the end of the lift-off, no nearer than at rest, but for
-/// `slack_m`; there it is `clear_m` off all of them, and from there on they are obstacles like any other. Everything else
-/// is an obstacle all the time.
+/// To each face that carries it ([`Resting`]) it stays, until the end of the lift-off, no nearer than at rest, but for
+/// `slack_m`, and no deeper in it than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M); there it is `clear_m`
+/// off all of them, and from there on they are obstacles like any other. Everything else, what is beside the object and what
+/// is higher on the same body too, is an obstacle all the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftOffSettings {
     /// How far the object goes at most, in metres.
@@ -88,14 +89,14 @@ impl Carrier {
     ///
     /// # Errors
     /// [`PlanError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
-    /// close; [`PlanError::Collision`] for a target that has no end or rests in a hollow.
+    /// close; [`PlanError::Collision`] for a target that has no end, or touches what does not carry it.
     pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
         let lacking = |needs| PlanError::NothingToCarry { needs };
         let (hand, cell) = ClosingHand::new(problem.cell().map(Arc::as_ref), problem.target(), lacking)?;
         let clear_m = settings.clear_m.max(cell.margins().of_held_m());
-        let resting = cell.resting(hand.target(), clear_m)?;
+        let resting = cell.resting(hand.target())?;
         Ok(Self {
-            lifting: hand.holding().sparing(&resting.parts()),
+            lifting: hand.holding().sparing(&resting),
             settings: LiftOffSettings { clear_m, ..settings },
             problem: problem.clone(),
             hand,
@@ -193,7 +194,7 @@ impl Carrier {
             return Err(Some(contact.names(&grip.lifting)));
         }
         let mut reason = None;
-        for way in resting.ways_off() {
+        for way in resting.ways_off(self.lifting.world().up()) {
             match self.lifted(grip, resting, q, &way, &mut scratch) {
                 Ok(path) => return Ok(path),
                 Err(blocked) => reason = blocked.or(reason),

@@ -1,7 +1,9 @@
-use cranny_collision::{Cell, UncheckedReason};
+use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
-/// Two things that touch and are compared by no check and no proof, by name: "proven" is said of a path but for these.
+/// Two things that touch and are compared by no check and no proof, or only as far as an allowance, by name: a path is proven
+/// but for these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NotChecked {
     /// A link.
@@ -12,6 +14,29 @@ pub struct NotChecked {
     pub depth_m: f64,
     /// Why they are not compared.
     pub reason: NotCheckedReason,
+    /// The contact that is allowed, of an object on what carries it.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<AllowedContact>,
+}
+
+/// A contact that is allowed along a piece of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AllowedContact {
+    /// The mode of the piece.
+    pub segment: ContactSegment,
+    /// The depth that is proven not to be exceeded, in metres.
+    pub allowance_m: f64,
+}
+
+/// A piece of a path along which an object may touch what carries it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum ContactSegment {
+    /// Off what it rests on.
+    LiftOff,
+    /// Down to what it then rests on.
+    SetDown,
 }
 
 /// Why two things are not compared.
@@ -23,6 +48,8 @@ pub enum NotCheckedReason {
     AlwaysTouching,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
+    /// A held object, by the faces of a body below it that carry it.
+    Resting,
 }
 
 impl NotChecked {
@@ -34,8 +61,32 @@ impl NotChecked {
             reason: match unchecked.reason {
                 UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
                 UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
+                UncheckedReason::Resting => NotCheckedReason::Resting,
             },
+            contact: None,
         });
         named.collect()
+    }
+
+    /// A count of pairs that are not checked and of contacts that are allowed, as "1 pair that is not checked"; `None` where
+    /// there are none.
+    pub fn summary(not_checked: &[Self]) -> Option<String> {
+        let contacts = not_checked.iter().filter(|pair| pair.contact.is_some()).count();
+        let counted = |count: usize, one: &str, more: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            _ => Some(format!("{count} {more}")),
+        };
+        let pairs = not_checked.len() - contacts;
+        let pairs = counted(pairs, "pair that is not checked", "pairs that are not checked");
+        let contacts = counted(contacts, "allowed contact", "allowed contacts");
+        pairs.into_iter().chain(contacts).reduce(|pairs, contacts| format!("{pairs} and {contacts}"))
+    }
+
+    /// The same, along a piece of a path.
+    pub(crate) fn along(self, segment: ContactSegment) -> Self {
+        let is_contact = self.reason == NotCheckedReason::Resting;
+        let contact = AllowedContact { segment, allowance_m: CONTACT_ALLOWANCE_M };
+        Self { contact: is_contact.then_some(contact), ..self }
     }
 }

@@ -1,21 +1,20 @@
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use cranny_collision::{Cell, Collider, Contact, Extent, Motion, Part, Resting, Scratch};
-use cranny_robot::{Hold, IkSettings, IkSolver};
+use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, Collider, Contact, Extent, Part, Resting};
+use cranny_robot::Hold;
 use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
 
-use crate::task::rests::rests;
-use crate::{Carrier, FailureReason, Goal, Grip, PlaceSettings, PlaceSpot, PlanError, Problem};
+use crate::task::placed::{MOST_RETREAT_M, Placed};
+use crate::task::rests::{AS_IT_RESTS_RAD, rests, stable_rests};
+use crate::{Carrier, FailureReason, Grip, PlaceSettings, PlaceSpot, PlanError};
 
 /// An object is let go so far above what it is put down on, in metres: far less than matters to it, and far more than
 /// the errors of inverse kinematics.
 const GAP_M: f64 = 3e-4;
 /// How far above it may be at most, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
-/// How deep it may be in what it rests on, in metres: what is said of where things stand is rounded.
-const MOST_SUNK_M: f64 = 1e-3;
 /// How far an object may reach over the edge of a surface, in metres: rounding.
 const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
@@ -25,9 +24,6 @@ const ENOUGH_PLACES: usize = 96;
 const ENOUGH_TO_REFUSE: usize = 16;
 /// The normal of a floor is no farther from the vertical, as a chord: rounding.
 const LEVEL: f64 = 1e-9;
-/// Between two configurations of a retreat, in metres, and how far it goes at most.
-const RUNG_M: f64 = 0.01;
-const MOST_RETREAT_M: f64 = 0.5;
 
 /// A place where an object can be put down.
 #[derive(Clone, Debug)]
@@ -45,7 +41,8 @@ pub struct Placer {
     carrier: Carrier,
     settings: PlaceSettings,
     extent: Extent,
-    /// In which rotations it can rest, and the first solid with it, turns about the vertical aside.
+    /// In which rotations it can rest, and the first solid with it, turns about the vertical aside, from a frame whose z axis
+    /// is up; none where it can in any.
     rests: Vec<Rotation>,
     draws: Vec<Draw>,
 }
@@ -63,15 +60,6 @@ struct Draw {
     placement: OnceLock<Option<Placement>>,
 }
 
-/// An object that was put down, and the world as it is then.
-#[derive(Clone, Debug)]
-pub struct Placed {
-    /// Pose of the first solid of the object.
-    pub world_from_held: Pose,
-    target: usize,
-    after: Arc<Cell>,
-}
-
 impl Placer {
     /// Of a carrier's object, with no placements yet.
     ///
@@ -81,9 +69,10 @@ impl Placer {
         let target = carrier.hand().target();
         let body = &carrier.hand().holding().world().bodies()[target];
         let extent = Extent::of(body)?;
+        let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
         let rests = match &settings.goal.spot {
-            PlaceSpot::Target(_) => Vec::new(),
-            PlaceSpot::Surface { .. } => rests(body),
+            PlaceSpot::Target(_) => stable_rests(body, &level_from_world, 0.0).unwrap_or_default(),
+            PlaceSpot::Surface { .. } => rests(body, &level_from_world),
         };
         let placer = Self { carrier: carrier.clone(), settings, extent, rests, draws: Vec::new() };
         placer.check()?;
@@ -122,8 +111,7 @@ impl Placer {
         if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
             return refuse(format!("place '{name}' has no size"));
         }
-        let normal = pose.rotation * Vector::z();
-        if (normal - Vector::z()).norm() > EXACT_ROTATION_RAD {
+        if (pose.rotation * Vector::z() - self.up()).norm() > EXACT_ROTATION_RAD {
             return refuse(format!("place '{name}' is not level"));
         }
         Ok(())
@@ -131,6 +119,10 @@ impl Placer {
 
     fn target(&self) -> usize {
         self.carrier.hand().target()
+    }
+
+    fn up(&self) -> Vector {
+        self.carrier.hand().holding().world().up()
     }
 
     /// Where the object is by a draw.
@@ -141,7 +133,8 @@ impl Placer {
         };
         let (sine, cosine) = sin_cos(0.5 * draw.turn_rad);
         let turn = UnitQuaternion::new_unchecked(Quaternion::new(cosine, 0.0, 0.0, sine));
-        let turned = Pose::from_parts(Vector::zeros().into(), turn * self.rests[draw.rest]);
+        let world_from_level = self.carrier.hand().holding().world().world_from_level();
+        let turned = Pose::from_parts(Vector::zeros().into(), world_from_level * turn * self.rests[draw.rest]);
         let extent_m = |axis: usize| {
             let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
             [self.extent.lowest_along(&turned, &along), -self.extent.lowest_along(&turned, &-along)]
@@ -163,53 +156,59 @@ impl Placer {
     /// Where the object is by a draw, if it can be there.
     fn look_at<'a>(&self, draw: &'a Draw) -> Option<&'a Placement> {
         let look = || {
-            let pose = self.pose_of(draw);
-            self.placement(&pose).filter(|placement| self.fault_of(placement).is_none())
+            let placement = self.placement(&self.pose_of(draw));
+            self.fault_of(&placement).is_none().then_some(placement)
         };
         draw.placement.get_or_init(look).as_ref()
     }
 
-    /// The object at a pose, and what it rests on there; `None` in a hollow. The cell is that of a draw that was looked at,
-    /// where it does for this one too.
-    fn placement(&self, world_from_held: &Pose) -> Option<Placement> {
+    /// The object at a pose, and what it rests on there. The cell is that of a draw that was looked at, where it does for this
+    /// one too.
+    pub(crate) fn placement(&self, world_from_held: &Pose) -> Placement {
         let cell = self.carrier.hand().holding();
-        let clear_m = self.carrier.settings().clear_m;
-        let resting = cell.resting_at(self.target(), &self.extent, world_from_held, clear_m).ok()?;
-        let parts = resting.parts();
+        let resting = cell.resting_at(self.target(), &self.extent, world_from_held);
         let mut known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
-        let near = match known.find(|known| known.resting.parts() == parts) {
+        let near = match known.find(|known| known.resting.is_spared_alike(&resting)) {
             Some(known) => known.near.clone(),
-            None => Arc::new(cell.sparing(&parts)),
+            None => Arc::new(cell.sparing(&resting)),
         };
-        Some(Placement { world_from_held: *world_from_held, resting, near })
+        Placement { world_from_held: *world_from_held, resting, near }
+    }
+
+    /// A fault, in words, of the object let go with its first solid at a pose; `None` if it is where it is to be.
+    pub fn fault_at(&self, world_from_held: &Pose) -> Option<String> {
+        self.fault_of(&self.placement(world_from_held))
     }
 
     /// What is wrong with an object that is let go at a pose, in words; `None` if it is where it is to be.
-    pub(crate) fn fault_of(&self, placement: &Placement) -> Option<String> {
-        let Placement { world_from_held, resting, .. } = placement;
+    pub(crate) fn fault_of(&self, Placement { world_from_held, resting, .. }: &Placement) -> Option<String> {
         let name = &self.settings.goal.name;
+        let up_in_held = world_from_held.rotation.inverse() * self.up();
+        let tilt = |rest: &Rotation| (rest.inverse() * Vector::z() - up_in_held).norm();
+        let tilt_rad = self.rests.iter().map(tilt).reduce(f64::min).unwrap_or(0.0);
+        let tilted = |most_rad: f64| {
+            (tilt_rad.is_nan() || tilt_rad > most_rad)
+                .then(|| format!("it is {:.2}° from any way to rest", tilt_rad.to_degrees()))
+        };
         let (on, world_from_surface, size_m) = match &self.settings.goal.spot {
             PlaceSpot::Target(pose) => {
                 let off = PoseDifference::between(pose, world_from_held);
-                let fault = || {
+                if !off.is_exact() {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
-                    format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be")
-                };
-                return if off.is_exact() { self.fault_of_rest(resting) } else { Some(fault()) };
+                    return Some(format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be"));
+                }
+                return self.fault_of_rest(resting, None).or_else(|| tilted(AS_IT_RESTS_RAD));
             }
             PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
         };
         let up = world_from_surface.rotation * Vector::z();
         let middle = world_from_surface.translation.vector;
         let above_m = self.extent.lowest_along(world_from_held, &up) - up.dot(&middle);
-        if !(-self.carrier.settings().slack_m..=MOST_ABOVE_M).contains(&above_m) {
+        if !(-CONTACT_ALLOWANCE_M..=MOST_ABOVE_M).contains(&above_m) {
             return Some(format!("it is {:.2} mm above '{name}'", above_m * 1e3));
         }
-        let up_in_held = world_from_held.rotation.inverse() * Vector::z();
-        let tilt = |rest: &Rotation| (rest.inverse() * Vector::z() - up_in_held).norm();
-        let tilt_rad = self.rests.iter().map(tilt).fold(f64::INFINITY, f64::min);
-        if tilt_rad.is_nan() || tilt_rad > EXACT_ROTATION_RAD {
-            return Some(format!("it is {:.2}° from any way to rest", tilt_rad.to_degrees()));
+        if let Some(fault) = tilted(EXACT_ROTATION_RAD) {
+            return Some(fault);
         }
         let over_m = [0, 1].into_iter().flat_map(|axis| {
             let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
@@ -221,22 +220,41 @@ impl Placer {
         if over_m.is_nan() || over_m > OVERHANG_M {
             return Some(format!("it reaches {:.2} mm over the edge of '{name}'", over_m * 1e3));
         }
-        self.fault_of_rest(resting).or_else(|| {
-            let mut others = resting.bodies().map(|(body, _)| self.carrier.body_name(body));
-            Some(format!("it is too near to {}", others.find(|other| other != on)?))
-        })
+        self.fault_of_rest(resting, Some(on))
     }
 
-    /// What is wrong with how an object rests: on nothing, or in something.
-    fn fault_of_rest(&self, resting: &Resting) -> Option<String> {
-        let deepest = resting.bodies().min_by(|a, b| a.1.total_cmp(&b.1));
-        match deepest {
-            None => Some(format!("at '{}' there is nothing that it could rest on", self.settings.goal.name)),
-            Some((body, separation_m)) if separation_m < -MOST_SUNK_M => {
-                let (mm, other) = (-separation_m * 1e3, self.carrier.body_name(body));
-                Some(format!("it is {mm:.2} mm deep in {other}"))
+    /// What is wrong with how an object rests: beside or in something, on nothing, on a slope, above what is to carry it, or on
+    /// something other than that.
+    fn fault_of_rest(&self, resting: &Resting, on: Option<&str>) -> Option<String> {
+        let body_name = |body: usize| self.carrier.body_name(body);
+        let deepest = resting.beside().max_by(|a, b| a.2.total_cmp(&b.2).then(b.1.total_cmp(&a.1)));
+        match (deepest, resting.overhang_m()) {
+            (Some((other, _, depth_m)), _) if depth_m > CONTACT_ALLOWANCE_M => {
+                return Some(format!("it is {:.2} mm deep in {}", depth_m * 1e3, body_name(other)));
             }
-            Some(_) => None,
+            (_, Some(off_m)) => {
+                let mm = off_m * 1e3;
+                return Some(format!("its centre of mass is {mm:.2} mm beside what is below it"));
+            }
+            (Some((other, gap_m, _)), None) => {
+                return Some(format!("it is too near to {}, at {:.2} mm", body_name(other), gap_m * 1e3));
+            }
+            (None, None) => {}
+        }
+        let slope_rad = resting.slope_rad(&self.up());
+        if slope_rad > EXACT_ROTATION_RAD {
+            return Some(format!("it is on a slope of {:.2}°", slope_rad.to_degrees()));
+        }
+        match resting.supports().min_by(|a, b| a.1.total_cmp(&b.1)) {
+            None => Some(format!("at '{}' there is nothing that it could rest on", self.settings.goal.name)),
+            Some((body, above_m)) if above_m > MOST_ABOVE_M => {
+                Some(format!("it is {:.2} mm above {}", above_m * 1e3, body_name(body)))
+            }
+            Some(_) => {
+                let mut others = resting.supports().map(|(body, _)| body_name(body));
+                let other = others.find(|other| on.is_some_and(|on| other != on))?;
+                Some(format!("it rests on {other}"))
+            }
         }
     }
 
@@ -269,7 +287,7 @@ impl Placer {
             };
             let is_floor = |part: &Part| {
                 let up = part.world_from_solid.rotation * Vector::z();
-                part.solid.is_half_space() && (up - Vector::z()).norm() < LEVEL
+                part.solid.is_half_space() && (up - self.up()).norm() < LEVEL
             };
             if let Collider::Body(body) = contact.second
                 && cell.world().bodies()[body].parts.iter().all(is_floor)
@@ -359,24 +377,12 @@ impl Placer {
         self.carrier.gripper(q) * grip.hold.tip_from_held
     }
 
-    /// A grip with the object near what it rests on where the arm stands at a configuration; `None` in a hollow.
+    /// A grip with the object near what it rests on where the arm stands at a configuration.
     ///
     /// # Errors
     /// [`PlanError::Collision`] for a hold that is none.
-    pub fn grip_at(&self, grip: &Grip, q: &[f64]) -> Result<Option<Grip>, PlanError> {
-        let placement = self.placement_at(&self.held_at(grip, q));
-        placement.map(|placement| placement.grip_near(grip)).transpose()
-    }
-
-    /// The object where an arm has put it down; `None` in a hollow.
-    pub(crate) fn placement_at(&self, world_from_held: &Pose) -> Option<Placement> {
-        match &self.settings.goal.spot {
-            // How it rests there, and not a little beside it, is what is mirrored.
-            PlaceSpot::Target(pose) => {
-                Some(Placement { world_from_held: *world_from_held, ..self.placement(pose)? })
-            }
-            PlaceSpot::Surface { .. } => self.placement(world_from_held),
-        }
+    pub fn grip_at(&self, grip: &Grip, q: &[f64]) -> Result<Grip, PlanError> {
+        self.placement(&self.held_at(grip, q)).grip_near(grip)
     }
 }
 
@@ -404,93 +410,6 @@ impl Placement {
     /// [`PlanError::Collision`] for a hold that is none.
     pub fn grip_near(&self, grip: &Grip) -> Result<Grip, PlanError> {
         Ok(grip.near(&self.near)?)
-    }
-}
-
-impl Placed {
-    /// The problem of moving the empty hand away from there.
-    ///
-    /// # Errors
-    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
-    pub fn leaving(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
-        Problem::in_cell(self.after.clone(), from.to_vec(), Goal::Configurations(to))
-    }
-
-    /// Robot and world once the object stands there.
-    pub fn cell(&self) -> &Arc<Cell> {
-        &self.after
-    }
-
-    /// How far the hand is from the object, in metres, certified from below; at most `beyond_m`.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
-        self.after.hand_clearance(q, self.target, beyond_m, scratch)
-    }
-
-    /// Scratch for the empty hand.
-    pub fn scratch(&self) -> Scratch {
-        self.after.scratch()
-    }
-
-    /// The way of the empty hand off the object until it is clear of it: back the way of its palm, up, or between, in straight
-    /// pieces that are proven each.
-    ///
-    /// # Errors
-    /// What is in the way.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn retreat(&self, q: &[f64], clear_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
-        let mut scratch = self.after.scratch();
-        let robot = self.after.robot();
-        let back = robot.frames_at(q).link(robot.tip()).rotation * -Vector::z();
-        let up = Vector::z();
-        let mixed = (back + up).try_normalize(1e-6).unwrap_or(up);
-        let mut reason = FailureReason::RetreatOutOfReach;
-        if let Some(contact) = self.after.first_contact(q, &mut scratch) {
-            let [first, second] = contact.names(&self.after);
-            return Err(FailureReason::RetreatBlocked { first, second });
-        }
-        for way in [back, mixed, up] {
-            match self.retreated(q, &way, clear_m, &mut scratch) {
-                Ok(path) => return Ok(path),
-                Err(Some([first, second])) => reason = FailureReason::RetreatBlocked { first, second },
-                Err(None) => {}
-            }
-        }
-        Err(reason)
-    }
-
-    fn retreated(
-        &self,
-        q: &[f64],
-        way: &Vector,
-        clear_m: f64,
-        scratch: &mut Scratch,
-    ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
-        let robot = self.after.robot();
-        let world_from_tip = *robot.frames_at(q).link(robot.tip());
-        let mut solver = IkSolver::new(robot, IkSettings::default());
-        let (mut path, mut gone_m) = (vec![q.to_vec()], 0.0);
-        while self.clearance_m(&path[path.len() - 1], clear_m, scratch) < clear_m {
-            let last = &path[path.len() - 1];
-            if gone_m >= MOST_RETREAT_M {
-                return Err(None);
-            }
-            gone_m += RUNG_M;
-            let target = Pose::from_parts((way * gone_m).into(), Rotation::identity()) * world_from_tip;
-            let next = solver.step_from(&target, last).ok_or(None)?;
-            match self.after.motion_is_free(last, &next, scratch) {
-                Motion::Proven => path.push(next),
-                Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
-                    return Err(Some(contact.names(&self.after)));
-                }
-                Motion::OutOfLimits { .. } => return Err(None),
-            }
-        }
-        Ok(path)
     }
 }
 

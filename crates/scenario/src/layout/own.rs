@@ -120,7 +120,7 @@ pub(crate) fn open_texts(
         },
         robot,
         robot_source,
-        world: World::new(bodies)?,
+        world: World::new(bodies)?.with_up(&(planning_from_scene.rotation * Vector::z())),
         target,
         target_source,
         given_physics,

@@ -330,6 +330,7 @@ mod tests {
                 second: "wrist".to_owned(),
                 depth_m: 0.1 / 3.0,
                 reason: NotCheckedReason::AlwaysTouching,
+                contact: None,
             }],
             failures: vec![GraspFailure {
                 grasp: 4,
