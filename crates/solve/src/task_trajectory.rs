@@ -1,5 +1,5 @@
 use cranny_collision::Cell;
-use cranny_plan::{PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
+use cranny_plan::{CutCorner, PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
 use cranny_robot::Robot;
 
 use crate::segment::joined;
@@ -50,13 +50,16 @@ impl TaskTrajectory {
     /// `None` for a robot without the limits that this needs, or no path.
     ///
     /// # Errors
-    /// [`PlanError`] for a path that cannot be timed.
+    /// [`PlanError`] for a path that cannot be timed; [`PlanError::BlendedTask`] for corners cut where an object is carried.
     pub fn of(
         timing: Timing,
         robot: &Robot,
         cell: Option<&Cell>,
         segments: &[Segment],
     ) -> Result<Option<Self>, PlanError> {
+        if timing.blend && segments.len() > 1 {
+            return Err(PlanError::BlendedTask);
+        }
         let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
         let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
         for leg in legs_of(segments) {
@@ -89,6 +92,11 @@ impl TaskTrajectory {
     /// Whether a corner is cut.
     pub fn is_blended(&self) -> bool {
         self.legs.iter().any(Trajectory::is_blended)
+    }
+
+    /// The corners that are cut: of a path that is nothing but a way to the grasp.
+    pub fn cut_corners(&self) -> &[CutCorner] {
+        self.reach().cut_corners()
     }
 
     /// The names of the joints, in the order of every sample.
