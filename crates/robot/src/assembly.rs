@@ -4,21 +4,22 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
+use crate::coupled_limits::coupled_limits;
 use crate::derived::Derived;
 use crate::full_turn::full_turns;
 use crate::hand::hand_links;
-use crate::joint_group::{Resolved, range, unknown_joint};
+use crate::joint_group::{Resolved, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::joint_step::{Motion, Step, Value};
 use crate::kinematics::LinkFrames;
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
-use crate::rate_limits::{RateLimits, parse_rate_limits};
+use crate::rate_limits::parse_rate_limits;
 use crate::robot_description::{DESCRIPTION, LIMITS};
 use crate::text_source::{parsed, read};
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
+    GroupJoint, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
     Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
@@ -75,11 +76,7 @@ impl Robot {
                 inertial: link.inertial,
             });
         }
-        let limits: Vec<JointLimits> = resolved
-            .group
-            .iter()
-            .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
-            .collect::<Result<_, _>>()?;
+        let limits = coupled_limits(&urdf, &resolved, &rates)?;
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
                 .collect();
@@ -221,27 +218,6 @@ fn joint_motion(
     let held = build(Value { joint: 0, multiplier: 0.0, offset: value.offset });
     let step = Step { link, parent: 0, motion: held };
     Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
-}
-
-fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {
-    let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
-    let motion = joint.motion.as_ref().ok_or_else(missing)?;
-    let velocity = motion.limits.velocity.ok_or_else(missing)?;
-    if velocity <= 0.0 {
-        return Err(RobotError::NotPositive {
-            at: joint.at.clone(),
-            element: format!("joint `{}`", joint.name),
-            attribute: "velocity",
-            value: velocity,
-        });
-    }
-    let (lower, upper) = range(motion);
-    let unit = match motion.kind {
-        UrdfJointKind::Prismatic => JointUnit::Metre,
-        UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
-    };
-    let (acceleration, jerk) = rates.map_or((None, None), |rates| (rates.acceleration, rates.jerk));
-    Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
 }
 
 /// Where solids come from.

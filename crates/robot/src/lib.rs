@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assembly;
+mod coupled_limits;
 mod derived;
 mod error;
 mod frame_error;
