@@ -92,7 +92,7 @@ impl ClosingHand {
             return Err(FailureReason::ClosingCollides { first, second });
         }
         let hand = self.holding.robot().hand();
-        let opening_m = hand.map_or(0.0, |hand| hand.description.opening_m * (1.0 - closing));
+        let opening_m = hand.map_or(0.0, |hand| hand.pads.opening_m(closing));
         Ok(ClosedHand { hold: Hold { tip_from_held, closing }, opening_m, uneven_m })
     }
 }
