@@ -216,7 +216,8 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
         line("cost", format!("{cost:.3} after {time_s:.3} s, {}", counted(*iterations, "iteration")));
     }
     for (reason, count) in GraspFailure::counted(&plan.failures) {
-        line("blocked", format!("{:>11}: {reason}", counted(count, "grasp")));
+        let of_what = if plan.outcome == Outcome::GoalsInvalid { "goal" } else { "grasp" };
+        line("blocked", format!("{:>11}: {reason}", counted(count, of_what)));
     }
     for fault in &answered.start_faults {
         line("start", fault.clone());

@@ -6,7 +6,7 @@ use cranny_spatial::Pose;
 
 use crate::coupled_limits::coupled_limits;
 use crate::derived::Derived;
-use crate::full_turn::full_turns;
+use crate::full_turn::{endless, full_turns};
 use crate::hand::hand_links;
 use crate::joint_group::{Resolved, unknown_joint};
 use crate::joint_reach::joint_reaches;
@@ -77,6 +77,7 @@ impl Robot {
             });
         }
         let limits = coupled_limits(&urdf, &resolved, &rates)?;
+        let full_turns = full_turns(&limits, &movers);
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
                 .collect();
@@ -94,7 +95,8 @@ impl Robot {
             joint_names,
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
-            full_turns: full_turns(&limits, &movers),
+            endless: endless(resolved.group.iter().map(|&joint| &urdf.joints[joint]), &full_turns),
+            full_turns,
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
             hand: RobotHand::of(&urdf, &tree, options, &rates, (&links, &rest, resolved.tip)),

@@ -1,7 +1,8 @@
 use std::collections::HashSet;
 
+use crate::full_turn::wrapped;
 use crate::tree::Tree;
-use crate::urdf_model::{Urdf, UrdfJoint, UrdfMotion};
+use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.
@@ -305,6 +306,7 @@ impl Resolver<'_> {
             return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0 });
         }
         let (lower, upper) = range(motion);
+        // What follows a joint by a fraction of its turn must not lose whole turns of it.
         let held = self.options.fixed.get(&described.name).copied();
         Ok(JointValue { follows: None, offset: held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper)) })
     }
@@ -329,13 +331,24 @@ impl Resolver<'_> {
                 }
             }
             let (lower, upper) = range(motion);
-            if value < lower || value > upper {
+            let wrapped = wrapped_if_endless(motion, value);
+            if wrapped < lower || wrapped > upper {
                 let (at, joint) = (joint.at.clone(), joint.name.clone());
                 return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
             }
         }
         Ok(())
     }
+}
+
+/// A joint without an end is not held farther than this from 0, in radians: its links are where they are to within 1e-12 rad.
+const FARTHEST_TURN_RAD: f64 = 1e4;
+
+/// The value of a joint without an end that is nearest to 0, up to whole turns within its limits; of others the same.
+fn wrapped_if_endless(motion: &UrdfMotion, value: f64) -> f64 {
+    let (lower, upper) = range(motion);
+    let is_endless = motion.kind == UrdfJointKind::Continuous && value.abs() <= FARTHEST_TURN_RAD;
+    if is_endless { wrapped(value, 0.0, [lower, upper]).unwrap_or(value) } else { value }
 }
 
 /// The limits of a movable joint.

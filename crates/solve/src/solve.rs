@@ -120,6 +120,9 @@ fn solve_once(
         (report, None)
     };
     let PlanReport { outcome, path, statistics, mut failures } = report;
+    if outcome == Outcome::GoalsInvalid && failures.is_empty() {
+        failures = problem.goal_faults();
+    }
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     let (mut carrier, mut carry_to) = (None, None);

@@ -239,7 +239,8 @@ fn judge_end(
         (Goal::Configurations(goals), None) => {
             // The joint that is farthest off, of the goal where that is least.
             let worst = |goal: &Vec<f64>| {
-                let off = goal.iter().zip(last).map(|(a, b)| (a - b).abs()).enumerate();
+                let off = goal.iter().zip(last).enumerate();
+                let off = off.map(|(joint, (a, b))| (joint, problem.robot().joint_difference(joint, *a, *b)));
                 off.max_by(|a, b| a.1.total_cmp(&b.1))
             };
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));

@@ -1,9 +1,9 @@
 use serde::{Deserialize, Serialize};
 
-/// Why one grasp was not reached by a search that found no path.
+/// Why one grasp, or goal configuration, was not reached by a search that found no path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraspFailure {
-    /// Index of the grasp.
+    /// Index of the grasp, or of the goal configuration.
     pub grasp: usize,
     /// What stood in the way.
     #[serde(flatten)]
@@ -30,7 +30,7 @@ impl GraspFailure {
 
 /// What can stand between a robot and a grasp. Only the first is certain: the others say what was met, not
 /// that there is no way.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 #[non_exhaustive]
 pub enum FailureReason {
@@ -129,6 +129,24 @@ pub enum FailureReason {
     NotBroughtThere,
     /// The object was put down, but no way back was found for the empty hand.
     NotReturned,
+    /// A goal configuration is beyond a limit of a joint, in its unit (m, rad).
+    GoalBeyondLimit {
+        /// Which joint.
+        joint: String,
+        /// Its value there.
+        value: f64,
+        /// Its lower limit.
+        lower: f64,
+        /// Its upper limit.
+        upper: f64,
+    },
+    /// At a goal configuration two things touch, or are closer than is demanded.
+    GoalCollides {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// The search ended before it came to this grasp.
     NotTried,
 }
@@ -178,6 +196,10 @@ impl FailureReason {
                 "lifted off, but no way was found to where it is to be put down".to_owned()
             }
             Self::NotReturned => "set down, but no way back was found".to_owned(),
+            Self::GoalBeyondLimit { joint, value, lower, upper } => {
+                format!("{joint} at {value} is outside its limits {lower} to {upper}")
+            }
+            Self::GoalCollides { first, second } => format!("{first} is too close to {second}"),
             Self::NotTried => "not tried".to_owned(),
         }
     }

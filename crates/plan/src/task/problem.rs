@@ -2,12 +2,12 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
-use cranny_robot::Robot;
+use cranny_robot::{LimitViolation, Robot};
 use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::{GraspMeasure, NotChecked, PlaceGoal, PlanError};
+use crate::{FailureReason, GraspFailure, GraspMeasure, NotChecked, PlaceGoal, PlanError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -325,12 +325,42 @@ impl Problem {
         }
     }
 
-    fn checked(self) -> Result<Self, PlanError> {
+    /// The same problem, its start within the limits of joints without an end, and its goals at the whole turns of these that
+    /// are nearest to it.
+    fn checked(mut self) -> Result<Self, PlanError> {
         let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
             self.check_configuration(what, q)?;
         }
+        let (robot, start) = (self.robot.clone(), &mut self.start);
+        if !robot.within_limits(start) {
+            robot.wrap_towards(&vec![0.0; robot.dof()], start);
+        }
+        if let Goal::Configurations(goals) = &mut self.goal {
+            goals.iter_mut().for_each(|goal| robot.wrap_towards(start, goal));
+        }
         Ok(self)
+    }
+
+    /// Why the goal configurations of a problem cannot be gone to, by their numbers: the joint that is beyond its limits, or
+    /// what is touched first. None for a goal that is free.
+    pub fn goal_faults(&self) -> Vec<GraspFailure> {
+        let cell = match &self.validity {
+            Validity::Exact(cell) | Validity::Paper { distances: cell, .. } => cell,
+        };
+        let mut scratch = cell.scratch();
+        let mut fault = |q: &[f64]| match self.robot.first_limit_violation(q) {
+            Some(LimitViolation { joint, value, lower, upper }) => {
+                let joint = self.robot.joint_names()[joint].clone();
+                Some(FailureReason::GoalBeyondLimit { joint, value, lower, upper })
+            }
+            None => cell.first_contact(q, &mut scratch).map(|contact| {
+                let [first, second] = contact.names(cell);
+                FailureReason::GoalCollides { first, second }
+            }),
+        };
+        let goals = self.goal_configurations().iter().enumerate();
+        goals.filter_map(|(grasp, q)| Some(GraspFailure { grasp, reason: fault(q)?, attempts: 0 })).collect()
     }
 
     pub(crate) fn check_configuration(&self, what: &'static str, q: &[f64]) -> Result<(), PlanError> {
