@@ -16,6 +16,8 @@ pub struct Closing {
     pub closing: f64,
     /// How much farther the finger that touches last would have to go, in metres of its own way.
     pub uneven_m: f64,
+    /// How far each finger has closed when it touches, by its number.
+    pub touching: Vec<f64>,
 }
 
 /// Fingers that are nearer touch, in metres.
@@ -37,7 +39,7 @@ impl Cell {
         for finger in 0..fingers {
             let own = |body: &&LinkBody| self.robot().finger_of(body.link) == Some(finger);
             let bodies: Vec<&LinkBody> = self.bodies.iter().filter(own).collect();
-            let way_m = bodies.iter().map(|body| self.closing_way_m(body)).fold(0.0, f64::max);
+            let way_m = self.finger_way_m(finger);
             let mut closing = 0.0;
             for _ in 0..MOST_STEPS {
                 let hold = Hold { closing, ..held.hold };
@@ -60,7 +62,25 @@ impl Cell {
         }
         let first = touches.iter().map(|(closing, _)| *closing).fold(f64::INFINITY, f64::min);
         let uneven_m = touches.iter().map(|(closing, way_m)| (closing - first) * way_m).fold(0.0, f64::max);
-        (touches.len() == fingers && !touches.is_empty()).then_some(Closing { closing: first, uneven_m })
+        let touching = touches.iter().map(|(closing, _)| *closing).collect();
+        let is_whole = touches.len() == fingers && !touches.is_empty();
+        is_whole.then_some(Closing { closing: first, uneven_m, touching })
+    }
+
+    /// The links of a finger that have geometry, by index, and where they stand in the frame of the tip when the hand has closed
+    /// by a share of its way; none of a robot that holds nothing.
+    pub fn finger_at(&self, finger: usize, closing: f64) -> Vec<(usize, Pose)> {
+        let Some(held) = &self.held else { return Vec::new() };
+        let tip_from_loose = self.robot().tip_from_loose(&Hold { closing, ..held.hold });
+        let links = self.bodies.iter().map(|body| body.link);
+        let own = links.filter(|link| self.robot().finger_of(*link) == Some(finger));
+        own.filter_map(|link| Some((link, self.tip_from_finger_link(link, &tip_from_loose)?))).collect()
+    }
+
+    /// A bound on how far any point of a finger moves while the hand closes from open, in metres.
+    pub fn finger_way_m(&self, finger: usize) -> f64 {
+        let own = self.bodies.iter().filter(|body| self.robot().finger_of(body.link) == Some(finger));
+        own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
     }
 
     /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the arm
