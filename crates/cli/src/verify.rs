@@ -36,7 +36,7 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
     }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let says_more = |plan: &&PlanFile| plan.is_task() || plan.own_grasp.is_some();
+    let says_more = |plan: &&PlanFile| plan.is_task() || plan.own_grasp.is_some() || plan.is_blended();
     let telling = plan.as_ref().filter(says_more).cloned();
     // A pipe can be read once only.
     let path = match plan {

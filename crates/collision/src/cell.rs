@@ -129,6 +129,15 @@ impl Cell {
         Self::of(CellParts { asked_for, ..self.parts_of() })
     }
 
+    /// The same cell with other margins.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    pub fn with_margins(&self, margins: Margins) -> Result<Self, CollisionError> {
+        margins.check()?;
+        Ok(Self::of(CellParts { margins, ..self.parts_of() }))
+    }
+
     /// The robot.
     pub fn robot(&self) -> &Arc<Robot> {
         &self.robot

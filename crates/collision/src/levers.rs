@@ -28,11 +28,30 @@ impl Cell {
     /// # Panics
     /// If a way point has not one value per joint.
     pub fn levers(&self, path: &[Vec<f64>], scratch: &mut Scratch) -> Levers {
+        self.levers_with(path, &|_| 0.0, scratch)
+    }
+
+    /// The levers at a configuration while the hand closes from open, or opens.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn closing_levers(&self, q: &[f64], scratch: &mut Scratch) -> Levers {
+        let standing = [q.to_vec(), q.to_vec()];
+        self.levers_with(&standing, &|body| self.closing_way_m(&self.bodies[body]), scratch)
+    }
+
+    /// The levers along a path where every point of a body may be so much farther away, in metres.
+    fn levers_with(
+        &self,
+        path: &[Vec<f64>],
+        farther_m: &dyn Fn(usize) -> f64,
+        scratch: &mut Scratch,
+    ) -> Levers {
         let mut levers = Levers::default();
         for q in path {
             self.robot.forward_kinematics(q, &mut scratch.frames);
             let sums: Vec<Vec<[f64; 2]>> =
-                (0..self.bodies.len()).map(|body| self.sums(body, scratch)).collect();
+                (0..self.bodies.len()).map(|body| self.sums(body, farther_m(body), scratch)).collect();
             let greater = |lever: &mut f64, other: f64| *lever = lever.max(other);
             for sums in &sums {
                 greater(&mut levers.turning_m[0], sums[0][0]);
@@ -55,7 +74,8 @@ impl Cell {
                 self.check_at(a, b, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
                 for (index, body) in self.bodies.iter().enumerate() {
                     let center = scratch.frames.link(body.link) * body.bounds.ball.center;
-                    let far_m = center.coords.norm() + body.bounds.ball.radius_m + scratch.travel.of(index);
+                    let ball_m = body.bounds.ball.radius_m + farther_m(index);
+                    let far_m = center.coords.norm() + ball_m + scratch.travel.of(index);
                     levers.from_root_m = levers.from_root_m.max(far_m);
                 }
             }
@@ -64,10 +84,10 @@ impl Cell {
     }
 
     /// For a link body the levers of its joints from the k-th on, of those that turn and of those that slide.
-    fn sums(&self, body: usize, scratch: &Scratch) -> Vec<[f64; 2]> {
+    fn sums(&self, body: usize, farther_m: f64, scratch: &Scratch) -> Vec<[f64; 2]> {
         let body = &self.bodies[body];
         let mut beyond = (scratch.frames.link(body.link) * body.bounds.ball.center).coords;
-        let mut way_m = body.bounds.ball.radius_m;
+        let mut way_m = body.bounds.ball.radius_m + farther_m;
         let ancestors = self.robot.ancestors(body.link);
         let mut sums = vec![[0.0; 2]; ancestors.len() + 1];
         for (k, ancestor) in ancestors.iter().enumerate().rev() {

@@ -141,6 +141,9 @@ pub enum PlanError {
     /// Corners are cut under limits of acceleration only.
     #[error("corners cannot be cut where jerk is limited: a parabola begins with a jump of the acceleration")]
     BlendedJerk,
+    /// Corners are cut on the way to a grasp only.
+    #[error("corners cannot be cut where an object is carried: what is in the hand was not compared there")]
+    BlendedTask,
     /// A trajectory cannot be sampled at this rate.
     #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
     SampleRate {

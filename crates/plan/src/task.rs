@@ -10,6 +10,7 @@ pub(crate) mod hand_filter;
 pub(crate) mod ik_annotation;
 pub(crate) mod not_checked;
 pub(crate) mod own_grasp;
+pub(crate) mod pad_contact;
 pub(crate) mod place;
 pub(crate) mod place_settings;
 pub(crate) mod placed;

@@ -4,23 +4,24 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
+use crate::coupled_limits::{Rates, coupled_limits};
 use crate::derived::Derived;
-use crate::full_turn::full_turns;
+use crate::full_turn::{endless, full_turns};
 use crate::hand::hand_links;
-use crate::joint_group::{Resolved, range, unknown_joint};
+use crate::joint_group::{Resolved, unknown_joint};
 use crate::joint_reach::joint_reaches;
 use crate::joint_step::{Motion, Step, Value};
 use crate::kinematics::LinkFrames;
 use crate::link_pairs::{adjacent_pairs, declared_pairs};
 use crate::planning_limits::PlanningLimits;
-use crate::rate_limits::{RateLimits, parse_rate_limits};
+use crate::rate_limits::parse_rate_limits;
 use crate::robot_description::{DESCRIPTION, LIMITS};
 use crate::text_source::{parsed, read};
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
-    RateScales, Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    GroupJoint, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot, RobotDescription, RobotError,
+    RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
@@ -81,14 +82,8 @@ impl Robot {
                 inertial: link.inertial,
             });
         }
-        let limits: Vec<JointLimits> = resolved
-            .group
-            .iter()
-            .map(|&joint| {
-                let name = &urdf.joints[joint].name;
-                joint_limits(&urdf.joints[joint], [rates.get(name), planning.joints.get(name)], scales)
-            })
-            .collect::<Result<_, _>>()?;
+        let limits = coupled_limits(&urdf, &resolved, &Rates { own: &rates, planning: &planning.joints, scales })?;
+        let full_turns = full_turns(&limits, &movers);
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
                 .collect();
@@ -112,10 +107,11 @@ impl Robot {
             joint_names,
             joint_reaches: joint_reaches(&joints, &links, &movers, &rest),
             joints,
-            full_turns: full_turns(&limits, &movers),
+            endless: endless(resolved.group.iter().map(|&joint| &urdf.joints[joint]), &full_turns),
+            full_turns,
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
-            hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
+            hand: RobotHand::of(&urdf, &tree, options, &rates, (&links, &rest, resolved.tip)),
             start,
             floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,
@@ -171,7 +167,6 @@ fn group_joints(urdf: &Urdf, tree: &Tree, group: &[usize]) -> Vec<GroupJoint> {
         Some(GroupJoint {
             name: described.name.clone(),
             kind: motion.kind.into(),
-            is_continuous: motion.kind == UrdfJointKind::Continuous,
             child_link: tree.node_of_joint[joint],
             axis_in_child: motion.axis_in_child,
             effort: motion.limits.effort,
@@ -237,36 +232,6 @@ fn joint_motion(
     let held = build(Value { joint: 0, multiplier: 0.0, offset: value.offset });
     let step = Step { link, parent: 0, motion: held };
     Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
-}
-
-/// The limits of a joint of the group; of its rates, the first that gives one goes before the others.
-fn joint_limits(
-    joint: &UrdfJoint,
-    rates: [Option<&RateLimits>; 2],
-    scales: RateScales,
-) -> Result<JointLimits, RobotError> {
-    let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
-    let motion = joint.motion.as_ref().ok_or_else(missing)?;
-    let velocity = motion.limits.velocity.ok_or_else(missing)?;
-    if velocity <= 0.0 {
-        return Err(RobotError::NotPositive {
-            at: joint.at.clone(),
-            element: format!("joint `{}`", joint.name),
-            attribute: "velocity",
-            value: velocity,
-        });
-    }
-    let (lower, upper) = range(motion);
-    let unit = match motion.kind {
-        UrdfJointKind::Prismatic => JointUnit::Metre,
-        UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
-    };
-    let mut given = rates.into_iter().flatten();
-    let acceleration = given.clone().find_map(|rates| rates.acceleration);
-    let jerk = given.find_map(|rates| rates.jerk);
-    let velocity = velocity * scales.velocity.unwrap_or(1.0);
-    let acceleration = acceleration.map(|acceleration| acceleration * scales.acceleration.unwrap_or(1.0));
-    Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
 }
 
 /// Where solids come from.

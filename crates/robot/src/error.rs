@@ -195,6 +195,19 @@ pub enum RobotError {
         /// The upper limit, in metres or radians.
         upper: f64,
     },
+    /// A joint and the one that it mimics cannot both keep their limits while they move.
+    #[error(
+        "{at}: joint `{joint}` mimics `{master}`, but there is no range in which both keep their limits (change the limits of \
+         one, or multiplier and offset of <mimic>)"
+    )]
+    CoupledLimits {
+        /// Where the joint stands.
+        at: Location,
+        /// The joint that mimics.
+        joint: String,
+        /// The joint of the group that moves it.
+        master: String,
+    },
     /// A joint of the group has no velocity limit.
     #[error(
         "{at}: joint `{joint}` is to be moved, but has no velocity limit (give it one in limits.yaml beside the URDF, \

@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use crate::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::{JointKind, JointLimits, Mover, Robot};
 
 impl Robot {
@@ -22,18 +23,44 @@ impl Robot {
         is_turned
     }
 
-    /// Turns continuous joints of `q` that are outside their limits by whole turns into them: all links stay where they
-    /// are. A joint with limits of its own stays as it is, and so does one that gears another by a fraction.
+    /// Turns joints without an end that are outside their limits by whole turns into them, as near to their middle as can be.
+    /// Others stay as they are.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn turn_into_limits(&self, q: &mut [f64]) {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         for (joint, value) in q.iter_mut().enumerate() {
-            if self.full_turns[joint] && self.joints[joint].is_continuous {
-                *value = turned_within(*value, self.limits[joint].lower, self.limits[joint].upper);
+            let limits = &self.limits[joint];
+            if self.endless[joint] && !limits.contain(*value) {
+                *value = nearest_turn(*value, 0.5 * (limits.lower + limits.upper), limits);
             }
         }
+    }
+
+    /// Turns joints without an end by whole turns, within their limits, to where they are nearest to `reference`: values that
+    /// differ by whole turns are one place of such a joint, whatever its links do. Others stay as they are. A value that no
+    /// number of turns brings within the limits stays too.
+    ///
+    /// # Panics
+    /// If either has not one value per joint.
+    pub fn wrap_towards(&self, reference: &[f64], q: &mut [f64]) {
+        assert!(
+            reference.len() == self.dof() && q.len() == self.dof(),
+            "one value for each joint of the group"
+        );
+        for (joint, value) in q.iter_mut().enumerate().filter(|(joint, _)| self.endless[*joint]) {
+            *value = nearest_turn(*value, reference[joint], &self.limits[joint]);
+        }
+    }
+
+    /// The difference of two values of a joint, at least 0: of one without an end, up to whole turns.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn joint_difference(&self, joint: usize, a: f64, b: f64) -> f64 {
+        let off = (a - b).abs();
+        if self.endless[joint] { (off - TAU * (off / TAU).round()).abs() } else { off }
     }
 
     /// How far beyond need a path turns the joint that it turns farthest so, in radians: what the joint travels, less
@@ -67,21 +94,26 @@ pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<b
     limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
 }
 
-/// `value` if it lies within the limits, else that number of whole turns from it which is nearest to their middle;
-/// `value` if none of them lies within.
-pub(crate) fn turned_within(value: f64, lower: f64, upper: f64) -> f64 {
-    let limits = lower..=upper;
-    let turned = value - ((value - 0.5 * (lower + upper)) / TAU).round() * TAU;
-    if limits.contains(&turned) && !limits.contains(&value) { turned } else { value }
+/// Per joint of the group whether its URDF says that it has no end (`continuous`), and it has a full turn.
+pub(crate) fn endless<'a>(kinds: impl Iterator<Item = &'a UrdfJoint>, full_turns: &[bool]) -> Vec<bool> {
+    let is_endless = |joint: &UrdfJoint| {
+        joint.motion.as_ref().is_some_and(|motion| motion.kind == UrdfJointKind::Continuous)
+    };
+    kinds.zip(full_turns).map(|(joint, has_turn)| *has_turn && is_endless(joint)).collect()
 }
 
-/// `value` and whole turns, within the limits as near to `reference` as can be.
+/// `value` and whole turns, within the limits as near to `reference` as can be; `value` itself if none is within.
 fn nearest_turn(value: f64, reference: f64, limits: &JointLimits) -> f64 {
-    let most = ((limits.upper - value) / TAU).floor();
-    let least = ((limits.lower - value) / TAU).ceil();
-    let turns = ((reference - value) / TAU).round().clamp(least.min(0.0), most.max(0.0));
+    wrapped(value, reference, [limits.lower, limits.upper]).unwrap_or(value)
+}
+
+/// `value` and whole turns, within [lower, upper] as near to `reference` as can be; `None` if none is within.
+pub(crate) fn wrapped(value: f64, reference: f64, [lower, upper]: [f64; 2]) -> Option<f64> {
+    let most = ((upper - value) / TAU).floor();
+    let least = ((lower - value) / TAU).ceil();
+    let turns = ((reference - value) / TAU).round().min(most).max(least);
     let turned = value + turns * TAU;
-    if limits.contain(turned) { turned } else { value }
+    (lower..=upper).contains(&turned).then_some(turned)
 }
 
 #[cfg(test)]
@@ -117,16 +149,16 @@ mod tests {
     #[test]
     fn a_value_is_turned_into_its_limits_or_stays() {
         for (value, lower, upper, expected) in [
-            (37.7, -3.0 * PI, 3.0 * PI, 37.7 - 6.0 * TAU),
-            (-15.0, -3.0 * PI, 3.0 * PI, -15.0 + 2.0 * TAU),
-            (9.0, -3.0 * PI, 3.0 * PI, 9.0),
-            (TAU + 0.5, -1.0, 1.0, 0.5),
-            (2.0, -1.0, 1.0, 2.0),
-            (f64::INFINITY, -1.0, 1.0, f64::INFINITY),
+            (37.7, -3.0 * PI, 3.0 * PI, Some(37.7 - 6.0 * TAU)),
+            (-15.0, -3.0 * PI, 3.0 * PI, Some(-15.0 + 2.0 * TAU)),
+            (TAU + 0.5, -1.0, 1.0, Some(0.5)),
+            (2.0, -1.0, 1.0, None),
+            (f64::INFINITY, -1.0, 1.0, None),
         ] {
-            let turned = turned_within(value, lower, upper);
-            let is_same = turned.total_cmp(&expected).is_eq() || (turned - expected).abs() < 1e-12;
-            assert!(is_same, "{value}: {turned}");
+            let turned = wrapped(value, 0.5 * (lower + upper), [lower, upper]);
+            let is_same = turned == expected
+                || turned.zip(expected).is_some_and(|(turned, expected)| (turned - expected).abs() < 1e-12);
+            assert!(is_same, "{value}: {turned:?}");
         }
     }
 
@@ -146,6 +178,36 @@ mod tests {
         {
             assert!((turn(values) - expected).abs() < 1e-12, "{values:?}: {}", turn(values));
         }
+    }
+
+    #[test]
+    fn a_joint_without_an_end_is_wrapped_wherever_it_stands() {
+        let robot = |kind: &str| {
+            let urdf = format!(
+                r#"<robot name="r"><link name="a"/><link name="b"/>
+<joint name="j" type="{kind}"><parent link="a"/><child link="b"/><limit lower="-5" upper="5" velocity="1" effort="1"/></joint></robot>"#
+            );
+            Robot::from_urdf_text(&urdf, "r.urdf", None, &RobotOptions::default()).expect("a good URDF")
+        };
+        let wrap = |kind, value: f64, reference: f64| {
+            let mut q = [value];
+            robot(kind).wrap_towards(&[reference], &mut q);
+            q[0]
+        };
+        for (value, reference, expected) in [
+            (-3.0, 3.0, TAU - 3.0),
+            (37.7, 0.0, 37.7 - 6.0 * TAU),
+            (15.0, 0.1, 15.0 - 2.0 * TAU),
+            (-9.0, 9.0, 2.0 * TAU - 9.0),
+            (1e4, 0.0, 1e4 - TAU * (1e4 / TAU).round()),
+            (0.5, 0.0, 0.5),
+        ] {
+            let found = wrap("continuous", value, reference);
+            assert!((found - expected).abs() < 1e-9, "{value} from {reference}: {found}");
+            assert_eq!(wrap("revolute", value, reference).to_bits(), value.to_bits());
+        }
+        assert!(robot("continuous").joint_difference(0, 3.0, 3.0 - TAU) < 1e-12);
+        assert!((robot("revolute").joint_difference(0, 3.0, 3.0 - TAU) - TAU).abs() < 1e-12);
     }
 
     #[test]

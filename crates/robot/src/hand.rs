@@ -3,12 +3,14 @@ use std::collections::BTreeMap;
 use cranny_spatial::{Pose, Vector};
 
 use crate::hand_description::{FingerRange, HandDescription};
+use crate::pad_distance::PadDistance;
+use crate::rate_limits::RateLimits;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
 use crate::{JointKind, Link, Mover, RobotOptions};
 
 /// The hand of a robot, as it is described.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RobotHand {
     /// What the robot's files do not say themselves.
     pub description: HandDescription,
@@ -18,6 +20,8 @@ pub struct RobotHand {
     /// How many fingers there are: of the joints right on the palm, all those on one side of the plane in which the pads
     /// meet move one finger, as the two knuckles of a parallel linkage do.
     pub fingers: usize,
+    /// How far its pads are apart, and how long they take.
+    pub pads: PadDistance,
 }
 
 /// A joint that moves while a hand closes.
@@ -35,6 +39,10 @@ pub struct HandJoint {
     pub stroke: f64,
     /// The finger that it belongs to, counted from 0.
     pub finger: usize,
+    /// Greatest speed, in m/s or rad/s, if known.
+    pub velocity: Option<f64>,
+    /// Greatest acceleration, in m/s² or rad/s², if known.
+    pub acceleration: Option<f64>,
 }
 
 impl RobotHand {
@@ -44,6 +52,7 @@ impl RobotHand {
         urdf: &Urdf,
         tree: &Tree,
         options: &RobotOptions,
+        rates: &BTreeMap<String, RateLimits>,
         (links, rest, tip): (&[Link], &[Pose], usize),
     ) -> Option<Self> {
         let has =
@@ -61,10 +70,24 @@ impl RobotHand {
             let mut above = std::iter::successors(node.above, |&(node, _)| tree.nodes[node].above);
             let parent = above.find_map(|(node, _)| joints.iter().position(|joint| joint.link == node));
             let (kind, axis_in_link) = (motion.kind.into(), motion.axis_in_child);
-            joints.push(HandJoint { link, parent, kind, axis_in_link, stroke, finger: 0 });
+            // A velocity of zero is none that a joint could have: many files have it where nobody knows better.
+            let velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
+            let acceleration = rates.get(&urdf.joints[joint].name).and_then(|rates| rates.acceleration);
+            let finger = 0;
+            joints.push(HandJoint {
+                link,
+                parent,
+                kind,
+                axis_in_link,
+                stroke,
+                finger,
+                velocity,
+                acceleration,
+            });
         }
         let fingers = sides(&mut joints, links, rest, tip);
-        Some(Self { description: description.clone(), joints, fingers })
+        let pads = PadDistance::of(description, (&joints, fingers), (links, rest, tip));
+        Some(Self { description: description.clone(), joints, fingers, pads })
     }
 }
 

@@ -33,11 +33,7 @@ impl Robot {
         robot.movers.push(self.movers[self.tip].clone());
         robot.rest.push(self.rest[self.tip]);
         let hand_joints = self.hand.as_ref().map_or(&[][..], |hand| &hand.joints);
-        let loose = |joint: &HandJoint| {
-            let parent = joint.parent.map_or(self.tip, |parent| hand_joints[parent].link);
-            LooseJoint { joint: *joint, parent_from_open: self.rest[parent].inv_mul(&self.rest[joint.link]) }
-        };
-        let loose = LooseLinks { joints: hand_joints.iter().map(loose).collect(), held };
+        let loose = LooseLinks { joints: LooseJoint::all(hand_joints, &self.rest, self.tip), held };
         // What hangs on a finger follows it; both come after the tip.
         let is_loose = |link: usize| {
             std::iter::successors(Some(link), |&link| self.links[link].parent)
@@ -143,14 +139,7 @@ impl Robot {
     /// Where each of [`Self::loose_links`] stands in the frame of the tip.
     pub fn tip_from_loose(&self, hold: &Hold) -> Vec<Pose> {
         let Some(loose) = &self.loose else { return Vec::new() };
-        let mut poses: Vec<Pose> = Vec::with_capacity(loose.len());
-        for joint in &loose.joints {
-            let parent_from_link = joint.parent_from_link(hold.closing);
-            poses.push(match joint.joint.parent {
-                Some(parent) => poses[parent] * parent_from_link,
-                None => parent_from_link,
-            });
-        }
+        let mut poses = LooseJoint::poses(&loose.joints, hold.closing);
         poses.push(hold.tip_from_held);
         poses
     }

@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use crate::full_turn::turned_within;
+use crate::full_turn::wrapped;
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
@@ -342,6 +342,7 @@ impl Resolver<'_> {
             return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0, stands: false });
         }
         let (lower, upper) = range(motion);
+        // What follows a joint by a fraction of its turn must not lose whole turns of it.
         let held = self.options.fixed.get(&described.name).copied();
         let offset = held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper));
         Ok(JointValue { follows: None, offset, stands: true })
@@ -376,19 +377,25 @@ impl Resolver<'_> {
     }
 }
 
+/// A joint without an end is not held farther than this from 0, in radians: its links are where they are to within 1e-12 rad.
+const FARTHEST_TURN_RAD: f64 = 1e4;
+
+/// The value of a joint without an end that is nearest to 0, up to whole turns within its limits; of others the same.
+fn wrapped_if_endless(motion: &UrdfMotion, value: f64) -> f64 {
+    let (lower, upper) = range(motion);
+    let is_endless = motion.kind == UrdfJointKind::Continuous && value.abs() <= FARTHEST_TURN_RAD;
+    if is_endless { wrapped(value, 0.0, [lower, upper]).unwrap_or(value) } else { value }
+}
+
 /// The limits of a movable joint.
 pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
     (motion.limits.lower, motion.limits.upper)
 }
 
-/// Whether a joint may be held at `value`: a continuous one at any number of whole turns.
+/// Whether a joint may be held at `value`: one without an end at any number of whole turns.
 pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     let (lower, upper) = range(motion);
-    let value = match motion.kind {
-        UrdfJointKind::Continuous => turned_within(value, lower, upper),
-        _ => value,
-    };
-    (lower..=upper).contains(&value)
+    (lower..=upper).contains(&wrapped_if_endless(motion, value))
 }
 
 fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: Hindrance) -> RobotError {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assembly;
+mod coupled_limits;
 mod derived;
 mod error;
 mod frame_error;
@@ -31,6 +32,7 @@ mod model;
 mod moving_base;
 mod open_hands;
 mod options;
+mod pad_distance;
 mod planning_limits;
 mod rate_limits;
 mod reach_bound;
@@ -71,6 +73,7 @@ pub use loose_links::Hold;
 pub use mesh_path::candidates as mesh_candidates;
 pub use model::Robot;
 pub use options::{JointGroup, MeshUse, RateScales, RobotOptions};
+pub use pad_distance::PadDistance;
 pub use rate_limits::LimitsFile;
 pub use reach_bound::ReachBound;
 pub use robot_description::RobotDescription;

@@ -46,8 +46,6 @@ pub struct GroupJoint {
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
-    /// Whether it turns without end: its limits are not its own, and whole turns leave all links where they are.
-    pub is_continuous: bool,
     /// The link that it moves. The joint's axis runs through the origin of this link.
     pub child_link: usize,
     /// Its axis in the frame of `child_link`, a unit vector.

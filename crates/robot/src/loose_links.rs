@@ -40,6 +40,28 @@ pub(crate) struct LooseJoint {
 }
 
 impl LooseJoint {
+    /// The joints of a hand that stands open in `rest`, on links or the tip.
+    pub fn all(joints: &[HandJoint], rest: &[Pose], tip: usize) -> Vec<Self> {
+        let loose = |joint: &HandJoint| {
+            let parent = joint.parent.map_or(tip, |parent| joints[parent].link);
+            Self { joint: *joint, parent_from_open: rest[parent].inv_mul(&rest[joint.link]) }
+        };
+        joints.iter().map(loose).collect()
+    }
+
+    /// Where the link below each joint stands in the frame of the tip.
+    pub fn poses(joints: &[Self], closing: f64) -> Vec<Pose> {
+        let mut poses: Vec<Pose> = Vec::with_capacity(joints.len() + 1);
+        for joint in joints {
+            let parent_from_link = joint.parent_from_link(closing);
+            poses.push(match joint.joint.parent {
+                Some(parent) => poses[parent] * parent_from_link,
+                None => parent_from_link,
+            });
+        }
+        poses
+    }
+
     pub fn parent_from_link(&self, closing: f64) -> Pose {
         let by = self.joint.axis_in_link * (self.joint.stroke * closing);
         self.parent_from_open

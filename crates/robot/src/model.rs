@@ -27,6 +27,8 @@ pub struct Robot {
     pub(crate) joint_reaches: Vec<f64>,
     /// Per joint of the group.
     pub(crate) full_turns: Vec<bool>,
+    /// Per joint of the group whether it has no end: see [`Robot::wrap_towards`].
+    pub(crate) endless: Vec<bool>,
     pub(crate) tip: usize,
     pub(crate) hand_links: Vec<usize>,
     pub(crate) hand: Option<RobotHand>,

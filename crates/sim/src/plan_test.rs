@@ -80,12 +80,13 @@ impl PlanTest {
             aim(trial, at.unwrap_or_else(|| lift.at(time_s, moving_s)));
         };
         // Where it is put down, the hand opens before it goes.
+        let opening_s = path.hand_times_s().get(1).copied().unwrap_or(CLOSING_S);
         let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| {
             let Some(off) = off else { return };
-            aim(trial, of_sample(off.sample((time_s - CLOSING_S).max(0.0))));
+            aim(trial, of_sample(off.sample((time_s - opening_s).max(0.0))));
         };
         let held = Move { duration_s: moving_s + RESTING_S, advance: &mut carry };
-        let leaving_s = off.map(|off| CLOSING_S + off.duration_s() + RESTING_S);
+        let leaving_s = off.map(|off| opening_s + off.duration_s() + RESTING_S);
         let leaving = leaving_s.map(|duration_s| Move { duration_s, advance: &mut leave });
         let grasp = trial.grasp(held, leaving);
         let contacts = contacts.into_inner();

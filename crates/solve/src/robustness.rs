@@ -1,18 +1,27 @@
-use std::sync::Arc;
-
-use cranny_collision::{Cell, PairGroup};
-use cranny_plan::Problem;
+use cranny_collision::{Cell, Levers, PairGroup, StandingClearance};
+use cranny_plan::{CutCorner, Problem};
 use cranny_spatial::CONTACT_M;
 use serde::{Deserialize, Serialize};
 
-use crate::{Segment, TaskCells};
+use crate::{Mode, Segment, TaskCells};
 
-/// How far things may be from where a plan has them while every segment of it stays free of collision: each kind of error by
-/// itself, and certified. It holds for pairs that must be apart: fingers on what they close on are none, nor is an object on
-/// what it rests on until it is lifted off. `None`: however far, nothing is there to touch.
+/// Distances by which things may be from where a plan has them while every motion of it stays free of collision: each kind of
+/// error by itself, and certified. `None`: however far, nothing is there to touch.
 ///
-/// The law: whoever is moved by an error is moved by no more than the least distance of the pairs that it moves against each
-/// other, which is measured along every segment.
+/// The law: an error moves nothing farther than the least distance of the pairs that it moves against each other. Measured are
+/// all edges, the curve of every corner that is cut, and, where the object is carried, the fingers while the hand closes and
+/// opens.
+///
+/// | error of | pairs | during |
+/// |---|---|---|
+/// | object | object, where it stands, with every link, those that no joint moves too | motions with the empty hand |
+/// | slip | object with every link that moves against it, and with the world; where it was put down, with every link | motions with the object in the hand, and after |
+/// | base | every link, those that no joint moves too, and what is held, with the world | all motions |
+/// | joints | every link that moves, and what is held, with the world and with each other | all motions |
+///
+/// Left out are pairs that may or must touch: fingers with what they close on, an object with what it rests on until it is
+/// lifted off, and what is named with every answer as not compared, such as a link that no joint moves on what it stands on.
+/// The hand closes as far as it does on an object where the plan has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Robustness {
     /// Of the object before the hand closes on it, about the middle of a ball around it.
@@ -74,51 +83,116 @@ impl JointRadius {
 }
 
 impl Robustness {
-    /// Of a path that is proven; `None` under `paper`, which proves nothing.
-    pub fn of(problem: &Problem, cells: Option<&TaskCells>, segments: &[Segment]) -> Option<Self> {
+    /// Of a path that is proven, and of the corners that its trajectory cuts; `None` under `paper`, which proves nothing.
+    pub fn of(
+        problem: &Problem,
+        cells: Option<&TaskCells>,
+        segments: &[Segment],
+        cut_corners: &[CutCorner],
+    ) -> Option<Self> {
         let reach = problem.cell()?;
         let target = problem.target().and_then(|target| reach.world().bodies()[target].ball());
+        let object_m = target.map_or(0.0, |ball| ball.radius_m);
+        let in_mode = |mode| cells.and_then(|cells| cells.cell(mode));
         let mut all = Self::default();
         for segment in segments {
-            let cell = cells.and_then(|cells| cells.cell(segment.mode)).unwrap_or(reach);
+            let Segment { mode, waypoints, .. } = segment;
+            let (first, last) = (waypoints.first()?, waypoints.last()?);
             // A path of one way point is an edge of no length.
-            let standing = [segment.waypoints.first()?.clone(), segment.waypoints.first()?.clone()];
-            let path = if segment.waypoints.len() > 1 { &segment.waypoints[..] } else { &standing };
-            let of_segment = Self::along(cell, path, target.map_or(0.0, |ball| ball.radius_m));
-            let before = cells.is_none_or(|cells| cells.cell(segment.mode).is_none());
-            let [object, slip] = if before { [of_segment.object, None] } else { [None, of_segment.object] };
-            all = Self {
-                object: PoseRadius::least(all.object, object),
-                slip: PoseRadius::least(all.slip, slip),
-                base: PoseRadius::least(all.base, of_segment.base),
-                joints: JointRadius::least(all.joints, of_segment.joints),
+            let standing = [first.clone(), first.clone()];
+            let path = if waypoints.len() > 1 { &waypoints[..] } else { &standing };
+            let cell = in_mode(*mode).unwrap_or(reach);
+            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
+            let mut rooms = vec![Rooms::along(cell, path, 0.0)];
+            rooms.extend(cut_corners.iter().map(|corner| {
+                Rooms::along(cell, &corner.chords, corner.deviation_m)
+            }));
+            // The hand closes where a reach ends, and opens where a set-down does.
+            let sweeping = match mode {
+                Mode::Reach => in_mode(Mode::LiftOff),
+                Mode::SetDown => in_mode(Mode::SetDown),
+                _ => None,
             };
+            rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));
+            for of_rooms in rooms.iter().map(|rooms| rooms.robustness(object_m)) {
+                let (object, slip) = match in_mode(*mode) {
+                    None => (of_rooms.object, None),
+                    Some(_) => (None, of_rooms.object),
+                };
+                all = Self {
+                    object: PoseRadius::least(all.object, object),
+                    slip: PoseRadius::least(all.slip, slip),
+                    base: PoseRadius::least(all.base, of_rooms.base),
+                    joints: JointRadius::least(all.joints, of_rooms.joints),
+                };
+            }
         }
         Some(all)
     }
+}
 
-    /// Along a path in one cell, with an object of this radius.
-    fn along(cell: &Arc<Cell>, path: &[Vec<f64>], object_m: f64) -> Self {
-        let cell = cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
-        let mut scratch = cell.scratch();
-        let mut room_m =
-            |group| (cell.group_clearance(path, group, SHARE, &mut scratch) - CONTACT_M).max(0.0);
-        let [links_m, around_m, object_room_m] =
-            [PairGroup::Links, PairGroup::Around, PairGroup::Object].map(&mut room_m);
-        let levers = cell.levers(path, &mut cell.scratch());
-        let world_m = around_m.min(object_room_m);
-        // What is held is among the links too, and against them.
-        let rooms_m = [world_m, links_m.min(object_room_m)];
+/// Distances, in metres, by which the pairs that an error moves against each other are apart during some motion, less what
+/// counts as contact, and how far the same error moves anything.
+struct Rooms {
+    /// Links that move, against each other.
+    links_m: f64,
+    /// Links that move, and what is held, against the world.
+    around_m: f64,
+    /// The object against all that it may not touch.
+    object_m: f64,
+    /// Links that no joint moves, against the world.
+    standing: StandingClearance,
+    levers: Levers,
+}
+
+impl Rooms {
+    /// Along a path, or a curve that is nowhere farther from it than so much, in metres.
+    fn along(cell: &Cell, path: &[Vec<f64>], deviation_m: f64) -> Self {
+        let scratch = &mut cell.scratch();
+        let groups = [PairGroup::Links, PairGroup::Around, PairGroup::Object];
+        let room_m = |group| cell.group_clearance(path, group, SHARE, scratch) - deviation_m;
+        let [links_m, around_m, object_m] = groups.map(room_m);
+        let mut levers = cell.levers(path, scratch);
+        // The curve lies between edges of the path, so its joints have no longer levers than these.
+        levers.from_root_m += deviation_m;
+        Self::of([links_m, around_m, object_m], cell, levers)
+    }
+
+    /// While the hand closes from open at a configuration to where it holds the object in a cell, or opens there: fingers
+    /// against all but the object.
+    fn while_closing(cell: &Cell, q: &[f64]) -> Self {
+        let scratch = &mut cell.scratch();
+        let [links_m, around_m] =
+            [PairGroup::Links, PairGroup::Around].map(|group| cell.closing_clearance(q, group, scratch));
+        Self::of([links_m, around_m, f64::INFINITY], cell, cell.closing_levers(q, scratch))
+    }
+
+    fn of(clearances_m: [f64; 3], cell: &Cell, levers: Levers) -> Self {
+        let room_m = |clearance_m: f64| (clearance_m - CONTACT_M).max(0.0);
+        let [links_m, around_m, object_m] = clearances_m.map(room_m);
+        let StandingClearance { around_m: standing_m, object_m: to_object_m } = cell.standing_clearance();
+        let standing =
+            StandingClearance { around_m: room_m(standing_m), object_m: room_m(to_object_m) };
+        Self { links_m, around_m, object_m, standing, levers }
+    }
+
+    /// The radii, of an object that is held or not, about the middle of a ball of this radius around it.
+    fn robustness(&self, object_radius_m: f64) -> Robustness {
+        let Self { links_m, around_m, object_m, standing, levers } = self;
+        let world_m = around_m.min(*object_m);
+        // What is held is among the links too, and against them. No joint moves what stands still.
+        let rooms_m = [world_m, links_m.min(*object_m)];
         let radius = |levers: [f64; 2]| {
             let each =
                 rooms_m.iter().zip(levers).filter(|(room_m, lever)| room_m.is_finite() && *lever > 0.0);
             each.map(|(room_m, lever)| room_m / lever).reduce(f64::min)
         };
         let joints = JointRadius { sliding_m: radius(levers.sliding), turning_rad: radius(levers.turning_m) };
-        Self {
-            object: PoseRadius::of(object_room_m, object_m),
+        let object_m = object_m.min(standing.object_m);
+        Robustness {
+            object: PoseRadius::of(object_m, object_radius_m),
             slip: None,
-            base: PoseRadius::of(world_m, levers.from_root_m),
+            base: PoseRadius::of(world_m.min(object_m).min(standing.around_m), levers.from_root_m),
             joints: (joints.sliding_m.is_some() || joints.turning_rad.is_some()).then_some(joints),
         }
     }

@@ -6,7 +6,7 @@ use cranny_collision::Cell;
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
     OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
-    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with, better, optimise, search,
+    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_cut_corners, audit_task, audit_with, better, optimise, search,
     shortcut,
 };
 use cranny_robot::Robot;
@@ -25,7 +25,8 @@ use crate::{
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
-/// 4. A path that holds gets its time, if that is asked.
+/// 4. A path that holds gets its time, if that is asked; where corners are cut, the curve is judged too, and all that is
+///    measured holds for it.
 /// 5. How far things may be from where it has them is worked out, if that is asked.
 /// 6. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
 ///    [`Robot::needless_turn`].
@@ -134,12 +135,22 @@ fn solve_once(
         }
         segments.extend(onward);
     }
-    let audit = match &segments[..] {
+    let mut audit = match &segments[..] {
         [] => None,
         segments => {
             Some(audit_segments(&problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
         }
     };
+    // 4.
+    let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
+    let timed = match request.timing {
+        Some(timing) if holds => timed(&problem, timing, &segments)?,
+        _ => None,
+    };
+    let cut_corners = timed.as_ref().map_or(&[][..], |timed| timed.trajectory.cut_corners());
+    if let (Some(audit), [only]) = (&mut audit, &segments[..]) {
+        audit_cut_corners(&problem, &only.waypoints, cut_corners, request.audit, audit);
+    }
     let mut clearances_m = audit.iter().flat_map(|audit| &audit.clearances_per_edge_m);
     for segment in &mut segments {
         let edges = segment.waypoints.len().max(2) - 1;
@@ -147,17 +158,12 @@ fn solve_once(
     }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     let goal_faults = if outcome == Outcome::GoalsInvalid { problem.goal_faults() } else { Vec::new() };
-    // 4.
-    let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
-    let timed = match request.timing {
-        Some(timing) if holds => timed(&problem, timing, &segments)?,
-        _ => None,
-    };
     // 5.
+    let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
     let robustness = if request.robustness && holds {
         let cells = |carrier| TaskCells::of(carrier, &segments, carry_to.as_ref());
         let cells = carrier.as_ref().map(cells).transpose()?.flatten();
-        Robustness::of(&problem, cells.as_ref(), &segments)
+        Robustness::of(&problem, cells.as_ref(), &segments, cut_corners)
     } else {
         None
     };

@@ -1,12 +1,13 @@
 use cranny_collision::Cell;
-use cranny_plan::{PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
-use cranny_robot::Robot;
+use cranny_plan::{CutCorner, PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
+use cranny_robot::{PadDistance, Robot};
 
 use crate::segment::joined;
 use crate::{Segment, Timing};
 
-/// How long a robot stands while its hand closes or opens, in seconds, where the files of the robot do not say it: the
-/// fingers of common hands go through their whole stroke in about twice that.
+/// The time for which a robot stands at least while its hand closes or opens, in seconds: the fingers of common hands go
+/// through their whole stroke in about twice that. Where the limits of any joint of the hand demand more, it stands longer
+/// ([`PadDistance::least_time_s`]).
 pub const CLOSING_S: f64 = 0.4;
 
 /// A path in time, and what the hand does meanwhile: legs, between which the robot stands and its hand closes or opens. The
@@ -16,6 +17,8 @@ pub struct TaskTrajectory {
     legs: Vec<Trajectory>,
     /// How far the fingers are apart on each leg, in metres.
     openings_m: Vec<f64>,
+    /// Of the robot's hand, if it has one.
+    pads: Option<PadDistance>,
 }
 
 /// What a hand does between two legs of a path.
@@ -32,7 +35,7 @@ pub struct HandMotion {
 impl TaskTrajectory {
     /// One leg, on which the hand does nothing.
     pub fn of_reach(reach: Trajectory) -> Self {
-        Self { legs: vec![reach], openings_m: vec![0.0] }
+        Self { legs: vec![reach], openings_m: vec![0.0], pads: None }
     }
 
     /// The same with another leg, after the fingers have moved from so far apart to so far, in metres.
@@ -50,13 +53,16 @@ impl TaskTrajectory {
     /// `None` for a robot without the limits that this needs, or no path.
     ///
     /// # Errors
-    /// [`PlanError`] for a path that cannot be timed.
+    /// [`PlanError`] for a path that cannot be timed; [`PlanError::BlendedTask`] for corners cut where an object is carried.
     pub fn of(
         timing: Timing,
         robot: &Robot,
         cell: Option<&Cell>,
         segments: &[Segment],
     ) -> Result<Option<Self>, PlanError> {
+        if timing.blend && segments.len() > 1 {
+            return Err(PlanError::BlendedTask);
+        }
         let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
         let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
         for leg in legs_of(segments) {
@@ -68,7 +74,8 @@ impl TaskTrajectory {
             legs.push(trajectory);
             openings_m.push(leg[0].opening_m.or(hand_opens_m).unwrap_or(0.0));
         }
-        Ok((!legs.is_empty()).then_some(Self { legs, openings_m }))
+        let pads = robot.hand().map(|hand| hand.pads.clone());
+        Ok((!legs.is_empty()).then_some(Self { legs, openings_m, pads }))
     }
 
     /// The way to the grasp.
@@ -91,6 +98,11 @@ impl TaskTrajectory {
         self.legs.iter().any(Trajectory::is_blended)
     }
 
+    /// The corners that are cut: of a path that is nothing but a way to the grasp.
+    pub fn cut_corners(&self) -> &[CutCorner] {
+        self.reach().cut_corners()
+    }
+
     /// The names of the joints, in the order of every sample.
     pub fn joint_names(&self) -> &[String] {
         self.reach().joint_names()
@@ -99,9 +111,19 @@ impl TaskTrajectory {
     /// What the hand does between the legs.
     pub fn hand_motions(&self) -> Vec<HandMotion> {
         let openings_m = self.openings_m.windows(2).map(|openings_m| [openings_m[0], openings_m[1]]);
-        let times = self.begins_s().into_iter().skip(1).map(|until_s| [until_s - CLOSING_S, until_s]);
+        let until_s = self.begins_s().into_iter().skip(1);
+        let times = until_s.zip(self.hand_times_s()).map(|(until_s, time_s)| [until_s - time_s, until_s]);
         let motions = times.zip(openings_m);
         motions.map(|([from_s, until_s], openings_m)| HandMotion { from_s, until_s, openings_m }).collect()
+    }
+
+    /// How long the robot stands between the legs, in seconds each, while its hand closes or opens: [`CLOSING_S`], or as long
+    /// as the limits of the joints of the hand demand.
+    pub fn hand_times_s(&self) -> Vec<f64> {
+        let least_s = |openings_m: &[f64]| {
+            self.pads.as_ref().map_or(0.0, |pads| pads.least_time_s([openings_m[0], openings_m[1]]))
+        };
+        self.openings_m.windows(2).map(|openings_m| CLOSING_S.max(least_s(openings_m))).collect()
     }
 
     /// From when to when the hand closes, in seconds, if it does.
@@ -128,10 +150,10 @@ impl TaskTrajectory {
     /// When each leg begins, in seconds.
     fn begins_s(&self) -> Vec<f64> {
         let mut begins_s = vec![0.0];
-        for (index, leg) in self.legs[..self.legs.len() - 1].iter().enumerate() {
+        for (index, (leg, hand_s)) in self.legs.iter().zip(self.hand_times_s()).enumerate() {
             // The first begins at nothing: what is added to it must not be rounded.
             let ends_s = if index == 0 { leg.duration_s() } else { begins_s[index] + leg.duration_s() };
-            begins_s.push(ends_s + CLOSING_S);
+            begins_s.push(ends_s + hand_s);
         }
         begins_s
     }
@@ -160,9 +182,10 @@ impl TaskTrajectory {
     pub fn opening_m(&self, time_s: f64) -> Option<f64> {
         let motions = self.hand_motions();
         let begun = motions.iter().rfind(|motion| time_s >= motion.from_s).or(motions.first())?;
-        let HandMotion { from_s, until_s, openings_m: [before_m, after_m] } = begun;
+        let HandMotion { from_s, until_s, openings_m: [before_m, after_m] } = *begun;
         let share = ((time_s - from_s) / (until_s - from_s)).clamp(0.0, 1.0);
-        Some(before_m + share * (after_m - before_m))
+        let evenly_m = before_m + share * (after_m - before_m);
+        Some(self.pads.as_ref().map_or(evenly_m, |pads| pads.between_m([before_m, after_m], share)))
     }
 
     /// Samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.

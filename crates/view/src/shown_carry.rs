@@ -39,9 +39,8 @@ impl ShownCarry {
     pub(crate) fn of(robot: &Robot, plan: &PlanFile, times_s: &[LegTimes]) -> Option<Self> {
         let mode_of = |segment: &PlanSegment| Mode::from_str(&segment.mode).unwrap_or(Mode::Reach);
         let holding = plan.segments.iter().find(|segment| mode_of(segment).holds())?;
-        let open_m = robot.hand().map(|hand| hand.description.opening_m);
-        let closing =
-            holding.opening_m.zip(open_m).map_or(0.0, |(opening_m, open_m)| 1.0 - opening_m / open_m);
+        let closing = holding.opening_m.zip(robot.hand());
+        let closing = closing.map_or(0.0, |(opening_m, hand)| hand.pads.closing(opening_m));
         let mut modes: Vec<ShownMode> = Vec::new();
         let legs = plan.segments.chunk_by(|a, b| mode_of(a).holds() == mode_of(b).holds());
         for (leg, times_s) in legs.zip(times_s) {
@@ -63,7 +62,7 @@ impl ShownCarry {
         Some(Self {
             object: holding.attached.clone().unwrap_or_default(),
             grasp: last_of(Mode::Reach).unwrap_or_default(),
-            closing: closing.clamp(0.0, 1.0),
+            closing,
             placed: last_of(Mode::SetDown),
             modes,
         })

@@ -55,7 +55,8 @@ impl ShownPath {
     }
 
     /// The path of a plan in the same way: in the times of [`PlanFile::trajectory`], if it has any. Where the object is
-    /// carried away, the robot stands for [`CLOSING_S`] while its hand closes, or opens.
+    /// carried away, the robot stands while its hand closes, or opens: as [`TaskTrajectory::hand_times_s`] has it, without times
+    /// for [`CLOSING_S`].
     ///
     /// # Errors
     /// As [`Self::of`].
@@ -66,15 +67,18 @@ impl ShownPath {
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
         let legs = plan.legs();
+        // Before the first leg the hand does nothing.
+        let mut stops_s = [0.0].into_iter().chain(timed.map(TaskTrajectory::hand_times_s).unwrap_or_default());
         let mut timed = timed.map(TaskTrajectory::legs).unwrap_or_default().iter();
         let mut shown: Option<Self> = None;
         let mut times_s = Vec::new();
         for leg in &legs {
             let Some(leg) = Self::of(robot, leg, timed.next(), rate_hz)? else { break };
-            let begin_s = shown.as_ref().map_or(0.0, |before| before.ends_s() + CLOSING_S);
+            let hand_s = stops_s.next().unwrap_or(CLOSING_S);
+            let begin_s = shown.as_ref().map_or(0.0, |before| before.ends_s() + hand_s);
             times_s.push(leg.waypoint_times_s.iter().map(|time_s| begin_s + time_s).collect());
             shown = Some(match shown {
-                Some(before) => before.then(leg, rate_hz),
+                Some(before) => before.then(leg, hand_s, rate_hz),
                 None => leg,
             });
         }
@@ -113,18 +117,18 @@ impl ShownPath {
         self
     }
 
-    /// The path, a stop in which the hand moves, and the leg that follows.
-    fn then(mut self, leg: Self, rate_hz: f64) -> Self {
+    /// The path, a stop of so many seconds in which the hand moves, and the leg that follows.
+    fn then(mut self, leg: Self, hand_s: f64, rate_hz: f64) -> Self {
         let stops_s = self.ends_s();
-        let goes_on_s = stops_s + CLOSING_S;
-        let steps = (CLOSING_S * rate_hz).ceil().clamp(1.0, 1e5);
+        let goes_on_s = stops_s + hand_s;
+        let steps = (hand_s * rate_hz).ceil().clamp(1.0, 1e5);
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "between 1 and 10⁵; the last is the first of the way on"
         )]
         for step in 1..steps as u32 {
-            self.times_s.push(stops_s + CLOSING_S * f64::from(step) / steps);
+            self.times_s.push(stops_s + hand_s * f64::from(step) / steps);
             self.configurations.push(leg.configurations[0].clone());
         }
         self.times_s.extend(leg.times_s.iter().map(|time_s| goes_on_s + time_s));

@@ -148,6 +148,10 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         Validity::Exact(cell) => {
             let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             not_checked = NotChecked::of(cell);
+            violations.extend(cell.standing_contact().map(|contact| {
+                let Contact { clearance_m, required_m, .. } = contact;
+                Violation::Clearance { place: place(cell, 0, 0.0, &contact), clearance_m, required_m }
+            }));
             // A path of one way point is an edge of no length.
             let single = [first.clone(), first.clone()];
             let path = if path.len() == 1 { &single[..] } else { path };
@@ -235,7 +239,8 @@ fn judge_end(
         (Goal::Configurations(goals), None) => {
             // The joint that is farthest off, of the goal where that is least.
             let worst = |goal: &Vec<f64>| {
-                let off = goal.iter().zip(last).map(|(a, b)| (a - b).abs()).enumerate();
+                let off = goal.iter().zip(last).enumerate();
+                let off = off.map(|(joint, (a, b))| (joint, problem.robot().joint_difference(joint, *a, *b)));
                 off.max_by(|a, b| a.1.total_cmp(&b.1))
             };
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));

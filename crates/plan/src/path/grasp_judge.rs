@@ -18,9 +18,9 @@ impl<'a> GraspJudge<'a> {
 
     /// The grasp that the hand takes at a configuration, which is a way point of this number.
     ///
-    /// 1. Its contacts on the surface of the target are in force closure, with a score of
+    /// 1. The fingers close on the target, each until it touches, and proven meet nothing else on their way.
+    /// 2. Where the pads touch the surface of the target, they are in force closure, with a score of
     ///    [`GraspMeasure::LEAST_SCORE`] or more.
-    /// 2. The fingers close on the target, each until it touches, and proven meet nothing else on their way.
     ///
     /// # Errors
     /// What is wrong with it.
@@ -32,13 +32,16 @@ impl<'a> GraspJudge<'a> {
         // 1.
         let robot = self.measure.hand().holding().robot();
         let world_from_gripper = *robot.frames_at(q).link(robot.tip());
-        let score =
-            self.measure.score(&world_from_gripper).ok_or_else(|| grip(FailureReason::ClosesOnNothing))?;
+        let ClosedHand { opening_m, touching, .. } =
+            self.measure.hand().close(q, &mut self.scratch).map_err(grip)?;
+        // 2.
+        let score = self
+            .measure
+            .pad_score(&world_from_gripper, &touching)
+            .ok_or_else(|| grip(FailureReason::ClosesOnNothing))?;
         if score < GraspMeasure::LEAST_SCORE {
             return Err(Violation::WeakGrasp { way_point, score, required: GraspMeasure::LEAST_SCORE });
         }
-        // 2.
-        let ClosedHand { opening_m, .. } = self.measure.hand().close(q, &mut self.scratch).map_err(grip)?;
         let rows = rows_of_pose(&world_from_gripper);
         let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);
         Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score })

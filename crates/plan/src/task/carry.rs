@@ -117,7 +117,7 @@ impl Carrier {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn close(&self, q: &[f64]) -> Result<Grip, FailureReason> {
-        let ClosedHand { hold, opening_m, uneven_m } =
+        let ClosedHand { hold, opening_m, uneven_m, .. } =
             self.hand.close(q, &mut self.hand.holding().scratch())?;
         let held =
             |cell: &Cell| cell.with_hold(hold).map(Arc::new).map_err(|_| FailureReason::ClosesOnNothing);

@@ -22,6 +22,8 @@ pub(crate) struct ClosedHand {
     pub opening_m: f64,
     /// How much farther the finger that touches last has to go than the first, in metres.
     pub uneven_m: f64,
+    /// How far each finger has closed when it touches, from 0, open, to 1.
+    pub touching: Vec<f64>,
 }
 
 impl ClosingHand {
@@ -84,7 +86,7 @@ impl ClosingHand {
             let hold = Hold { tip_from_held, closing };
             self.holding.with_hold(hold).map_err(|_| FailureReason::ClosesOnNothing)
         };
-        let Closing { closing, uneven_m } =
+        let Closing { closing, uneven_m, touching } =
             held(0.0)?.close_on_held().ok_or(FailureReason::ClosesOnNothing)?;
         let closed = held(closing)?;
         if let Some(contact) = closed.closing_contact(q, scratch) {
@@ -92,7 +94,7 @@ impl ClosingHand {
             return Err(FailureReason::ClosingCollides { first, second });
         }
         let hand = self.holding.robot().hand();
-        let opening_m = hand.map_or(0.0, |hand| hand.description.opening_m * (1.0 - closing));
-        Ok(ClosedHand { hold: Hold { tip_from_held, closing }, opening_m, uneven_m })
+        let opening_m = hand.map_or(0.0, |hand| hand.pads.opening_m(closing));
+        Ok(ClosedHand { hold: Hold { tip_from_held, closing }, opening_m, uneven_m, touching })
     }
 }

@@ -5,6 +5,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::PlanError;
 use crate::task::closing_hand::ClosingHand;
+use crate::task::pad_contact::PadSurfaces;
 
 /// What grasps are measured by where no set of them is given: the surface of the target, how it slides, and the hand that
 /// closes on it. It belongs to a problem, as the tree of an obstacle's mesh does, and not to a search.
@@ -14,6 +15,7 @@ pub struct GraspMeasure {
     surface_in_world: Surface,
     friction: f64,
     opening_m: f64,
+    pads: PadSurfaces,
 }
 
 impl GraspMeasure {
@@ -38,7 +40,8 @@ impl GraspMeasure {
         if opening_m <= 0.0 {
             return Err(lacking("a hand that opens"));
         }
-        Ok(Self { hand, surface_in_world, friction, opening_m })
+        let pads = PadSurfaces::of(hand.holding());
+        Ok(Self { hand, surface_in_world, friction, opening_m, pads })
     }
 
     pub(crate) fn hand(&self) -> &ClosingHand {
@@ -74,8 +77,20 @@ impl GraspMeasure {
         Some([contact(-1.0)?, contact(1.0)?])
     }
 
-    /// How good the grasp at a pose is, in [0, 1], 0 where its contacts are in no force closure ([`friction_needed`],
-    /// [`friction_score`]); `None` where there are no contacts.
+    /// How good the grasp of a hand that has closed is, in [0, 1], by the contacts of its pads where they touch; 0 where these
+    /// are in no force closure ([`friction_needed`], [`friction_score`]). `None` where two fingers do not touch the target.
+    /// `touching` says how far each finger has closed.
+    pub(crate) fn pad_score(&self, world_from_gripper: &Pose, touching: &[f64]) -> Option<f64> {
+        let holding = self.hand.holding();
+        let target = &holding.world().bodies()[self.hand.target()];
+        let of_target = (target, &self.surface_in_world);
+        let needed = self.pads.friction_needed(holding, of_target, world_from_gripper, touching)?;
+        Some(friction_score(needed, self.friction))
+    }
+
+    /// An estimate of how good the grasp at a pose is, by a single line between the middles of the pads: a filter for drawn
+    /// grasps, which says nothing of where the pads touch. In [0, 1], 0 where its contacts are in no force closure
+    /// ([`friction_needed`], [`friction_score`]); `None` where there are no contacts.
     pub fn score(&self, world_from_gripper: &Pose) -> Option<f64> {
         let [a, b] = self.contacts_in_world(world_from_gripper)?;
         Some(friction_score(friction_needed(&a, &b), self.friction))

@@ -325,10 +325,17 @@ impl Problem {
         }
     }
 
-    fn checked(self) -> Result<Self, PlanError> {
+    /// The same problem, its start within the limits of joints without an end, and its goals at the whole turns of these that
+    /// are nearest to it.
+    fn checked(mut self) -> Result<Self, PlanError> {
         let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
             self.check_configuration(what, q)?;
+        }
+        let (robot, start) = (self.robot.clone(), &mut self.start);
+        robot.turn_into_limits(start);
+        if let Goal::Configurations(goals) = &mut self.goal {
+            goals.iter_mut().for_each(|goal| robot.wrap_towards(start, goal));
         }
         Ok(self)
     }

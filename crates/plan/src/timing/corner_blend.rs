@@ -1,8 +1,8 @@
 use cranny_collision::{Cell, Scratch};
 use cranny_robot::{JointKind, Robot};
-use cranny_spatial::CONTACT_M;
+use cranny_spatial::ROUNDING_M;
 
-use crate::timing::path_curve::moved;
+use crate::timing::path_curve::{PathCurve, Piece, moved};
 
 /// How far any point of a robot can move, against the world or against another link, while its joints move
 /// by a given amount, at any configuration: `Σ |δ_m| · reach_m` over the joints m that move links, mimic
@@ -55,16 +55,64 @@ impl LinkReach {
     }
 }
 
-/// Halvings of a blend in search of one that the clearance around its corner allows.
-const ATTEMPTS: usize = 5;
+/// Steps of the bisection for the greatest blend: to within 1/128 of the greatest that the edges allow.
+const BISECTIONS: usize = 7;
+
+/// Greatest distance of a chord of a cut corner from the curve, as the motion of any point of the robot, in metres.
+const CHORD_TOLERANCE_M: f64 = 1e-5;
+
+/// Clearance that a blend keeps in reserve, in metres, so that its chords can be proven to keep what is demanded
+/// and their distance from the curve besides: twice that distance, and the resolution of a proof.
+const RESERVE_M: f64 = 3.0 * CHORD_TOLERANCE_M;
+
+/// A corner of a path that a trajectory cuts, as the chords of its parabola.
+#[derive(Clone, Debug)]
+pub struct CutCorner {
+    /// The edges of the path between which it lies.
+    pub edges: [usize; 2],
+    /// Points of the parabola, from its beginning on the first edge to its end on the second, one value per joint each
+    /// (m, rad).
+    pub chords: Vec<Vec<f64>>,
+    /// Bound on the distance of any point of the robot, as the curve has it, from where the chord at the same share of the
+    /// way has it, and on the change of any distance between two links, in metres.
+    pub deviation_m: f64,
+}
+
+impl CutCorner {
+    /// Those that a curve cuts.
+    pub(crate) fn all_of(curve: &PathCurve, reach: &LinkReach) -> Vec<Self> {
+        let of_piece = |(index, piece): (usize, &Piece)| {
+            let at = |waypoint: &(usize, f64)| waypoint.0 == index;
+            // Way points that are one are passed at once.
+            let first = curve.waypoints.iter().position(at)?.checked_sub(1)?;
+            let second = curve.waypoints.iter().rposition(at)?;
+            Self::of(piece, [first, second], reach)
+        };
+        curve.pieces.iter().enumerate().filter_map(of_piece).collect()
+    }
+
+    /// The chords of a parabola `q(σ) = origin + slope·σ + ½·curvature·σ²`, σ in [0, length].
+    ///
+    /// On an interval of length h a parabola is at most `h²/8·|curvature|` from its chord.
+    fn of(parabola: &Piece, edges: [usize; 2], reach: &LinkReach) -> Option<Self> {
+        let curvature = parabola.curvature.as_ref()?;
+        let whole_m = 0.125 * parabola.length * parabola.length * reach.motion_m(|joint| curvature[joint]);
+        let pieces = (whole_m / CHORD_TOLERANCE_M).sqrt().ceil().max(1.0);
+        let deviation_m = whole_m / (pieces * pieces) + ROUNDING_M;
+        let at = |piece: u32| parabola.begin + parabola.length * (f64::from(piece) / pieces);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
+        let chords = (0..=pieces as u32).map(|piece| parabola.position(at(piece))).collect();
+        Some(Self { edges, chords, deviation_m })
+    }
+}
 
 /// The greatest found `r` up to `greatest` for which the parabola from `corner − r·before` to
-/// `corner + r·after` is proven to keep every distance that `cell` demands; 0 if none is.
+/// `corner + r·after` is proven to keep every distance that `cell` demands, each pair its own; 0 if none is.
 ///
 /// Half of the parabola, `q(τ)` with τ in [0, ½], is compared with the line from its beginning to the corner,
 /// at the same share of the way: `q(τ) − line(2τ) = τ²·r·(after − before)`. So no point of the parabola is
 /// farther from the two lines than `w = ¼·r·(after − before)`, and no pair of bodies closer than on the
-/// lines by more than their motion under `w`. If the lines keep that much more than is demanded, the
+/// lines by more than their motion under `w`. If the lines are proven to keep that much more than is demanded, the
 /// parabola is proven. It lies in the triangle of its three points, so within the limits of the joints.
 pub(crate) fn proven_blend(
     cell: &Cell,
@@ -74,20 +122,20 @@ pub(crate) fn proven_blend(
     greatest: f64,
     scratch: &mut Scratch,
 ) -> f64 {
-    let margins = cell.margins();
-    let demanded_m = CONTACT_M.max(margins.margin_m).max(margins.grasp_margin_m);
     let per_r_m = 0.25 * reach.motion_m(|joint| after[joint] - before[joint]);
-    let (mut r, mut proven) = (greatest, 0.0_f64);
-    for _ in 0..ATTEMPTS {
-        let into = cell.least_clearance(&moved(corner, before, -r), corner, scratch);
-        let out = cell.least_clearance(corner, &moved(corner, after, r), scratch);
-        // A shorter blend lies on shorter lines, so what these keep holds for it too.
-        let allowed = (into.min(out) - demanded_m).max(0.0) / per_r_m;
-        proven = proven.max(allowed.min(r));
-        if proven >= r {
-            break;
-        }
-        r = (0.5 * r).max(proven);
+    let mut is_proven = |r: f64| {
+        let beyond_m = r * per_r_m + RESERVE_M;
+        let mut keeps = |a: &[f64], b: &[f64]| cell.motion_beyond(beyond_m, a, b, scratch).is_proven();
+        keeps(&moved(corner, before, -r), corner) && keeps(corner, &moved(corner, after, r))
+    };
+    if is_proven(greatest) {
+        return greatest;
+    }
+    // A shorter blend lies on shorter lines and nearer to them.
+    let (mut proven, mut unproven) = (0.0, greatest);
+    for _ in 0..BISECTIONS {
+        let r = 0.5 * (proven + unproven);
+        if is_proven(r) { proven = r } else { unproven = r }
     }
     proven
 }

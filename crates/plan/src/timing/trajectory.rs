@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use cranny_collision::Cell;
 
 use crate::PlanError;
-use crate::timing::corner_blend::{LinkReach, proven_blend};
+use crate::timing::corner_blend::{CutCorner, LinkReach, proven_blend};
 use crate::timing::jerk_limited::jerk_limited;
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
 use crate::timing::path_curve::PathCurve;
@@ -13,7 +15,7 @@ use crate::timing::time_optimal::time_optimal;
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     method: TimingMethod,
-    is_blended: bool,
+    cut_corners: Vec<CutCorner>,
     joint_names: Vec<String>,
     first: Vec<f64>,
     last: Vec<f64>,
@@ -62,12 +64,14 @@ impl Trajectory {
         }
         // Refuses what is no path.
         let stopping = Self::along(path, limits)?;
+        let cell = &*Arc::new(cell.clone()).with_pairs_free_at(path.iter().map(Vec::as_slice));
         let reach = LinkReach::new(cell.robot());
         let mut scratch = cell.scratch();
         let blends = PathCurve::blends(path, &limits.velocity, |corner, slopes, greatest| {
             proven_blend(cell, &reach, corner, slopes, greatest, &mut scratch)
         });
-        let blended = Self::with_blends(path, limits, &blends)?;
+        let mut blended = Self::with_blends(path, limits, &blends)?;
+        blended.cut_corners = CutCorner::all_of(&blended.curve, &reach);
         Ok(if blended.duration_s() < stopping.duration_s() { blended } else { stopping })
     }
 
@@ -101,7 +105,7 @@ impl Trajectory {
         }
         Ok(Self {
             method: limits.method,
-            is_blended: curve.pieces.iter().any(|piece| piece.curvature.is_some()),
+            cut_corners: Vec::new(),
             joint_names: limits.joint_names.clone(),
             first: first.clone(),
             last: last.clone(),
@@ -118,7 +122,12 @@ impl Trajectory {
 
     /// Whether it cuts a corner of its path instead of stopping there.
     pub fn is_blended(&self) -> bool {
-        self.is_blended
+        !self.cut_corners.is_empty()
+    }
+
+    /// The corners of its path that it cuts: there it leaves the edges, and what is measured along these does not hold for it.
+    pub fn cut_corners(&self) -> &[CutCorner] {
+        &self.cut_corners
     }
 
     /// The names of the joints, in the order of every sample.

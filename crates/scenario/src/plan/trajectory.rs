@@ -2,7 +2,7 @@ use std::path::Path;
 use std::str::FromStr as _;
 
 use cranny_collision::Cell;
-use cranny_plan::{Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_with};
+use cranny_plan::{Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_cut_corners, audit_with};
 use cranny_robot::Robot;
 use cranny_solve::{Mode, Segment, TaskCells, TaskTrajectory, Timing, audit_segments};
 
@@ -21,7 +21,10 @@ impl PlanFile {
         cell: Option<&Cell>,
     ) -> Result<Option<TaskTrajectory>, PlanError> {
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        TaskTrajectory::of(self.timing_asked(), robot, cell, &segments.map_err(|_| PlanError::Segments)?)
+        // What the plan's own margins allow is what was executed, whatever others are demanded of it now.
+        let cell = cell.map(|cell| cell.with_margins(self.margins)).transpose()?;
+        let segments = segments.map_err(|_| PlanError::Segments)?;
+        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), &segments)
     }
 
     /// The legs of the path, between which the hand closes or opens: the way to the grasp; the way on with the object, if it
@@ -95,10 +98,24 @@ impl PlanFile {
             }
             _ => audit_with(problem, &self.waypoints, settings)?,
         };
+        let audit = if self.is_blended() { self.with_cut_corners(problem, audit, settings)? } else { audit };
         Ok(Some(match self.own_grasp {
             Some(said) => audit.with_said_grasp(said, self.reach().len().saturating_sub(1)),
             None => audit,
         }))
+    }
+
+    /// What was found of the edges, and of the corners that the trajectory cuts.
+    fn with_cut_corners(
+        &self,
+        problem: &Problem,
+        mut audit: Audit,
+        settings: AuditSettings,
+    ) -> Result<Audit, PlanError> {
+        if let Some(trajectory) = self.trajectory(problem.robot(), problem.cell().map(AsRef::as_ref))? {
+            audit_cut_corners(problem, &self.waypoints, trajectory.cut_corners(), settings, &mut audit);
+        }
+        Ok(audit)
     }
 
     /// Whether the plan, which was read from `path`, moves the joints of a robot.
