@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 /// Two things that touch and are compared by no check and no proof, by name: "proven" is said of a path but for these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NotChecked {
     /// A link.
     pub first: String,

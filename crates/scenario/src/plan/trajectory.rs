@@ -20,8 +20,13 @@ impl PlanFile {
         robot: &Robot,
         cell: Option<&Cell>,
     ) -> Result<Option<TaskTrajectory>, PlanError> {
+        TaskTrajectory::of(self.timing_asked(), robot, cell, &self.solved_segments()?)
+    }
+
+    /// The segments as [`solve`](cranny_solve::solve) has them.
+    pub(crate) fn solved_segments(&self) -> Result<Vec<Segment>, PlanError> {
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        TaskTrajectory::of(self.timing_asked(), robot, cell, &segments.map_err(|_| PlanError::Segments)?)
+        segments.map_err(|_| PlanError::Segments)
     }
 
     /// The legs of the path, between which the hand closes or opens: the way to the grasp; the way on with the object, if it
@@ -41,7 +46,7 @@ impl PlanFile {
     }
 
     /// The way to the grasp.
-    fn reach(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn reach(&self) -> Vec<Vec<f64>> {
         self.legs().into_iter().next().unwrap_or_default()
     }
 
@@ -76,8 +81,8 @@ impl PlanFile {
         })
     }
 
-    /// What the judge says of the path, of all that it does, and of the grasp that it is said to end at where no set is
-    /// given; `None` for a plan without a path.
+    /// The verdict on the path alone, on all that it does, and on the grasp that it is stated to end at where no set is
+    /// given; `None` for a plan without a path. [`Self::judge`] compares everything else that the file states.
     ///
     /// # Errors
     /// As [`audit_segments`].
