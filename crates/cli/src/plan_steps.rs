@@ -15,7 +15,7 @@ use crate::output_file;
 use crate::plan_task::check_scenario;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::task::{Demand, Task};
-use crate::text::{self, millimetres};
+use crate::text;
 use crate::verify::{Brought, statement_lines};
 
 /// What `plan --steps --json` prints; the keys stay.
@@ -80,7 +80,7 @@ fn step(plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
-        format!(", {} clear or more, proven", millimetres(clearance_m))
+        format!(", {} clear or more, proven", text::at_least_mm(clearance_m))
     });
     format!("{object} to '{place}': {} by {} in {took}{clearance}", plan.outcome.name(), plan.planner)
 }
@@ -142,7 +142,7 @@ fn page_of_verdict(judged: &Judged, count: usize) -> String {
         let _ = writeln!(page, "  differs     {statement}");
     }
     for (index, step) in steps.iter().enumerate() {
-        let clearance = step.audit.clearance_m.map_or_else(String::new, millimetres);
+        let clearance = step.audit.clearance_m.map_or_else(String::new, text::at_least_mm);
         let _ = writeln!(page, "  step {:<7}clearance {clearance} or more along the whole path", index + 1);
         for violation in &step.audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());

@@ -183,7 +183,7 @@ fn page(answered: &Answered, way_points: usize) -> String {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
-        let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
+        let _ = writeln!(page, "  clearance   {} or more along the whole path", text::at_least_mm(clearance));
     }
     if let Judged::Plan(judgement) = judged {
         page.push_str(&statement_lines(judgement));

@@ -2,12 +2,14 @@
 
 pub mod system;
 
+mod bound;
 mod counted;
 mod excerpt;
 mod fault;
 mod opener;
 mod text;
 
+pub use bound::{at_least, at_most};
 pub use counted::counted;
 pub use excerpt::{excerpt, visible};
 pub use fault::{FileFault, LIFTED_BY};

@@ -35,6 +35,10 @@ pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), Sce
         plan.format = Some(PlanFile::FORMAT.to_owned());
         return Ok(());
     }
+    if plan.format.is_none() {
+        let problem = format!("it has segments, but no 'format' ('{}')", PlanFile::FORMAT);
+        return Err(fault(path, problem));
+    }
     let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
     let clearances_m: Vec<Option<f64>> =
         plan.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();

@@ -30,6 +30,9 @@ impl Statement {
                 other => excerpt(&other.to_string()),
             });
         };
+        if self.stated.is_u64() && self.measured.is_u64() {
+            return [&self.stated, &self.measured].map(Value::to_string);
+        }
         let words = |digits| [stated, measured].map(|value| self.number(value, digits));
         let apart = (2..MOST_DIGITS).map(words).find(|[a, b]| a != b);
         apart.unwrap_or_else(|| [stated, measured].map(|value| value.to_string()))
@@ -113,8 +116,8 @@ impl Law {
 const CLEARANCE_TOLERANCE: f64 = 1.1e-5;
 /// A figure (m, rad, s) is right to within this, and this share of it: other versions may add up in another order.
 const TOLERANCE: f64 = 1e-6;
-/// What differs by less is the same figure.
-const ROUNDING: f64 = 1e-12;
+/// What differs by less than this share is the same figure.
+const ROUNDING: f64 = 1e-9;
 
 fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * b.abs().max(1.0)
@@ -146,7 +149,7 @@ fn compare(key: &str, law: Law, stated: &Value, measured: &Value, found: &mut Ve
         }
         _ => {
             let is_same = match (stated.as_f64(), measured.as_f64()) {
-                (Some(a), Some(b)) => is_near(a, b, ROUNDING),
+                (Some(a), Some(b)) => (a - b).abs() <= ROUNDING * b.abs(),
                 _ => stated == measured,
             };
             if !is_same {
