@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from cranny._cranny import Plan, Samples
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
 NANOSECONDS = 1_000_000_000
 """Nanoseconds in a second."""
@@ -68,16 +69,69 @@ def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
     }
 
 
-def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times (T,) in seconds and positions (T, dof) of such a message, from anybody; `cranny.verify_path` judges the
-    positions."""
+class JointPositions:
+    """Positions (T, dof) in m and rad with the names of their joints, one a column. Everything in this package that takes
+    configurations puts the columns into the order of its robot by these names, and refuses names that the robot does not
+    have and joints without a name. `numpy.asarray(positions)` has the columns as they came; `in_order_of` reorders them."""
+
+    def __init__(self, joint_names: Sequence[str], values: ArrayLike) -> None:
+        import numpy as np
+
+        self.joint_names = tuple(joint_names)
+        self._values = np.array(values, dtype=np.float64)
+        if len(set(self.joint_names)) < len(self.joint_names):
+            raise ValueError(f"a joint is named twice: {', '.join(self.joint_names)}")
+        if self._values.ndim != 2 or self._values.shape[1] != len(self.joint_names):
+            raise ValueError(f"positions of shape {self._values.shape} for {len(self.joint_names)} joint names")
+
+    def in_order_of(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+        """The same, (T, dof), with one column for each of these joints, in their order."""
+        expected = list(joint_names)
+        if set(expected) != set(self.joint_names):
+            here = ", ".join(self.joint_names)
+            raise ValueError(f"the positions are of joints {here}, but the robot has {', '.join(expected)}")
+        return self._values[:, [self.joint_names.index(name) for name in expected]]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Instants and joints."""
+        instants, joints = self._values.shape
+        return instants, joints
+
+    def tolist(self) -> list[list[float]]:
+        """Lists of the values, the columns as they came."""
+        rows: list[list[float]] = self._values.tolist()
+        return rows
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
+        array = self._values.copy()
+        return array if dtype is None else array.astype(dtype)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __getitem__(self, rows: slice) -> JointPositions:
+        if not isinstance(rows, slice):
+            raise TypeError("rows are taken by a slice; numpy.asarray(positions) has the values without their names")
+        return JointPositions(self.joint_names, self._values[rows])
+
+    def __repr__(self) -> str:
+        return f"JointPositions({', '.join(self.joint_names)}: {len(self)} instants)"
+
+
+def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPositions]:
+    """Times (T,) in seconds and positions (T, dof) of such a message, from anybody, with the names of its joints:
+    `cranny.verify_path` judges them in the order of its robot."""
     import numpy as np
 
-    points = message["points"]
+    names, points = list(message["joint_names"]), message["points"]
     stamps = [point["time_from_start"] for point in points]
     times = np.array([stamp["sec"] + stamp["nanosec"] / NANOSECONDS for stamp in stamps], dtype=np.float64)
-    dof = len(message["joint_names"])
-    return times, np.array([point["positions"] for point in points], dtype=np.float64).reshape(-1, dof)
+    for index, point in enumerate(points):
+        if len(point["positions"]) != len(names):
+            raise ValueError(f"points[{index}] has {len(point['positions'])} positions for {len(names)} joint names")
+    rows = np.array([point["positions"] for point in points], dtype=np.float64).reshape(len(points), len(names))
+    return times, JointPositions(names, rows)
 
 
 def yaml_text(message: dict[str, Any]) -> str:

@@ -6,26 +6,46 @@ import os
 from collections.abc import Sequence
 from typing import Any, overload
 
-from cranny._cranny import Plan, Scenario, Verification, _load_steps, _save_steps, plan
+from cranny._cranny import Plan, Scenario, Verification, _judged_steps, _load_steps, _save_steps, plan
 
 
 class StepsPlan(Sequence[Plan]):
     """The plans of a scenario's steps, each in the world that the one before leaves: all, or up to the first that found
     none. True if all of them hold. `scenario.show(steps)` and `cranny.show` show them as one motion.
+
+    `StepsPlan(scenario, plans)` judges each plan anew, as one of that step of that scenario, wherever it was made, and
+    refuses one that does not put down what the step picks.
     """
 
     def __init__(self, scenario: Scenario, plans: Sequence[Plan]) -> None:
-        self.scenario = scenario
-        self.plans = list(plans)
+        self._scenario = scenario
+        self._plans = _judged_steps(scenario, list(plans))
+
+    @classmethod
+    def _judged(cls, scenario: Scenario, plans: Sequence[Plan]) -> StepsPlan:
+        """Plans that were made or judged as those of the steps."""
+        steps = cls.__new__(cls)
+        steps._scenario, steps._plans = scenario, list(plans)
+        return steps
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario whose steps these are plans of."""
+        return self._scenario
+
+    @property
+    def plans(self) -> list[Plan]:
+        """The plans, in the order of the steps."""
+        return list(self._plans)
 
     @staticmethod
     def load(path: str | os.PathLike[str], scenario: Scenario | None = None) -> StepsPlan:
         """Reads a `.plan.json` of several steps; None: of the built-in scenario that it names. Each is judged anew."""
-        return StepsPlan(*_load_steps(path, scenario))
+        return StepsPlan._judged(*_load_steps(path, scenario))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a `.plan.json` of all steps, as a whole or not at all."""
-        _save_steps(path, self.scenario, self.plans)
+        _save_steps(path, self._scenario, self._plans)
 
     @property
     def solved(self) -> bool:
@@ -87,4 +107,4 @@ def plan_steps(scenario: Scenario, planner: str | None = None, **keywords: Any) 
         if not found:
             break
         now = now.after(found)
-    return StepsPlan(scenario, plans)
+    return StepsPlan._judged(scenario, plans)

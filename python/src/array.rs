@@ -103,7 +103,7 @@ pub struct Configurations<'py> {
 
 impl<'py> Configurations<'py> {
     pub fn read(value: &Bound<'py, PyAny>, what: &str, robot: &Robot) -> PyResult<Self> {
-        let numbers = Numbers::read(value, what)?;
+        let numbers = Numbers::read(&in_order_of(value, robot)?, what)?;
         let dof = robot.dof();
         let (is_single, count) = match *numbers.shape() {
             [values] if values == dof => (true, 1),
@@ -128,9 +128,17 @@ impl<'py> Configurations<'py> {
     }
 }
 
+/// Values that come with the names of their joints (`cranny.ros.JointPositions`) in the robot's order; any others as they are.
+fn in_order_of<'py>(value: &Bound<'py, PyAny>, robot: &Robot) -> PyResult<Bound<'py, PyAny>> {
+    match value.getattr_opt("in_order_of")? {
+        Some(in_order_of) => in_order_of.call1((robot.joint_names().to_vec(),)),
+        None => Ok(value.clone()),
+    }
+}
+
 /// A single configuration (m, rad).
 pub fn configuration(value: &Bound<'_, PyAny>, what: &str, robot: &Robot) -> PyResult<Vec<f64>> {
-    let numbers = Numbers::read(value, what)?;
+    let numbers = Numbers::read(&in_order_of(value, robot)?, what)?;
     let dof = robot.dof();
     if *numbers.shape() != [dof] {
         return Err(numbers.wrong_shape(&format!("({dof},) for the {dof} joints of {}", robot.name())));

@@ -93,7 +93,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
     #[pymodule_export]
-    use crate::steps::{load_steps, save_steps};
+    use crate::steps::{judged_steps, load_steps, save_steps};
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins, World};
-use cranny_plan::AuditSettings;
+use cranny_plan::Audit;
 use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_spatial::Pose;
@@ -144,7 +144,9 @@ pub fn page_of(
     let shown = &scenario.scenario;
     let exact = scenario.exact_problem(Margins::default())?;
     let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
-    let judged = |plan: &PyPlan| plan.file.audit(&plan.task.problem, AuditSettings::default()).map_err(fault);
+    let judged = |plan: &PyPlan| -> PyResult<Option<Audit>> {
+        Ok(plan.judge().map_err(fault)?.map(|judgement| judgement.audit))
+    };
     let cells = |plan: &PyPlan, reach: &Arc<Cell>| -> PyResult<Option<StepCells>> {
         let task = plan.file.task_cells(&plan.task.problem).map_err(fault)?;
         Ok(task.map(|task| StepCells { reach: reach.clone(), task: Some(task) }))
@@ -152,6 +154,7 @@ pub fn page_of(
     let page_plan = match plans {
         ShownPlans::None => None,
         ShownPlans::One(plan) => {
+            check_shown(shown, plan)?;
             let (timed, verification, cells) = (timed_in(shown, plan)?, judged(plan)?, cells(plan, cell)?);
             let page =
                 PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells);
@@ -181,6 +184,18 @@ pub fn page_of(
     let page =
         PageData::of(shown, page_plan.as_slice(), cell, &statuses, PageSettings::default()).map_err(fault)?;
     Ok((page, PageCells::of(cell.clone(), page_plan.as_slice())))
+}
+
+/// Checks that a plan is for the world that it is to be shown in.
+fn check_shown(scenario: &Scenario, plan: &PyPlan) -> PyResult<()> {
+    let planned = plan.task.scenario.as_deref();
+    if planned.is_none_or(|planned| stand_alike(&planned.world, &scenario.world)) {
+        return Ok(());
+    }
+    Err(bad_value(format!(
+        "plan: it was planned for '{}', which is another world than that of '{}' (Plan.load(path, scenario) judges it there)",
+        plan.file.scenario, scenario.id
+    )))
 }
 
 /// That each plan is for the world that the one before leaves, as far as these put something down.
@@ -213,6 +228,7 @@ fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResu
     let path = match plans {
         ShownPlans::None => None,
         ShownPlans::One(plan) => {
+            check_shown(scenario, plan)?;
             let timed = timed_in(scenario, plan)?;
             ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }

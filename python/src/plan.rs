@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_plan::{AuditSettings, Outcome, PlanError, robot_hand};
-use cranny_scenario::{GivenGrasps, PlanFile, PlanSegment, write_trajectory_csv};
+use cranny_scenario::{GivenGrasps, Judgement, PlanFile, PlanSegment, Statement, write_trajectory_csv};
 use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -23,7 +23,12 @@ use crate::verification::PyVerification;
 #[pyclass(name = "Plan", module = "cranny", frozen)]
 pub struct PyPlan {
     pub task: Task,
+    /// As it was planned or read.
     pub file: PlanFile,
+    /// The same with every figure as it was measured, which is all that its properties show.
+    pub measured: PlanFile,
+    /// Statements of its file that differ, and change nothing of the verdict.
+    pub differs: Vec<Statement>,
     pub trajectory: Option<Arc<TaskTrajectory>>,
     pub is_valid: bool,
 }
@@ -31,7 +36,11 @@ pub struct PyPlan {
 #[pymethods]
 impl PyPlan {
     /// Reads a `.plan.json` of `scenario` (a Scenario or a MoveItProblem); None: the built-in one that it names.
-    /// The path is judged anew.
+    ///
+    /// Nothing that the file states is trusted: the path is judged anew, every property is a figure measured along it, and
+    /// `differs` names those that the file states otherwise. A file that promises more than there is makes a plan that is
+    /// False, and `verify()` names the statement. How the path was found (`report["statistics"]`, `["planner"]`, `["seed"]`,
+    /// …) is as the file has it.
     #[staticmethod]
     #[pyo3(signature = (path, scenario=None))]
     fn load(py: Python<'_>, path: PathBuf, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
@@ -60,7 +69,7 @@ impl PyPlan {
             row.set_item("path", rows(py, &segment.waypoints, dof)?)?;
             Ok(row)
         };
-        self.file.segments.iter().map(segment).collect()
+        self.measured.segments.iter().map(segment).collect()
     }
 
     /// How far things may be from where the plan has them while every segment stays proven, each kind of error by itself: a
@@ -68,7 +77,7 @@ impl PyPlan {
     /// or None where nothing is there to touch; None where there is no proof.
     #[getter]
     fn robustness<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.file.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
+        self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
@@ -88,32 +97,32 @@ impl PyPlan {
     /// "start-invalid", "goals-invalid" or "no-reachable-grasp".
     #[getter]
     fn outcome(&self) -> &'static str {
-        self.file.outcome.name()
+        self.measured.outcome.name()
     }
 
     /// Whether a path was found and the judge finds that it meets the criterion.
     #[getter]
     fn solved(&self) -> bool {
-        self.file.outcome == Outcome::Solved && self.is_valid
+        self.measured.outcome == Outcome::Solved && self.is_valid
     }
 
     /// Index of the grasp that the path ends at, if it is one.
     #[getter]
     fn grasp(&self) -> Option<usize> {
-        self.file.grasp
+        self.measured.grasp
     }
 
     /// The grasp that the path ends at, where no set of grasps was given: a dictionary of `world_from_gripper` (4 × 4, in the
     /// planning frame), `opening_m` (between the fingers once they have closed) and `score`; else None.
     #[getter]
     fn own_grasp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &self.file.own_grasp)
+        python_of(py, &self.measured.own_grasp)
     }
 
     /// The least clearance along the whole path in metres, proven; None where there is none.
     #[getter]
     fn clearance_m(&self) -> Option<f64> {
-        self.file.clearance_m
+        self.measured.clearance_m
     }
 
     /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
@@ -121,20 +130,28 @@ impl PyPlan {
     /// `allowance_m`). All statements hold but for these.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &self.file.not_checked)
+        python_of(py, &self.measured.not_checked)
     }
 
     /// Names of the joints, in the order of every way point.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
-        self.file.joint_names.clone()
+        self.measured.joint_names.clone()
+    }
+
+    /// Statements of the file that the plan was read from that differ from what was measured, or from the task that it is
+    /// judged in: dictionaries of `key`, `stated` and `measured`. Those that promise more than there is are violations
+    /// instead: see `verify`. Empty for a plan that was not read.
+    #[getter]
+    fn differs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.differs)
     }
 
     /// Everything that stands in a plan file, as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and
     /// `failures`, what stood between the robot and each grasp, from planners that keep account of it.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let report = python_of(py, &self.file)?;
+        let report = python_of(py, &self.measured)?;
         report.set_item("valid", self.is_valid)?;
         Ok(report)
     }
@@ -162,16 +179,15 @@ impl PyPlan {
         Ok(self.timed()?.openings_m().map(|openings_m| (openings_m.to_vec(), force_n)))
     }
 
-    /// Judges the path again, as anybody's: from the way points alone.
+    /// Judges the path again, as anybody's, from the way points alone, and what its file states of it.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
-        let judge = || self.file.audit(&self.task.problem, AuditSettings::default());
-        let audit = py.detach(judge).and_then(|audit| audit.ok_or(PlanError::EmptyPath)).map_err(fault)?;
-        Ok(PyVerification { audit })
+        let judgement = py.detach(|| self.judge()).and_then(|found| found.ok_or(PlanError::EmptyPath));
+        Ok(PyVerification { audit: judgement.map_err(fault)?.audit })
     }
 
     /// Writes a `.plan.json`, as a whole or not at all.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        self.file.write(&path).map_err(fault)
+        self.measured.write(&path).map_err(fault)
     }
 
     /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations, and, where the hand closes on
@@ -229,6 +245,11 @@ impl PyPlan {
             &named
         };
         let task = Task::of(scenario, file.margins)?;
+        Self::judged(py, task, file)
+    }
+
+    /// A plan judged in a task.
+    pub fn judged(py: Python<'_>, task: Task, file: PlanFile) -> PyResult<Self> {
         let expected = task.problem.robot().joint_names();
         if file.joint_names != expected {
             let (found, expected) = (file.joint_names.join(", "), expected.join(", "));
@@ -236,14 +257,23 @@ impl PyPlan {
         }
         let judged = || {
             Ok::<_, PlanError>((
-                file.audit(&task.problem, AuditSettings::default())?,
+                file.judge(&task.source, &task.problem, AuditSettings::default())?,
                 file.trajectory(task.problem.robot(), task.problem.cell().map(AsRef::as_ref))?,
             ))
         };
-        let (audit, trajectory) = py.detach(judged).map_err(fault)?;
-        let is_valid = audit.is_some_and(|audit| audit.valid);
+        let (judgement, trajectory) = py.detach(judged).map_err(fault)?;
+        let is_valid = judgement.as_ref().is_some_and(|judgement| judgement.audit.valid);
         let trajectory = trajectory.filter(|_| file.timing.is_some()).map(Arc::new);
-        Ok(Self { task, file, trajectory, is_valid })
+        let (measured, differs) = match judgement {
+            Some(Judgement { measured, differs, .. }) => (measured, differs),
+            None => (file.clone(), Vec::new()),
+        };
+        Ok(Self { task, file, measured, differs, trajectory, is_valid })
+    }
+
+    /// As [`PlanFile::judge`], in the task that it was planned for or read in.
+    pub fn judge(&self) -> Result<Option<Judgement>, PlanError> {
+        self.file.judge(&self.task.source, &self.task.problem, AuditSettings::default())
     }
 
     fn timed(&self) -> PyResult<Arc<TaskTrajectory>> {

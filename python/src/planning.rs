@@ -184,7 +184,8 @@ pub fn plan(
     let file = PlanFile::of(&answer, &task.source);
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));
-    let plan = PyPlan { task, file, trajectory, is_valid };
+    let (measured, differs) = (file.clone(), Vec::new());
+    let plan = PyPlan { task, file, measured, differs, trajectory, is_valid };
     if let (Some(page), Some(watched)) = (watch, watched) {
         let page = page.get();
         py.detach(|| page.show_with_tree(&plan, watched.end()))?;

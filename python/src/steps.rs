@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use cranny_scenario::SequencePlan;
+use cranny_scenario::{PlanFile, SequencePlan};
 use pyo3::prelude::*;
 
 use crate::fault::{bad_value, fault};
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
+use crate::task::Task;
 
 /// Writes the plans of the steps of `scenario`, in their order, as one `.plan.json`, as a whole or not at all.
 #[pyfunction]
@@ -33,16 +34,36 @@ pub fn load_steps<'py>(
         Some(scenario) => scenario,
         None => py.get_type::<PyScenario>().call1((&read.scenario,))?.cast_into()?,
     };
+    let plans = judged(&scenario, read.steps)?;
+    Ok((scenario, plans))
+}
+
+/// Plans as those of the steps of `scenario`, each judged anew in the world that those before it leave, up to the first that
+/// does not hold.
+#[pyfunction]
+#[pyo3(name = "_judged_steps")]
+pub fn judged_steps<'py>(
+    scenario: &Bound<'py, PyScenario>,
+    plans: Vec<Bound<'py, PyPlan>>,
+) -> PyResult<Vec<Bound<'py, PyPlan>>> {
+    judged(scenario, plans.iter().map(|plan| plan.get().file.clone()).collect())
+}
+
+fn judged<'py>(scenario: &Bound<'py, PyScenario>, files: Vec<PlanFile>) -> PyResult<Vec<Bound<'py, PyPlan>>> {
+    let py = scenario.py();
     let (mut now, mut plans) = (scenario.clone(), Vec::new());
     let steps = scenario.get().scenario.steps.clone();
-    if read.steps.len() > steps.len() {
-        let (more, all) = (read.steps.len(), steps.len());
-        return Err(bad_value(format!("{}: {more} steps, but the scenario has {all}", path.display())));
+    if files.len() > steps.len() {
+        let (more, all) = (files.len(), steps.len());
+        return Err(bad_value(format!("{more} plans of steps, but the scenario has {all} steps")));
     }
-    for (step, file) in steps.iter().zip(read.steps) {
+    for (step, file) in steps.iter().zip(files) {
         step.check(&file).map_err(fault)?;
         let of_step = now.call_method1("with_target", (&step.pick,))?;
-        let plan = Bound::new(py, PyPlan::of_file(py, file, Some(&of_step))?)?;
+        let mut task = Task::of(&of_step, file.margins)?;
+        // Grasps are given for the scenario's own target alone, whatever a plan states of those of another object.
+        task.source.grasps = file.given_grasps();
+        let plan = Bound::new(py, PyPlan::judged(py, task, file)?)?;
         let is_valid = plan.get().is_valid;
         if is_valid {
             now = now.call_method1("after", (&plan,))?.cast_into()?;
@@ -52,5 +73,5 @@ pub fn load_steps<'py>(
             break;
         }
     }
-    Ok((scenario, plans))
+    Ok(plans)
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -216,3 +217,23 @@ def test_a_plan_puts_its_target_down_and_says_what_it_forgives() -> None:
     ]:
         with pytest.raises(ValueError, match=says):
             cranny.plan(scenario, **wrong)
+
+
+def test_a_loaded_plan_shows_what_was_measured(scenario: cranny.Scenario, plan: cranny.Plan, tmp_path: Path) -> None:
+    file = tmp_path / "021.plan.json"
+    plan.save(file)
+    loaded = cranny.Plan.load(file, scenario)
+    assert loaded and loaded.differs == [] and loaded.clearance_m == plan.clearance_m
+    text = json.loads(file.read_text())
+    text["clearance_m"], text["robustness"]["base"]["translation_m"] = 0.05, 1.0
+    file.write_text(json.dumps(text))
+    loaded = cranny.Plan.load(file, scenario)
+    assert not loaded and loaded.clearance_m == plan.clearance_m and loaded.robustness == plan.robustness
+    keys = {violation["key"] for violation in loaded.verify().violations if violation["kind"] == "statement"}
+    assert keys == {"clearance_m", "robustness.base.translation_m"}
+    text["clearance_m"], text["robustness"]["base"]["translation_m"] = 0.001, 0.0
+    file.write_text(json.dumps(text))
+    loaded = cranny.Plan.load(file, scenario)
+    assert loaded and [row["key"] for row in loaded.differs] == ["clearance_m", "robustness.base.translation_m"]
+    with pytest.raises(ValueError, match="another world"):
+        cranny.Scenario("012").show(plan).html()

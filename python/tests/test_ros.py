@@ -44,8 +44,44 @@ def test_its_yaml_is_what_a_yaml_reader_reads(plan: cranny.Plan, tmp_path: Path)
     cranny.ros.save_yaml(message, tmp_path / "t.yaml")
     read = yaml.safe_load((tmp_path / "t.yaml").read_text())
     times, positions = cranny.ros.positions_of(read)
-    assert np.array_equal(positions, cranny.ros.positions_of(message)[1]) and len(times) == len(message["points"])
+    assert positions.tolist() == cranny.ros.positions_of(message)[1].tolist() and len(times) == len(message["points"])
     assert read["points"][0]["effort"] == [] and read["header"] == message["header"]
+
+
+ARM = """<robot name="arm"><link name="foot"/>
+<link name="upper"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
+<link name="fore"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.04 0.04"/></geometry></collision></link>
+<joint name="shoulder" type="revolute"><parent link="foot"/><child link="upper"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+<joint name="elbow" type="revolute"><origin xyz="0.42 0 0"/><parent link="upper"/><child link="fore"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="1" effort="1"/></joint></robot>"""
+
+
+def test_joints_are_known_by_their_names() -> None:
+    robot = cranny.Robot.from_urdf_text(ARM, tip="fore")
+    post = cranny.Body.sphere("post", 0.05, pose=[0.62, 0.45, 0])
+    scene = cranny.Scenario.of(robot, [post], start=[0, 0])
+
+    def message(names: list[str], *rows: list[float]) -> dict[str, object]:
+        stamp = {"sec": 0, "nanosec": 0}
+        return {"joint_names": names, "points": [{"positions": row, "time_from_start": stamp} for row in rows]}
+
+    # The shoulder swings through the post; the elbow alone would not.
+    _, path = cranny.ros.positions_of(message(["elbow", "shoulder"], [0.0, 0.0], [0.0, 1.3]))
+    assert path.joint_names == ("elbow", "shoulder") and path.tolist() == [[0.0, 0.0], [0.0, 1.3]]
+    assert not cranny.verify_path(scene, path, any_end=True)
+    assert cranny.verify_path(scene, np.asarray(path), any_end=True)
+    assert not cranny.verify_path(scene, path[0:2], any_end=True)
+    assert np.array_equal(path.in_order_of(["shoulder", "elbow"]), [[0.0, 0.0], [1.3, 0.0]])
+    assert scene.cell().is_free(path).tolist() == [True, True]
+    for names, row in [(["elbow"], [0.0]), (["elbow", "wrist"], [0.0, 0.0]), (["a", "elbow", "shoulder"], [0.0] * 3)]:
+        _, other = cranny.ros.positions_of(message(names, row))
+        with pytest.raises(ValueError, match="but the robot has shoulder, elbow"):
+            cranny.verify_path(scene, other, any_end=True)
+    with pytest.raises(ValueError, match=r"points\[0\] has 4 positions for 2"):
+        cranny.ros.positions_of(message(["elbow", "shoulder"], [0.0] * 4))
+    with pytest.raises(ValueError, match="named twice"):
+        cranny.ros.positions_of(message(["elbow", "elbow"], [0.0, 0.0]))
 
 
 @pytest.mark.parametrize("scenario_id", ["011", "021", "034", "043"])

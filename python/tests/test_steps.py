@@ -71,3 +71,15 @@ def test_what_is_no_task_of_steps_is_refused(steps: cranny.StepsPlan) -> None:
         cranny.Scenario("031").after(reach)
     with pytest.raises(ValueError, match="column 1"):
         cranny.Scenario("021").after(steps[0])
+
+
+def test_plans_of_another_scenario_are_no_steps_of_this_one(steps: cranny.StepsPlan) -> None:
+    again = cranny.StepsPlan(steps.scenario, list(steps))
+    assert again and len(again) == 3 and all(not step.differs for step in again)
+    assert not cranny.StepsPlan(steps.scenario, steps[:2])
+    with pytest.raises(ValueError, match="does not put 'column 1' down"):
+        cranny.StepsPlan(cranny.Scenario("245"), [steps[1], steps[0], steps[2]])
+    with pytest.raises(ValueError, match="3 plans of steps, but the scenario has 0"):
+        cranny.StepsPlan(cranny.Scenario("021"), list(steps))
+    with pytest.raises(AttributeError):
+        steps.scenario = cranny.Scenario("021")  # type: ignore[misc]

@@ -9,10 +9,12 @@ export function progress(time_s: number, isTimed: boolean): string {
   return isTimed ? seconds(time_s) : `length ${time_s.toFixed(2)}`;
 }
 
-/** A length of the size of a clearance. */
-export function millimetres(length_m: number): string {
-  const mm = 1000 * length_m;
-  const text = Math.abs(mm) < 10 ? mm.toFixed(2) : Math.abs(mm) < 100 ? mm.toFixed(1) : mm.toFixed(0);
+/** A clearance, which is a lower bound: never more than it is. */
+export function millimetres(clearance_m: number): string {
+  const mm = 1000 * clearance_m;
+  const digits = Math.abs(mm) < 10 ? 2 : Math.abs(mm) < 100 ? 1 : 0;
+  const nearest = mm.toFixed(digits);
+  const text = Number(nearest) / 1000 > clearance_m ? (Number(nearest) - 10 ** -digits).toFixed(digits) : nearest;
   return `${text.replace("-", "−")} mm`;
 }
 

@@ -150,7 +150,7 @@ pub struct PlanArguments {
     #[arg(long, value_name = "PLACE", conflicts_with_all = ["carry", "optimise", "blend"])]
     pub place: Option<String>,
     /// Pick and put down what the scenario's `steps` name, one after the other, each in the world that the one before leaves
-    #[arg(long, conflicts_with_all = ["moveit", "carry", "place", "optimise", "blend", "grasps", "rate"])]
+    #[arg(long, conflicts_with_all = ["moveit", "carry", "place", "then", "clear", "optimise", "blend", "grasps", "rate"])]
     pub steps: bool,
     /// With --place: where the robot goes once its hand has left the target
     #[arg(long, value_enum, value_name = "WHERE", default_value_t = ThenArgument::Home, requires = "place")]

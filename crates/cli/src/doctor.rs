@@ -121,7 +121,7 @@ fn checks() -> Result<Vec<Check>, Failure> {
     let answer = solve(&problem, &Request::default(), &mut Unobserved)?;
     let time_s = begin.elapsed().as_secs_f64();
     let clearance_m = answer.audit.as_ref().and_then(|audit| audit.clearance_m);
-    let clearance = clearance_m.map_or_else(String::new, |m| format!(", clearance {}", text::millimetres(m)));
+    let clearance = clearance_m.map_or_else(String::new, |m| format!(", clearance {}", text::at_least_mm(m)));
     checks.push(Check {
         name: "a plan is found and proven",
         passed: answer.is_solved(),

@@ -1,10 +1,10 @@
 use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Criterion, PlanError, Problem, Registry, audit};
+use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, Problem, Registry, audit};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, PlanFile, Scenario, ScenarioError, SequencePlan, StepTask,
-    read_waypoints,
+    Geometry, GivenGrasps, Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError,
+    SequencePlan, StepTask, read_waypoints,
 };
 use cranny_solve::{Timing, ik_statuses};
 use cranny_view::{PageCells, PageData, PagePlan, PageSettings, StepCells};
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::plan_task::{check_plan, check_steps, read_plan};
 use crate::progress::{self, stop_on_interrupt};
 use crate::task::open_scenario;
-use crate::{recording, search_replay};
+use crate::{recording, search_replay, text};
 
 /// What a page is to show.
 pub struct PageRequest<'a> {
@@ -96,12 +96,18 @@ impl PageTask {
         let options = OpenOptions {
             criterion: request.criterion,
             robot: request.robot.map(Path::to_owned).or_else(|| read().find_map(robot_of)),
-            geometry: request.geometry.map(Geometry::from),
+            geometry: request
+                .geometry
+                .map(Geometry::from)
+                .or_else(|| read().find_map(PlanFile::given_geometry)),
             grasps: files.iter().map(PageFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
         };
+        let OpenOptions { robot, geometry, grasps, .. } = options.clone();
+        let mut source = PlanSource { robot, geometry, grasps, ..PlanSource::default() };
         let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
         let own = tasks.open(None)?;
         let shown = tasks.open(Some(Criterion::Exact))?;
+        source.scenario.clone_from(&shown.id);
         let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
         let cell = exact.cell().ok_or(PlanError::Annotation)?;
         let trees = match request.search_trees {
@@ -122,7 +128,7 @@ impl PageTask {
                 PageFile::Steps(steps) => {
                     let criterion = steps.steps.first().map_or(own.criterion, |plan| plan.criterion);
                     let scenario = tasks.open(Some(criterion))?;
-                    plans.push(plan_of_steps(name, file, steps, &scenario)?);
+                    plans.push(plan_of_steps(name, file, steps, (&scenario, &source))?);
                     continue;
                 }
                 PageFile::Waypoints => {
@@ -139,7 +145,8 @@ impl PageTask {
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
-            let verification = plan.audit(&problem, AuditSettings::default())?;
+            let task = PlanSource { margins: plan.margins, ..source.clone() };
+            let verification = verdict(file, plan.judge(&task, &problem, AuditSettings::default())?)?;
             let cells =
                 plan.task_cells(&problem)?.map(|task| StepCells { reach: cell.clone(), task: Some(task) });
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, cells)?;
@@ -162,15 +169,16 @@ fn plan_of_steps(
     name: String,
     file: &Path,
     plans: &SequencePlan,
-    scenario: &Scenario,
+    (scenario, source): (&Scenario, &PlanSource),
 ) -> Result<PagePlan, Failure> {
     check_steps(file, plans, scenario, "shown in")?;
-    let margins = plans.steps.first().map(|plan| plan.margins).unwrap_or_default();
     let (mut timed, mut verifications, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    plans.walk(scenario, margins, |StepTask { plan, scenario, problem }| -> Result<bool, Failure> {
+    plans.walk(scenario, SequencePlan::own_problem, |step| -> Result<bool, Failure> {
+        let StepTask { plan, scenario, problem } = step;
         let reach = problem.cell().ok_or(PlanError::Annotation)?;
         timed.push(plan.trajectory(&scenario.robot, Some(reach))?);
-        let verification = plan.audit(problem, AuditSettings::default())?;
+        let judgement = plan.judge(&step.task(source), problem, AuditSettings::default())?;
+        let verification = verdict(file, judgement)?;
         let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
         verifications.extend(verification);
         cells.push(StepCells { reach: reach.clone(), task: plan.task_cells(problem)? });
@@ -179,6 +187,14 @@ fn plan_of_steps(
     let judged = (verifications, cells);
     let timed: Vec<_> = plans.steps.iter().zip(timed).collect();
     Ok(PagePlan::of_steps(name, &timed, &scenario.robot, scenario.steps.len(), judged)?)
+}
+
+/// The verdict on a plan; the user is warned of what its file states otherwise than it was measured.
+fn verdict(file: &Path, judgement: Option<Judgement>) -> Result<Option<Audit>, Failure> {
+    for statement in judgement.iter().flat_map(|judgement| &judgement.differs) {
+        text::note(&format!("{}: {statement}", file.display()))?;
+    }
+    Ok(judgement.map(|judgement| judgement.audit))
 }
 
 /// The scenario and its problems, each made once.

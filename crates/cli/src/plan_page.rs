@@ -8,7 +8,7 @@ use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
 
-use crate::text::{self, degrees, millimetres};
+use crate::text::{self, at_least_degrees, at_least_mm, degrees, millimetres};
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -70,11 +70,11 @@ fn carried(plan: &PlanFile) -> Option<String> {
 /// How far things may be from where the plan has them.
 fn robust(robustness: &Robustness) -> String {
     let pose = |radius: &PoseRadius| {
-        format!("{} or {}", millimetres(radius.translation_m), degrees(radius.rotation_rad))
+        format!("{} or {}", at_least_mm(radius.translation_m), at_least_degrees(radius.rotation_rad))
     };
     let joints = |radius: &JointRadius| {
-        let sliding = radius.sliding_m.map(millimetres);
-        sliding.into_iter().chain(radius.turning_rad.map(degrees)).collect::<Vec<_>>().join(" or ")
+        let sliding = radius.sliding_m.map(at_least_mm);
+        sliding.into_iter().chain(radius.turning_rad.map(at_least_degrees)).collect::<Vec<_>>().join(" or ")
     };
     let Robustness { object, slip, base, joints: all_joints } = robustness;
     let parts = [
@@ -170,7 +170,7 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
         let but_for = text::but_for(&plan.not_checked);
         line(
             "clearance",
-            format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
+            format!("{} or more along the whole path, proven{but_for}", at_least_mm(clearance)),
         );
     }
     for pair in &plan.not_checked {

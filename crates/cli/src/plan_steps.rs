@@ -1,8 +1,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use cranny_plan::{Audit, AuditSettings};
-use cranny_scenario::{PlanFile, PlanSource, SequenceError, SequencePlan};
+use cranny_file::counted;
+use cranny_plan::{AuditSettings, GraspFailure, Outcome};
+use cranny_scenario::{PlanFile, Scenario, SequenceError, SequenceJudgement, SequencePlan, StepDemand};
 use cranny_solve::Request;
 use serde::Serialize;
 
@@ -11,9 +12,11 @@ use crate::arguments::{Output, PlanArguments, VerifyArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file;
+use crate::plan_task::check_scenario;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::task::{Demand, Task};
-use crate::text::{self, millimetres};
+use crate::text;
+use crate::verify::{Brought, statement_lines};
 
 /// What `plan --steps --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -31,21 +34,15 @@ pub fn plan(
     file: &Path,
     output: Output,
 ) -> Result<Answer, Failure> {
-    let Task { scenario, margins, .. } = Task::open(&arguments.task, Demand::default(), output)?;
+    let Task { scenario, source, .. } = Task::open(&arguments.task, Demand::default(), output)?;
     if scenario.steps.is_empty() {
         let problem = format!("'{}' has no steps (`steps` in its scenario.yaml)", scenario.id);
         return Err(Failure::Flag { flag: "steps", problem });
     }
-    let source = PlanSource {
-        scenario: scenario.id.clone(),
-        robot: arguments.task.robot.clone(),
-        geometry: arguments.task.geometry.map(Into::into),
-        margins,
-        ..PlanSource::default()
-    };
+    let demand = StepDemand { robust: arguments.robust, all_pairs: arguments.task.strict_pairs };
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let (plans, is_solved) =
-        SequencePlan::solve(&scenario, &source, request, &mut progress).map_err(|fault| match fault {
+    let (plans, is_solved) = SequencePlan::solve(&scenario, (&source, demand), request, &mut progress)
+        .map_err(|fault| match fault {
             SequenceError::Scenario(fault) => Failure::from(fault),
             SequenceError::Solve(fault) => Failure::from(fault),
         })?;
@@ -66,6 +63,7 @@ fn page(planned: &Planned, count: usize) -> String {
     let mut page = format!("{}: {word}, {} of {count} steps\n", plans.scenario, plans.steps.len());
     for (index, plan) in plans.steps.iter().enumerate() {
         let _ = writeln!(page, "  step {:<7}{}", index + 1, step(plan));
+        page.push_str(&causes(plan));
     }
     if let Some(duration_s) = plans.duration_s {
         let _ = writeln!(page, "  trajectory  {duration_s:.3} s over all steps");
@@ -82,16 +80,30 @@ fn step(plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
-        format!(", {} clear or more, proven", millimetres(clearance_m))
+        format!(", {} clear or more, proven", text::at_least_mm(clearance_m))
     });
     format!("{object} to '{place}': {} by {} in {took}{clearance}", plan.outcome.name(), plan.planner)
 }
 
+/// Why a step has no path.
+fn causes(plan: &PlanFile) -> String {
+    if plan.outcome == Outcome::Solved {
+        return String::new();
+    }
+    let mut lines = format!("  cause       {}\n", plan.outcome.sentence());
+    for (reason, count) in GraspFailure::counted(&plan.failures) {
+        let _ = writeln!(lines, "  blocked     {:>11}: {reason}", counted(count, "grasp"));
+    }
+    lines
+}
+
 /// What `verify --json` prints of several steps; the keys stay.
 #[derive(Serialize)]
-struct Judged<'a> {
-    valid: bool,
-    steps: &'a [Audit],
+struct Judged {
+    #[serde(flatten)]
+    brought: Brought,
+    #[serde(flatten)]
+    judgement: SequenceJudgement,
 }
 
 /// Judges the plans of a scenario's steps.
@@ -103,33 +115,42 @@ pub fn verify(
 ) -> Result<Answer, Failure> {
     let demand = plans.steps.first().map(Demand::of_plan).unwrap_or_default();
     let demand = Demand { grasps: plans.given_grasps(), ..demand };
-    let Task { scenario, margins, .. } = Task::open(&arguments.task, demand, output)?;
-    if plans.scenario != scenario.id {
-        let planned = &plans.scenario;
-        text::note(&format!(
-            "the plan was made for scenario '{planned}', and is judged against '{}'",
-            scenario.id
-        ))?;
-    }
+    let brought = Brought::of(&demand, arguments);
+    let Task { scenario, source, .. } = Task::open(&arguments.task, demand, output)?;
+    check_scenario(file, &plans.scenario, &scenario.id, "judged against")?;
     for plan in &plans.steps {
         plan.check_joints(file, &scenario.robot)?;
     }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let audits = plans.audit(&scenario, margins, settings)?;
-    let judged = Judged { valid: plans.is_solved(&scenario, &audits), steps: &audits };
-    text::answer(&judged, || judgement(&judged, scenario.steps.len()), output)?;
-    Ok(if judged.valid { Answer::Done } else { Answer::No })
+    let demand = StepDemand { all_pairs: arguments.task.strict_pairs, ..StepDemand::default() };
+    let problem_of = |of_step: &Scenario, plan: &PlanFile| {
+        Ok(demand.checked(of_step.problem(arguments.task.margins.or(plan.margins))?))
+    };
+    let judgement = plans.judge((&scenario, &source), problem_of, settings)?;
+    let judged = Judged { brought, judgement };
+    text::answer(&judged, || page_of_verdict(&judged, scenario.steps.len()), output)?;
+    Ok(if judged.judgement.valid { Answer::Done } else { Answer::No })
 }
 
-fn judgement(judged: &Judged, count: usize) -> String {
-    let word = if judged.valid { "valid" } else { "NOT valid" };
-    let mut page = format!("{word}: {} of {count} steps judged\n", judged.steps.len());
-    for (index, audit) in judged.steps.iter().enumerate() {
-        let clearance = audit.clearance_m.map_or_else(String::new, millimetres);
+fn page_of_verdict(judged: &Judged, count: usize) -> String {
+    let Judged { brought, judgement: SequenceJudgement { valid, steps, differs } } = judged;
+    let word = if *valid { "valid" } else { "NOT valid" };
+    let not_checked: Vec<_> = steps.iter().flat_map(|step| step.audit.not_checked.iter().cloned()).collect();
+    let but_for = text::but_for(&not_checked);
+    let mut page = format!("{word}{but_for}: {} of {count} steps judged\n{}", steps.len(), brought.lines());
+    for statement in differs {
+        let _ = writeln!(page, "  differs     {statement}");
+    }
+    for (index, step) in steps.iter().enumerate() {
+        let clearance = step.audit.clearance_m.map_or_else(String::new, text::at_least_mm);
         let _ = writeln!(page, "  step {:<7}clearance {clearance} or more along the whole path", index + 1);
-        for violation in &audit.violations {
+        for violation in &step.audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
         }
+        for pair in &step.audit.not_checked {
+            let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
+        }
+        page.push_str(&statement_lines(step));
     }
     page
 }

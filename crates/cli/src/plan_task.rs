@@ -41,15 +41,7 @@ impl PlanTask {
         if let [scene, request] = moveit {
             return Self::open_moveit([scene, request], arguments, otherwise.margins, output);
         }
-        let grasps = arguments.grasps.as_ref().unwrap_or(&otherwise.grasps).clone();
-        let Task { scenario, problem, margins } = Task::open(arguments, otherwise, output)?;
-        let source = PlanSource {
-            scenario: scenario.id,
-            robot: arguments.robot.clone(),
-            geometry: arguments.geometry.map(Into::into),
-            grasps,
-            margins,
-        };
+        let Task { scenario, problem, source } = Task::open(arguments, otherwise, output)?;
         Ok(Self { source, grasps: scenario.grasps, problem, deviations: Vec::new() })
     }
 
@@ -92,13 +84,16 @@ pub fn check_plan(
     used: &str,
 ) -> Result<(), Failure> {
     plan.check_joints(file, robot)?;
-    if plan.scenario != scenario {
-        let (file, planned) = (file.display(), &plan.scenario);
-        text::note(&format!(
-            "{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"
-        ))?;
+    check_scenario(file, &plan.scenario, scenario, used)
+}
+
+/// Warns of a plan that was made for another scenario than the one that it is now `used`.
+pub fn check_scenario(file: &Path, planned: &str, scenario: &str, used: &str) -> Result<(), Failure> {
+    if planned == scenario {
+        return Ok(());
     }
-    Ok(())
+    let file = file.display();
+    text::note(&format!("{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"))
 }
 
 /// The same of the plans of several steps, said once; refuses those of a scenario that does not have so many steps.
@@ -110,9 +105,6 @@ pub fn check_steps(
 ) -> Result<(), Failure> {
     if let Some(first) = plans.steps.first() {
         check_plan(file, first, &scenario.robot, &scenario.id, used)?;
-    }
-    for plan in &plans.steps {
-        plan.check_joints(file, &scenario.robot)?;
     }
     let (count, planned) = (scenario.steps.len(), plans.steps.len());
     if !(1..=count).contains(&planned) {

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
-use crate::plan_task::{check_steps, read_plan};
+use crate::plan_task::{check_plan, check_steps, read_plan};
 use crate::recording;
 use crate::render_format::Format;
 use crate::task::open_scenario;
@@ -370,13 +370,13 @@ fn scene(
     let options = OpenOptions {
         criterion: None,
         robot: arguments.robot.clone().or(of_plan(|plan| &plan.robot)),
-        geometry: arguments.geometry.map(Into::into),
+        geometry: arguments.geometry.map(Into::into).or(read.as_ref().and_then(PlanFile::given_geometry)),
         grasps: read.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
     };
     let scenario = open_scenario(id, &options, output)?;
     let path = match (read, plan) {
         (Some(plan), Some(file)) => {
-            plan.check_joints(file, &scenario.robot)?;
+            check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
             // Time alone needs no cell, but where corners are to be cut.
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
             let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;

@@ -105,8 +105,8 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     let options = OpenOptions {
         criterion: plan.as_ref().map(|plan| plan.criterion),
         robot: arguments.robot.clone().or_else(of_plan),
+        geometry: plan.as_ref().and_then(PlanFile::given_geometry),
         grasps: plan.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
-        ..OpenOptions::default()
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;
     let problem = scenario.problem(plan.as_ref().map(|plan| plan.margins).unwrap_or_default())?;

@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use cranny_scenario::{OpenOptions, SequencePlan};
+use cranny_scenario::{OpenOptions, PlanFile, SequencePlan};
 use cranny_sim::{GraspOutcome, PlanRow};
 use serde::Serialize;
 
@@ -51,8 +51,8 @@ pub fn run(
     let options = OpenOptions {
         criterion: plans.steps.first().map(|plan| plan.criterion),
         robot: arguments.robot.clone().or(of_plan),
+        geometry: plans.steps.first().and_then(PlanFile::given_geometry),
         grasps: plans.given_grasps(),
-        ..OpenOptions::default()
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;
     check_steps(file, plans, &scenario, "executed in")?;

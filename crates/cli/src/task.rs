@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, model_notes};
+use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, model_notes};
 use cranny_solve::PoseRadius;
 
 use crate::arguments::{Output, TaskArguments};
@@ -14,7 +14,8 @@ use crate::text;
 pub struct Task {
     pub scenario: Scenario,
     pub problem: Problem,
-    pub margins: Margins,
+    /// What they were made of.
+    pub source: PlanSource,
 }
 
 /// What is demanded where flags are silent. Default: what the scenario says, and no margins.
@@ -22,6 +23,7 @@ pub struct Task {
 pub struct Demand {
     pub criterion: Option<Criterion>,
     pub robot: Option<PathBuf>,
+    pub geometry: Option<Geometry>,
     pub grasps: GivenGrasps,
     pub margins: Margins,
     /// How far the target may be from where it is thought to be.
@@ -35,19 +37,19 @@ impl Demand {
             GivenGrasps::File(file) if !file.is_file() => GivenGrasps::Own,
             given => given,
         };
-        let robot = plan.robot.clone().map(PathBuf::from);
-        Self { criterion: Some(plan.criterion), robot, grasps, margins: plan.margins, robust: None }
+        let (robot, geometry) = (plan.robot.clone().map(PathBuf::from), plan.given_geometry());
+        Self { criterion: Some(plan.criterion), robot, geometry, grasps, margins: plan.margins, robust: None }
     }
 }
 
 impl Task {
     /// What the flags say; where they are silent what is demanded otherwise.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
-        let Demand { criterion, robot, grasps, margins, robust } = otherwise;
+        let Demand { criterion, robot, geometry, grasps, margins, robust } = otherwise;
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone().or(robot),
-            geometry: arguments.geometry.map(Into::into),
+            geometry: arguments.geometry.map(Into::into).or(geometry),
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
@@ -63,7 +65,9 @@ impl Task {
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
-        Ok(Self { scenario, problem, margins })
+        let OpenOptions { robot, geometry, grasps, .. } = options;
+        let source = PlanSource { scenario: scenario.id.clone(), robot, geometry, grasps, margins };
+        Ok(Self { scenario, problem, source })
     }
 }
 

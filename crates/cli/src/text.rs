@@ -58,6 +58,16 @@ pub fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1000.0)
 }
 
+/// Metres of a lower bound as millimetres for a person: never more than the bound.
+pub fn at_least_mm(bound_m: f64) -> String {
+    format!("{} mm", cranny_file::at_least(bound_m, 1e3, 2))
+}
+
+/// Radians of a lower bound as degrees for a person: never more than the bound.
+pub fn at_least_degrees(bound_rad: f64) -> String {
+    format!("{}°", cranny_file::at_least(bound_rad, 1_f64.to_degrees(), 2))
+}
+
 /// Seconds for a person, short ones as milliseconds.
 pub fn seconds(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.2} ms", seconds * 1e3) } else { format!("{seconds:.2} s") }
@@ -98,7 +108,7 @@ pub fn exemption(pair: &NotChecked) -> &'static str {
 /// Two things that touch and are not compared, why, and what to do about it.
 pub fn not_checked(pair: &NotChecked) -> String {
     let NotChecked { first, second, depth_m, reason, contact } = pair;
-    let depth = millimetres(*depth_m);
+    let depth = at_least_mm(*depth_m);
     if let Some(AllowedContact { segment, allowance_m }) = contact {
         let (segment, allowance) = (<&str>::from(segment), millimetres(*allowance_m));
         return format!(

@@ -1,9 +1,10 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use cranny_collision::Margins;
 use cranny_file::counted;
-use cranny_plan::{Audit, AuditSettings, Criterion, audit_with};
-use cranny_scenario::{GivenGrasps, PlanFile, SequencePlan, read_waypoints};
+use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, audit_with};
+use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement, PlanPlace, SequencePlan, read_waypoints};
 use serde::Serialize;
 
 use crate::Answer;
@@ -21,35 +22,25 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     }
     let plan = read_plan(file)?;
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
-    // What flags say goes before it.
-    let brought = demand.clone();
-    let robot = brought.robot.filter(|_| arguments.task.robot.is_none() && arguments.moveit.is_empty());
-    let grasps = match brought.grasps {
-        GivenGrasps::File(file) if arguments.task.grasps.is_none() && arguments.moveit.is_empty() => {
-            Some(file)
-        }
-        _ => None,
-    };
+    let brought = Brought::of(&demand, arguments);
     let PlanTask { source, problem, deviations, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
-    if let Some(plan) = &plan {
-        check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
-    }
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let says_more = |plan: &&PlanFile| plan.is_task() || plan.own_grasp.is_some() || plan.is_blended();
-    let telling = plan.as_ref().filter(says_more).cloned();
-    // A pipe can be read once only.
-    let path = match plan {
-        Some(plan) => plan.into_waypoints(file, problem.robot().dof())?,
-        None => read_waypoints(file, problem.robot().dof())?,
+    let (judged, way_points) = match &plan {
+        Some(plan) => {
+            check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
+            plan.check_path(file, problem.robot().dof())?;
+            let judgement = plan.judge(&source, &problem, settings)?.ok_or(PlanError::EmptyPath)?;
+            (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
+        }
+        None => {
+            let path = read_waypoints(file, problem.robot().dof())?;
+            (Judged::Path(audit_with(&problem, &path, settings)?), path.len())
+        }
     };
-    let audit = match telling.map(|plan| plan.audit(&problem, settings)).transpose()?.flatten() {
-        Some(audit) => audit,
-        None => audit_with(&problem, &path, settings)?,
-    };
-    let answered = Answered { criterion: problem.criterion(), robot, grasps, deviations, audit: &audit };
-    text::answer(&answered, || page(&answered, path.len()), output)?;
-    Ok(if audit.valid { Answer::Done } else { Answer::No })
+    let answered = Answered { criterion: problem.criterion(), brought, deviations, judged };
+    text::answer(&answered, || page(&answered, way_points), output)?;
+    Ok(if answered.judged.audit().valid { Answer::Done } else { Answer::No })
 }
 
 /// More lines nobody reads.
@@ -57,22 +48,110 @@ const MOST_SHOWN: usize = 1000;
 
 /// What `verify --json` prints; the keys stay.
 #[derive(Serialize)]
-struct Answered<'a> {
+struct Answered {
     criterion: Criterion,
-    /// What the plan file brought along in place of the scenario's own, for which nobody but it vouches.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    robot: Option<PathBuf>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grasps: Option<PathBuf>,
+    #[serde(flatten)]
+    brought: Brought,
     /// Where the problem is not what its files say, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     deviations: Vec<String>,
     #[serde(flatten)]
-    audit: &'a Audit,
+    judged: Judged,
+}
+
+/// Files that a plan brings along in place of the scenario's own, for which nothing but the plan vouches. Flags go before
+/// them.
+#[derive(Default, Serialize)]
+pub struct Brought {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robot: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grasps: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    geometry: Option<&'static str>,
+}
+
+impl Brought {
+    pub fn of(demand: &Demand, arguments: &VerifyArguments) -> Self {
+        if !arguments.moveit.is_empty() {
+            return Self::default();
+        }
+        let task = &arguments.task;
+        let grasps = match &demand.grasps {
+            GivenGrasps::File(file) if task.grasps.is_none() => Some(file.clone()),
+            _ => None,
+        };
+        Self {
+            robot: demand.robot.clone().filter(|_| task.robot.is_none()),
+            grasps,
+            geometry: demand.geometry.filter(|_| task.geometry.is_none()).map(Geometry::name),
+        }
+    }
+
+    pub fn lines(&self) -> String {
+        let file = |file: &PathBuf| file.display().to_string();
+        let named = [
+            ("robot", self.robot.as_ref().map(file)),
+            ("grasps", self.grasps.as_ref().map(file)),
+            ("geometry", self.geometry.map(str::to_owned)),
+        ];
+        let named = named.into_iter().filter_map(|(what, name)| Some((what, name?)));
+        named.map(|(what, name)| format!("  {what:<12}{name}, which the plan names\n")).collect()
+    }
+}
+
+/// The verdict on a plan file, or on bare way points.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Judged {
+    Plan(Box<Judgement>),
+    Path(Audit),
+}
+
+impl Judged {
+    fn audit(&self) -> &Audit {
+        match self {
+            Self::Plan(judgement) => &judgement.audit,
+            Self::Path(audit) => audit,
+        }
+    }
+}
+
+/// Lines on everything in a plan file that is not its path.
+pub fn statement_lines(judgement: &Judgement) -> String {
+    let Judgement { demanded: Demanded { margins, carry_to, carry_clear_m, place }, .. } = judgement;
+    let Margins { margin_m, grasp_margin_m, object_margin_m } = *margins;
+    let margins =
+        [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
+    let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
+    let margins = margins.map(|(name, margin_m)| format!("{name} {}", millimetres(margin_m)));
+    let ends = [
+        carry_to.as_ref().map(|ends| format!("carried to one of {}", counted(ends.len(), "configuration"))),
+        carry_clear_m.map(|clear_m| format!("carried until {} clear", millimetres(clear_m))),
+        place.as_ref().map(|PlanPlace { name, clear_m, then }| {
+            format!("put down in '{name}', the hand {} off it, then {}", millimetres(*clear_m), then.name())
+        }),
+    ];
+    let demanded: Vec<String> = margins.chain(ends.into_iter().flatten()).collect();
+    let mut lines = String::new();
+    for statement in &judgement.differs {
+        let _ = writeln!(lines, "  differs     {statement}");
+    }
+    for (name, values) in [
+        ("demanded", demanded.join(", ")),
+        ("as stated", judgement.compared.join(", ")),
+        ("unjudged", judgement.not_compared.join(", ")),
+    ] {
+        if !values.is_empty() {
+            let _ = writeln!(lines, "  {name:<12}{values}");
+        }
+    }
+    lines
 }
 
 fn page(answered: &Answered, way_points: usize) -> String {
-    let Answered { criterion, robot, grasps, deviations, audit } = answered;
+    let Answered { criterion, brought, deviations, judged } = answered;
+    let audit = judged.audit();
     let word = if audit.valid { "valid" } else { "NOT valid" };
     let by = if *criterion == Criterion::Paper {
         " under the paper's criterion, which proves nothing"
@@ -81,11 +160,7 @@ fn page(answered: &Answered, way_points: usize) -> String {
     };
     let but_for = text::but_for(&audit.not_checked);
     let mut page = format!("{word}{by}{but_for}: {}\n", counted(way_points, "way point"));
-    for (what, file) in [("robot", robot), ("grasps", grasps)] {
-        if let Some(file) = file {
-            let _ = writeln!(page, "  {what:<12}{}, which the plan names", file.display());
-        }
-    }
+    page.push_str(&brought.lines());
     for violation in audit.violations.iter().take(MOST_SHOWN) {
         let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
     }
@@ -114,7 +189,10 @@ fn page(answered: &Answered, way_points: usize) -> String {
         let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
-        let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
+        let _ = writeln!(page, "  clearance   {} or more along the whole path", text::at_least_mm(clearance));
+    }
+    if let Judged::Plan(judgement) = judged {
+        page.push_str(&statement_lines(judgement));
     }
     page
 }

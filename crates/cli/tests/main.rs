@@ -23,6 +23,7 @@ mod false_proofs;
 mod foreign_planners;
 mod golden;
 mod moveit;
+mod mutation;
 mod optimisation;
 #[cfg(unix)]
 mod output_files;

@@ -5,6 +5,7 @@ use crate::CollisionError;
 
 /// How much clearance every check and every proof demands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Margins {
     /// Between any two things, in metres, ≥ 0. Default 0: contact alone counts.
     pub margin_m: f64,

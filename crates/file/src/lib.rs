@@ -2,6 +2,7 @@
 
 pub mod system;
 
+mod bound;
 mod counted;
 mod distinct;
 mod excerpt;
@@ -9,6 +10,7 @@ mod fault;
 mod opener;
 mod text;
 
+pub use bound::{at_least, at_most};
 pub use counted::counted;
 pub use distinct::distinct;
 pub use excerpt::{excerpt, visible};

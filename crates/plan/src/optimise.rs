@@ -59,6 +59,7 @@ impl Default for OptimiseSettings {
 
 /// A path that was better than all before.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Improvement {
     /// Seconds since the planner was asked.
     pub time_s: f64,

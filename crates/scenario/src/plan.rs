@@ -3,10 +3,12 @@
 pub(crate) mod betterment;
 pub(crate) mod error;
 pub(crate) mod file;
+pub(crate) mod judgement;
 pub(crate) mod place;
 pub(crate) mod reading;
 pub(crate) mod segment;
 pub(crate) mod sequence;
+pub(crate) mod statement;
 pub(crate) mod timing;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_csv;

@@ -31,6 +31,7 @@ mod quicker;
 mod released_layout;
 mod round_trip;
 mod sharing;
+mod statements;
 mod steps;
 mod target_object;
 mod twenty;

@@ -16,7 +16,7 @@ mod ways_out;
 pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;
 pub use ik_status::ik_statuses;
-pub use request::{Request, Timing};
+pub use request::{FARTHEST_CLEAR_M, Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};
 pub use segment::Mode;
 pub use segment::Segment;

@@ -52,8 +52,8 @@ pub struct Timing {
     pub is_demanded: bool,
 }
 
-/// No object is carried farther away from everything, in metres.
-const FARTHEST_CLEAR_M: f64 = 1.0;
+/// The most that an object can be asked to be carried away from everything, in metres.
+pub const FARTHEST_CLEAR_M: f64 = 1.0;
 
 /// Whether an object can be asked to be carried there.
 fn check_end(end: &CarryEnd, problem: &Problem) -> Result<(), SolveError> {
@@ -126,16 +126,21 @@ impl Request {
             check_end(&carry.end, problem)?;
             if is_paper || !planner.asks_about_goals() {
                 let carriers = self.registry.carriers().join("`, `");
+                let field = if is_paper { "criterion" } else { "planner" };
                 return refuse(
-                    "carry",
-                    format!("only `{carriers}` under the exact criterion look for a way out"),
+                    field,
+                    format!(
+                        "only `{carriers}` under the exact criterion look for a way on with the object in the hand"
+                    ),
                 );
             }
             if self.optimise.is_some() {
-                return refuse("carry", "a way out is not bettered; ask for one or the other".to_owned());
+                let problem = "the way on with the object in the hand is not bettered; leave this out";
+                return refuse("optimise", problem.to_owned());
             }
             if self.timing.is_some_and(|timing| timing.blend) {
-                return refuse("carry", "corners are not cut where an object is carried".to_owned());
+                let problem = "corners are not cut where an object is in the hand; leave this out";
+                return refuse("blend", problem.to_owned());
             }
         }
         let Some(Timing { method, blend, is_demanded }) = self.timing else { return Ok(()) };

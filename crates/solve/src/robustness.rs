@@ -23,6 +23,7 @@ use crate::{Mode, Segment, TaskCells};
 /// lifted off, and what is named with every answer as not compared, such as a link that no joint moves on what it stands on.
 /// The hand closes as far as it does on an object where the plan has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Robustness {
     /// Of the object before the hand closes on it, about the middle of a ball around it.
     pub object: Option<PoseRadius>,
@@ -36,6 +37,7 @@ pub struct Robustness {
 
 /// How far a pose may be off: moved by t and turned by θ where `t / translation_m + θ / rotation_rad ≤ 1`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PoseRadius {
     /// If it is not turned, in metres.
     pub translation_m: f64,
@@ -45,6 +47,7 @@ pub struct PoseRadius {
 
 /// How far every joint may be from where the plan has it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JointRadius {
     /// Those that slide, if no other is off, in metres; `None` where none slides.
     pub sliding_m: Option<f64>,

@@ -1,4 +1,5 @@
 use cranny_collision::Cell;
+use cranny_file::at_least;
 use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
@@ -171,7 +172,7 @@ impl PagePlan {
         }
         let clearances_m = self.verifications.iter().filter_map(|verification| verification.clearance_m);
         let clearance = clearances_m.reduce(f64::min).map_or_else(String::new, |clearance_m| {
-            format!(", {:.2} mm or more from everything, proven", clearance_m * 1000.0)
+            format!(", {} mm or more from everything, proven", at_least(clearance_m, 1e3, 2))
         });
         format!("valid{clearance}")
     }

@@ -2,7 +2,7 @@
 
 use cranny_collision::Margins;
 use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, Unobserved};
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan};
+use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan, StepDemand};
 use cranny_solve::{CLOSING_S, Carry, Mode, Request, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath, StepCells};
@@ -64,7 +64,9 @@ fn the_object_stays_where_the_hand_let_it_go() {
 fn several_steps_are_one_motion() {
     let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
     let request = Request { timing: Some(Timing::default()), ..Request::default() };
-    let (plans, _) = SequencePlan::solve(&scenario, &source("213"), &request, &mut Unobserved).unwrap();
+    let (plans, _) =
+        SequencePlan::solve(&scenario, (&source("213"), StepDemand::default()), &request, &mut Unobserved)
+            .unwrap();
     let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None).unwrap();
     let steps: Vec<_> = plans.steps.iter().map(|plan| (plan, timed(plan))).collect();
     let path = ShownPath::of_steps(&scenario.robot, &steps, 5.0).unwrap().unwrap();

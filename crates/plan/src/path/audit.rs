@@ -262,6 +262,20 @@ pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
     grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
 }
 
+impl Problem {
+    /// The end of a path against one of the given grasps, by its index, where the gripper has arrived at it.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn arrival_at(&self, grasp: usize, q: &[f64]) -> Option<GoalError> {
+        let frames = self.robot().frames_at(q);
+        let difference = self.grasps()?.grasps().get(grasp)?.difference(frames.link(self.robot().tip()));
+        let PoseDifference { translation_m, rotation_rad } = difference;
+        let found = GoalError { grasp, translation_error_m: translation_m, rotation_error_rad: rotation_rad };
+        self.is_arrival(&difference).then_some(found)
+    }
+}
+
 /// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
 /// else the nearest.
 fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {

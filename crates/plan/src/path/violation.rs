@@ -99,6 +99,15 @@ pub enum Violation {
         /// What is said, and what is so.
         said_and_measured: Box<[OwnGrasp; 2]>,
     },
+    /// A plan file states a figure that is not so.
+    Statement {
+        /// Its key in the file.
+        key: String,
+        /// What the file states, in words.
+        stated: String,
+        /// What was measured, in words.
+        measured: String,
+    },
     /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
     LiftOff {
         /// Where.
@@ -225,7 +234,7 @@ impl Violation {
     /// Which edge, from 0, or way point where it is about a single one.
     pub fn edge(&self) -> usize {
         match self {
-            Self::Start(_) => 0,
+            Self::Start(_) | Self::Statement { .. } => 0,
             Self::JointLimit { way_point, .. }
             | Self::NotFree { way_point }
             | Self::Grasp { way_point, .. }
@@ -265,7 +274,7 @@ impl Violation {
     /// The same of a path that has so many edges before this one.
     pub(crate) fn counted_from(mut self, before: usize) -> Self {
         match &mut self {
-            Self::Start(_) => {}
+            Self::Start(_) | Self::Statement { .. } => {}
             Self::JointLimit { way_point, .. }
             | Self::NotFree { way_point }
             | Self::Grasp { way_point, .. }
@@ -366,6 +375,9 @@ impl fmt::Display for Violation {
                     mm(said.opening_m),
                 )
             }
+            Self::Statement { key, stated, measured } => {
+                write!(f, "{key}: the file states {stated}, measured {measured}")
+            }
             Self::LiftOff { place: place @ Place { first, second, .. } }
             | Self::SetDown { place: place @ Place { first, second, .. } } => {
                 write!(f, "{place}: {first} is not proven to stay off {second} as it was at rest")
@@ -450,6 +462,7 @@ impl Serialize for Violation {
             Self::NotFree { .. }
             | Self::Grasp { nearest: None, .. }
             | Self::Grip { .. }
+            | Self::Statement { .. }
             | Self::LiftOff { .. }
             | Self::SetDown { .. }
             | Self::NotAbove { .. }
@@ -464,6 +477,11 @@ impl Serialize for Violation {
         row.serialize_entry("second", place.map_or("", |place| &place.second))?;
         row.serialize_entry("depth_m", &depth_m)?;
         figures.iter().try_for_each(|(key, value)| row.serialize_entry(key, value))?;
+        if let Self::Statement { key, stated, measured } = self {
+            for (name, value) in [("key", key), ("stated", stated), ("measured", measured)] {
+                row.serialize_entry(name, value)?;
+            }
+        }
         unit.map_or(Ok(()), |unit| row.serialize_entry("unit", unit))?;
         row.end()
     }

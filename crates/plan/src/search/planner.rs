@@ -65,6 +65,7 @@ impl Outcome {
 
 /// What a search cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Statistics {
     /// Iterations, as the planner counts them.
     pub iterations: u64,

@@ -1,7 +1,9 @@
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Why one grasp was not reached by a search that found no path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Value")]
 pub struct GraspFailure {
     /// Index of the grasp.
     pub grasp: usize,
@@ -10,6 +12,30 @@ pub struct GraspFailure {
     pub reason: FailureReason,
     /// Attempts of inverse kinematics at it and its twin.
     pub attempts: u64,
+}
+
+/// The row of a [`GraspFailure`] before its keys are checked: serde refuses no unknown key beside a flattened field.
+#[derive(Deserialize)]
+struct FailureRow {
+    grasp: usize,
+    #[serde(flatten)]
+    reason: FailureReason,
+    attempts: u64,
+}
+
+impl TryFrom<Value> for GraspFailure {
+    type Error = String;
+
+    /// Reads a row, and refuses keys that it does not have.
+    fn try_from(row: Value) -> Result<Self, String> {
+        let FailureRow { grasp, reason, attempts } =
+            FailureRow::deserialize(&row).map_err(|fault| fault.to_string())?;
+        let failure = Self { grasp, reason, attempts };
+        let known = serde_json::to_value(&failure).map_err(|fault| fault.to_string())?;
+        let unknown =
+            row.as_object().and_then(|row| row.keys().find(|key| known.get(key.as_str()).is_none()));
+        unknown.map_or(Ok(failure), |key| Err(format!("unknown field `{key}`")))
+    }
 }
 
 impl GraspFailure {

@@ -5,6 +5,7 @@ use strum::IntoStaticStr;
 /// Two things that touch and are compared by no check and no proof, or only as far as an allowance, by name: a path is proven
 /// but for these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NotChecked {
     /// A link.
     pub first: String,

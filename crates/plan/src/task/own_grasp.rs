@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A grasp that a path ends at where no set of grasps is given: as it is measured, or as somebody says that it is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OwnGrasp {
     /// Pose of the gripper frame in the planning frame, as a homogeneous matrix, row by row (m): as files have it, so that
     /// it is read back bit by bit. What somebody says need not be a pose.

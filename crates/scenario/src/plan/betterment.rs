@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// How a path was shortened after the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanShortening {
     /// Random changes of the path that were tried, drawn from the plan's seed.
     pub attempts: usize,
@@ -20,6 +21,7 @@ impl PlanShortening {
 
 /// How a path was bettered after the first search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanOptimisation {
     /// How long it was to go on after the first path, in seconds.
     pub time_limit_s: f64,

@@ -20,6 +20,7 @@ use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, write_whole_file}
 /// Every number is read back bit by bit. What was not measured, or has no value (a clearance where nothing
 /// is near, a proof under the `paper` criterion), is `None`, never a made-up number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanFile {
     /// [`PlanFile::FORMAT`]; `None` in files that were written before there was one.
     #[serde(default)]
@@ -128,6 +129,7 @@ pub struct PlanSource {
 
 /// What a search was allowed to spend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanBudget {
     /// Iterations; `None`: no limit.
     pub iterations: Option<u64>,
@@ -236,6 +238,11 @@ impl PlanFile {
     /// The grasps that were given.
     pub fn given_grasps(&self) -> GivenGrasps {
         GivenGrasps::of_text(self.grasps.as_deref())
+    }
+
+    /// The geometry of a released scenario, where it was asked for.
+    pub fn given_geometry(&self) -> Option<Geometry> {
+        self.geometry.as_deref()?.parse().ok()
     }
 
     /// Where the object was to be carried, if it was.

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where and how a plan puts its target down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanPlace {
     /// The place, one of those of its scenario.
     pub name: String,

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use cranny_plan::Statistics;
+use cranny_solve::FARTHEST_CLEAR_M;
 use serde::Deserialize;
 
 use crate::PlanFileError;
@@ -29,10 +30,14 @@ pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), Scen
 /// the plan's own way points.
 pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
     let of_waypoints = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
-    if plan.format.is_none() {
+    if plan.format.is_none() && plan.segments.is_empty() {
         plan.segments = of_waypoints;
         plan.format = Some(PlanFile::FORMAT.to_owned());
         return Ok(());
+    }
+    if plan.format.is_none() {
+        let problem = format!("it has segments, but no 'format' ('{}')", PlanFile::FORMAT);
+        return Err(fault(path, problem));
     }
     let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
     let clearances_m: Vec<Option<f64>> =
@@ -41,6 +46,32 @@ pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), Sce
         return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
     }
     Ok(())
+}
+
+/// Checks that a plan states a known geometry, and one end for what it carries, which a path can have.
+///
+/// # Errors
+/// [`ScenarioError::Content`] for one that it cannot, or for corners that are cut while something is held.
+fn check_task(path: &Path, plan: &PlanFile) -> Result<(), ScenarioError> {
+    let joints = plan.joint_names.len();
+    let ends = [plan.carry_to.is_some(), plan.carry_clear_m.is_some(), plan.place.is_some()];
+    let unknown = plan.geometry.as_ref().filter(|_| plan.given_geometry().is_none());
+    let problem = if let Some(geometry) = unknown {
+        format!("its 'geometry' is '{geometry}', but there are 'scene' and 'export'")
+    } else if ends.into_iter().filter(|is_stated| *is_stated).count() > 1 {
+        "of 'carry_to', 'carry_clear_m' and 'place' it states more than one".to_owned()
+    } else if plan.carry_to.as_ref().is_some_and(Vec::is_empty) {
+        "its 'carry_to' names no configuration that the object is carried to".to_owned()
+    } else if plan.carry_to.iter().flatten().any(|end| end.len() != joints) {
+        format!("its 'carry_to' has a configuration without {joints} values")
+    } else if let Some(clear_m) = plan.carry_clear_m.filter(|m| !(0.0..=FARTHEST_CLEAR_M).contains(m)) {
+        format!("its 'carry_clear_m', {clear_m}, is no clearance")
+    } else if plan.is_task() && plan.timing.as_ref().is_some_and(|timing| timing.blended) {
+        "its 'timing' is 'blended', but corners are not cut where an object is carried".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(fault(path, problem))
 }
 
 fn fault(path: &Path, problem: String) -> ScenarioError {
@@ -68,6 +99,7 @@ impl PlanFile {
         let mut plan: Self = cranny_file::json(&text).map_err(malformed)?;
         plan.check_waypoints(path, plan.joint_names.len())?;
         check_segments(path, &mut plan)?;
+        check_task(path, &plan)?;
         Ok(plan)
     }
 
@@ -75,7 +107,8 @@ impl PlanFile {
     pub(crate) fn check(&self, path: &Path) -> Result<(), ScenarioError> {
         check_format(path, self.format.as_deref())?;
         self.check_waypoints(path, self.joint_names.len())?;
-        check_segments(path, &mut self.clone())
+        check_segments(path, &mut self.clone())?;
+        check_task(path, self)
     }
 
     /// Whether JSON can hold all of its numbers.
@@ -89,12 +122,21 @@ impl PlanFile {
     /// # Errors
     /// [`PlanFileError::Waypoint`] unless each has `joints` values, [`PlanFileError::NoPath`] if there is none.
     pub fn into_waypoints(self, path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+        self.check_path(path, joints)?;
+        Ok(self.waypoints)
+    }
+
+    /// Checks that the plan, which was read from `path`, has way points of the right length.
+    ///
+    /// # Errors
+    /// As [`Self::into_waypoints`].
+    pub fn check_path(&self, path: &Path, joints: usize) -> Result<(), ScenarioError> {
         self.check_waypoints(path, joints)?;
         if self.waypoints.is_empty() {
             let outcome = self.outcome.name();
             return Err(PlanFileError::NoPath { path: path.to_owned(), outcome }.into());
         }
-        Ok(self.waypoints)
+        Ok(())
     }
 
     fn check_waypoints(&self, path: &Path, expected: usize) -> Result<(), ScenarioError> {

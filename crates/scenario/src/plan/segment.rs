@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A piece of a plan's path. What a version does not know is refused by name: nobody runs half a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanSegment {
     /// What joins the way points: `polyline`, straight lines.
     pub kind: String,

@@ -1,14 +1,15 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::{Audit, AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem};
-use cranny_solve::{Carry, Request, SolveError, solve};
+use cranny_plan::{AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem};
+use cranny_solve::{Carry, PoseRadius, Request, SolveError, solve};
 use serde::{Deserialize, Serialize};
 
 use crate::plan::reading::Head;
+use crate::plan::statement::differences;
 use crate::{
-    GivenGrasps, PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Step, TargetPhysics,
-    write_whole_file,
+    GivenGrasps, Judgement, PlanFile, PlanPlace, PlanSource, Scenario, ScenarioError, Statement, Step,
+    TargetPhysics, write_whole_file,
 };
 
 impl Scenario {
@@ -55,6 +56,7 @@ impl Scenario {
 /// The plans of a scenario's steps, each in the world that the one before it leaves: what the plan file of several steps
 /// holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SequencePlan {
     /// [`Self::FORMAT`].
     pub format: String,
@@ -77,19 +79,21 @@ impl SequencePlan {
     /// [`SequenceError`]: of the scenario, or of a search.
     pub fn solve(
         scenario: &Scenario,
-        source: &PlanSource,
+        (source, demand): (&PlanSource, StepDemand),
         request: &Request,
         observer: &mut dyn Observer,
     ) -> Result<(Self, bool), SequenceError> {
         let mut now = scenario.clone();
         let (mut steps, mut solved) = (Vec::new(), 0);
         for step in &scenario.steps {
-            let problem = now.at_step(step)?.problem(source.margins)?;
+            let of_step = now.at_step(step)?;
+            let source = PlanSource { margins: demand.margins(&of_step, source.margins), ..source.clone() };
+            let problem = demand.checked(of_step.problem(source.margins)?);
             let goal = problem.place(&step.place).map_err(ScenarioError::from)?.clone();
             let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: step.then };
             let carry = Some(Carry { end: CarryEnd::Place(place), ..Carry::default() });
             let answer = solve(&problem, &Request { carry, ..request.clone() }, observer)?;
-            let plan = PlanFile::of(&answer, source);
+            let plan = PlanFile::of(&answer, &source);
             let is_solved = answer.is_solved();
             if is_solved {
                 now = now.after(&plan, &problem)?;
@@ -111,7 +115,8 @@ impl SequencePlan {
         Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s }
     }
 
-    /// Shows `visit` each plan in the world that those before it leave, as long as it says to go on.
+    /// Shows `visit` each plan in the world that those before it leave, in the problem that `problem_of` makes of the step's
+    /// scenario and its plan ([`Self::own_problem`]), as long as it says to go on.
     ///
     /// # Errors
     /// Those of `visit`, and [`ScenarioError::Plan`] for what is no plan of the scenario's steps, or puts nothing down where
@@ -119,13 +124,13 @@ impl SequencePlan {
     pub fn walk<E: From<ScenarioError>>(
         &self,
         scenario: &Scenario,
-        margins: Margins,
+        problem_of: impl Fn(&Scenario, &PlanFile) -> Result<Problem, ScenarioError>,
         mut visit: impl FnMut(StepTask<'_>) -> Result<bool, E>,
     ) -> Result<(), E> {
         let mut now = scenario.clone();
         for (step, plan) in scenario.steps.iter().zip(&self.steps) {
             let of_step = now.at_step(step)?;
-            let problem = of_step.problem(margins)?;
+            let problem = problem_of(&of_step, plan)?;
             // Whatever the file says: the steps say what is picked and where it goes.
             step.check(plan).map_err(ScenarioError::from)?;
             if !visit(StepTask { plan, scenario: &of_step, problem: &problem })? {
@@ -136,25 +141,45 @@ impl SequencePlan {
         Ok(())
     }
 
-    /// What the judge says of each plan, in the world that those before it leave; nothing of what follows one that does not
-    /// hold.
+    /// The problem of a step with the margins that its own plan states.
+    ///
+    /// # Errors
+    /// As [`Scenario::problem`].
+    pub fn own_problem(of_step: &Scenario, plan: &PlanFile) -> Result<Problem, ScenarioError> {
+        of_step.problem(plan.margins)
+    }
+
+    /// Judges each plan ([`PlanFile::judge`]) in the world that those before it leave, up to the first that does not hold.
+    /// `task` is what the scenario was opened with; each step has the margins of its own problem.
     ///
     /// # Errors
     /// [`ScenarioError::Plan`] for what is no plan of the scenario's steps.
-    pub fn audit(
+    pub fn judge(
         &self,
-        scenario: &Scenario,
-        margins: Margins,
+        (scenario, task): (&Scenario, &PlanSource),
+        problem_of: impl Fn(&Scenario, &PlanFile) -> Result<Problem, ScenarioError>,
         settings: AuditSettings,
-    ) -> Result<Vec<Audit>, ScenarioError> {
-        let mut audits = Vec::new();
-        self.walk(scenario, margins, |StepTask { plan, problem, .. }| -> Result<bool, ScenarioError> {
-            let audit = plan.audit(problem, settings)?;
-            let is_valid = audit.as_ref().is_some_and(|audit| audit.valid);
-            audits.extend(audit);
+    ) -> Result<SequenceJudgement, ScenarioError> {
+        let mut steps: Vec<Judgement> = Vec::new();
+        self.walk(scenario, problem_of, |step| -> Result<bool, ScenarioError> {
+            let judgement = step.plan.judge(&step.task(task), step.problem, settings)?;
+            let is_valid = judgement.as_ref().is_some_and(|judgement| judgement.audit.valid);
+            steps.extend(judgement);
             Ok(is_valid)
         })?;
-        Ok(audits)
+        let count = scenario.steps.len();
+        let is_whole = count > 0 && self.steps.len() == count && steps.len() == count;
+        let holds = is_whole && steps.iter().all(|judgement| judgement.audit.valid);
+        let measured = steps.iter().map(|judgement| judgement.measured.clone()).collect();
+        let measured = Self::of(scenario, measured);
+        // Each step has compared its own time.
+        let durations = [self, &measured].map(|plans| serde_json::json!({"duration_s": plans.duration_s}));
+        let is_stated = holds && self.duration_s.is_some();
+        let keys = if is_stated { &["duration_s"][..] } else { &[] };
+        let differs = differences(keys, &durations[0], &durations[1]);
+        let is_own_task = steps.iter().all(|judgement| judgement.differs.is_empty());
+        let valid = holds && !(is_own_task && differs.iter().any(|statement| statement.is_false));
+        Ok(SequenceJudgement { valid, steps, differs })
     }
 
     /// The grasps that were given for the scenario's own target: for what else is picked none are, whatever a plan says of it.
@@ -162,13 +187,6 @@ impl SequencePlan {
         let mut all = self.steps.iter().map(PlanFile::given_grasps);
         let first = all.next().unwrap_or_default();
         if first == GivenGrasps::None { all.find(|given| *given != first).unwrap_or(first) } else { first }
-    }
-
-    /// Whether the scenario has steps, each has its path and no path is without one, and all hold by these verdicts.
-    pub fn is_solved(&self, scenario: &Scenario, audits: &[Audit]) -> bool {
-        let count = scenario.steps.len();
-        let is_whole = count > 0 && self.steps.len() == count && audits.len() == count;
-        is_whole && audits.iter().all(|audit| audit.valid)
     }
 
     /// Reads a file of this format; `None` for any other, also one that can be read once only.
@@ -196,7 +214,37 @@ impl SequencePlan {
             }
             plan.check(path)?;
         }
+        plans.check_agreement(path)?;
         Ok(Some(plans))
+    }
+
+    /// Checks that all steps are of one task: they follow each other in one world.
+    fn check_agreement(&self, path: &Path) -> Result<(), ScenarioError> {
+        let Some(first) = self.steps.first() else { return Ok(()) };
+        let of_task = |plan: &PlanFile| {
+            let PlanFile { scenario, robot, geometry, criterion, joint_names, .. } = plan.clone();
+            [
+                ("scenario", Some(scenario)),
+                ("robot", robot),
+                ("geometry", geometry),
+                ("criterion", Some(criterion.name().to_owned())),
+                ("joint_names", Some(joint_names.join(", "))),
+            ]
+        };
+        let stated = |value: &Option<String>| value.clone().unwrap_or_else(|| "nothing".to_owned());
+        let expected = PlanFile { scenario: self.scenario.clone(), ..first.clone() };
+        for (step, plan) in self.steps.iter().enumerate() {
+            let mut pairs = of_task(plan).into_iter().zip(of_task(&expected));
+            if let Some(((key, found), (_, expected))) = pairs.find(|(found, expected)| found != expected) {
+                let (found, expected) = (stated(&found), stated(&expected));
+                let problem = format!(
+                    "step {} states '{found}' as its {key}, but the plan is for '{expected}'",
+                    step + 1
+                );
+                return Err(ScenarioError::Content { path: path.to_owned(), problem });
+            }
+        }
+        Ok(())
     }
 
     /// Writes the plans, as a whole or not at all.
@@ -214,6 +262,41 @@ impl SequencePlan {
         let text = serde_json::to_string_pretty(self).map_err(unwritable)? + "\n";
         write_whole_file(path, text.as_bytes())
     }
+}
+
+/// A demand on every step, besides those of the request.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepDemand {
+    /// How far what is picked may be from where it is thought to be.
+    pub robust: Option<PoseRadius>,
+    /// Whether pairs of links that touch in every sample are checked too.
+    pub all_pairs: bool,
+}
+
+impl StepDemand {
+    /// The margins of a step in whose scenario the target is what it picks.
+    fn margins(self, of_step: &Scenario, margins: Margins) -> Margins {
+        let of_object =
+            |radius: PoseRadius| of_step.object_margin_m(radius.translation_m, radius.rotation_rad);
+        let object_margin_m = self.robust.and_then(of_object).unwrap_or(margins.object_margin_m);
+        Margins { object_margin_m, ..margins }
+    }
+
+    /// The problem with the pairs that are to be checked.
+    pub fn checked(self, problem: Problem) -> Problem {
+        if self.all_pairs { problem.checking_all_pairs() } else { problem }
+    }
+}
+
+/// A verdict on plans of several steps.
+#[derive(Clone, Debug, Serialize)]
+pub struct SequenceJudgement {
+    /// Whether the scenario has steps, each has its path, all paths hold, and nothing that the file states is false.
+    pub valid: bool,
+    /// The verdicts, up to the first that does not hold.
+    pub steps: Vec<Judgement>,
+    /// What the file states of all steps together, and is not so.
+    pub differs: Vec<Statement>,
 }
 
 impl Step {
@@ -243,6 +326,15 @@ pub struct StepTask<'a> {
     pub scenario: &'a Scenario,
     /// Its problem.
     pub problem: &'a Problem,
+}
+
+impl StepTask<'_> {
+    /// What the step's problem was made of, where the scenario of all steps was opened with `task`. Grasps are given for the
+    /// scenario's own target alone, whatever a plan states of those of another object.
+    pub fn task(&self, task: &PlanSource) -> PlanSource {
+        let margins = self.problem.cell().map_or(self.plan.margins, |cell| cell.margins());
+        PlanSource { margins, grasps: self.plan.given_grasps(), ..task.clone() }
+    }
 }
 
 /// Why the steps of a scenario were not planned.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// When a path is run through. With the limits of the robot it determines the trajectory:
 /// [`Trajectory::along`](cranny_plan::Trajectory::along) the way points by the same method, or [`Trajectory::blended`](cranny_plan::Trajectory::blended).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlanTiming {
     /// How the path was given its time.
     pub method: TimingMethod,

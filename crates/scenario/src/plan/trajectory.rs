@@ -20,11 +20,15 @@ impl PlanFile {
         robot: &Robot,
         cell: Option<&Cell>,
     ) -> Result<Option<TaskTrajectory>, PlanError> {
-        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
         // What the plan's own margins allow is what was executed, whatever others are demanded of it now.
         let cell = cell.map(|cell| cell.with_margins(self.margins)).transpose()?;
-        let segments = segments.map_err(|_| PlanError::Segments)?;
-        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), &segments)
+        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), &self.solved_segments()?)
+    }
+
+    /// The segments as [`solve`](cranny_solve::solve) has them.
+    pub(crate) fn solved_segments(&self) -> Result<Vec<Segment>, PlanError> {
+        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
+        segments.map_err(|_| PlanError::Segments)
     }
 
     /// The legs of the path, between which the hand closes or opens: the way to the grasp; the way on with the object, if it
@@ -44,7 +48,7 @@ impl PlanFile {
     }
 
     /// The way to the grasp.
-    fn reach(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn reach(&self) -> Vec<Vec<f64>> {
         self.legs().into_iter().next().unwrap_or_default()
     }
 
@@ -79,8 +83,8 @@ impl PlanFile {
         })
     }
 
-    /// What the judge says of the path, of all that it does, and of the grasp that it is said to end at where no set is
-    /// given; `None` for a plan without a path.
+    /// The verdict on the path alone, on all that it does, and on the grasp that it is stated to end at where no set is
+    /// given; `None` for a plan without a path. [`Self::judge`] compares everything else that the file states.
     ///
     /// # Errors
     /// As [`audit_segments`].

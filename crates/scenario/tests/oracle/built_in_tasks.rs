@@ -3,7 +3,9 @@
 
 use cranny_collision::{Body, Margins, Part};
 use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, Unobserved};
-use cranny_scenario::{OpenOptions, PlanSource, Scenario, SequencePlan, StepTask, insertions, sequences};
+use cranny_scenario::{
+    OpenOptions, PlanSource, Scenario, SequencePlan, StepDemand, StepTask, insertions, sequences,
+};
 use cranny_solve::{Carry, Request, solve};
 
 use crate::cases::for_each;
@@ -70,14 +72,21 @@ fn no_step_of_several_touches_anything() {
     let faults = for_each(&ids, |id| {
         let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
         let source = PlanSource { scenario: (*id).to_owned(), ..PlanSource::default() };
-        let solved = SequencePlan::solve(&scenario, &source, &Request::default(), &mut Unobserved).unwrap();
+        let solved = SequencePlan::solve(
+            &scenario,
+            (&source, StepDemand::default()),
+            &Request::default(),
+            &mut Unobserved,
+        )
+        .unwrap();
         assert!(solved.1, "{id}");
         let mut faults = Vec::new();
-        let watched = solved.0.walk(&scenario, Margins::default(), |StepTask { plan, scenario, .. }| {
-            let pieces = plan.segments.iter().map(|segment| segment.waypoints.clone()).collect();
-            faults.extend(judged(id, &oracle(scenario), pieces, 0.0));
-            Ok::<_, cranny_scenario::ScenarioError>(true)
-        });
+        let watched =
+            solved.0.walk(&scenario, SequencePlan::own_problem, |StepTask { plan, scenario, .. }| {
+                let pieces = plan.segments.iter().map(|segment| segment.waypoints.clone()).collect();
+                faults.extend(judged(id, &oracle(scenario), pieces, 0.0));
+                Ok::<_, cranny_scenario::ScenarioError>(true)
+            });
         watched.unwrap();
         faults
     });

@@ -1,0 +1,434 @@
+//! Every key of the four formats, changed: a plan, a scenario, the files of a robot, a campaign.
+//!
+//! A file with a key renamed, removed, added or of another value is refused, or is read as something else that its reader
+//! shows, or changes nothing because its key is exempt for the reason given here.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_bench::Campaign;
+use cranny_plan::{AfterPlacing, AuditSettings, CarryEnd, PlaceSettings, Registry, Unobserved};
+use cranny_robot::{Robot, RobotDescription, RobotOptions};
+use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan, StepDemand};
+use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_spatial::Stream;
+use serde_json::{Value, json};
+
+/// A file of one of the formats, and what its reader makes of a changed one: a description, or `None` if it is refused.
+struct Format<'a> {
+    name: &'a str,
+    whole: Value,
+    /// The first keys of what changes nothing, each with the reason.
+    exempt: &'a [(&'a str, &'a str)],
+    read: Box<dyn Fn(&str) -> Option<String> + 'a>,
+}
+
+/// What became of the changes.
+#[derive(Default)]
+struct Counts {
+    refused: usize,
+    shown: usize,
+    exempt: usize,
+}
+
+impl Format<'_> {
+    /// Reads every change, or so many drawn ones unless the run is long.
+    fn check(&self, most: usize) -> Vec<String> {
+        let text = self.whole.to_string();
+        let base = (self.read)(&text).unwrap_or_else(|| panic!("{}: the file itself is refused", self.name));
+        assert_eq!((self.read)(&text).as_deref(), Some(&*base), "{}: it is read alike twice", self.name);
+        let mut changes = changes(&self.whole);
+        let all = changes.len();
+        if std::env::var_os("CRANNY_LONG").is_none() {
+            // Way points are compared with those of the segments: nearly all that a plan has would be these.
+            changes.retain(|(_, key, _)| !key.contains("waypoints["));
+            let mut stream = Stream::new(48, 0);
+            while changes.len() > most {
+                changes.swap_remove(stream.index(changes.len()));
+            }
+        }
+        let (mut counts, mut silent) = (Counts::default(), Vec::new());
+        for (what, key, text) in &changes {
+            match (self.read)(text) {
+                None => counts.refused += 1,
+                Some(found) if found != base => counts.shown += 1,
+                Some(_) if self.is_exempt(key) => counts.exempt += 1,
+                Some(_) => silent.push(format!("{}: {what} of {key}", self.name)),
+            }
+        }
+        let Counts { refused, shown, exempt } = counts;
+        let name = self.name;
+        println!(
+            "{name}: {} of {all} changes: {refused} refused, {shown} shown, {exempt} exempt, silent: {silent:?}",
+            changes.len(),
+        );
+        silent
+    }
+
+    fn is_exempt(&self, key: &str) -> bool {
+        // Of several steps each has the keys of a plan.
+        let key =
+            key.strip_prefix("steps[").and_then(|rest| rest.split_once("].")).map_or(key, |(_, key)| key);
+        self.exempt.iter().any(|(first, _)| key.trim_start_matches('.').starts_with(first))
+    }
+}
+
+/// Stands for what is no number until the document is text: JSON cannot hold it, YAML writes it so.
+const NOT_A_NUMBER: &str = "<not a number>";
+
+/// Every change of a document: what it is, the key, and the text.
+fn changes(whole: &Value) -> Vec<(&'static str, String, String)> {
+    let mut found = Vec::new();
+    walk(whole, &mut Vec::new(), &mut |path, key, what, change| {
+        let mut other = whole.clone();
+        let place = path.iter().fold(&mut other, |place, step| match step {
+            Step::Key(key) => &mut place[key.as_str()],
+            Step::Index(index) => &mut place[*index],
+        });
+        change(place);
+        if other != *whole {
+            let text = other.to_string().replace(&format!("\"{NOT_A_NUMBER}\""), ".nan");
+            found.push((what, name_of(path) + key, text));
+        }
+    });
+    found
+}
+
+enum Step {
+    Key(String),
+    Index(usize),
+}
+
+fn name_of(path: &[Step]) -> String {
+    let mut name = String::new();
+    for step in path {
+        match step {
+            Step::Key(key) if name.is_empty() => name.push_str(key),
+            Step::Key(key) => name.push_str(&format!(".{key}")),
+            Step::Index(index) => name.push_str(&format!("[{index}]")),
+        }
+    }
+    name
+}
+
+/// Sees a change of the value at a path, of this key within it.
+type Visit<'a> = dyn FnMut(&[Step], &str, &'static str, &dyn Fn(&mut Value)) + 'a;
+
+fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
+    match value {
+        Value::Object(entries) => {
+            let add = |place: &mut Value| place["typo_m"] = 1.into();
+            visit(path, ".typo_m", "an unknown key", &add);
+            for (key, inner) in entries {
+                let take = |place: &mut Value| place.as_object_mut().unwrap().remove(key).unwrap();
+                let rename = |place: &mut Value| {
+                    let value = take(place);
+                    place[format!("{key}x")] = value;
+                };
+                let within = format!(".{key}");
+                visit(path, &within, "another name", &rename);
+                visit(path, &within, "no such key", &|place| drop(take(place)));
+                path.push(Step::Key(key.clone()));
+                walk(inner, path, visit);
+                path.pop();
+            }
+        }
+        Value::Array(list) => {
+            visit(path, "", "an empty list", &|place| *place = json!([]));
+            visit(path, "", "a shorter list", &|place| drop(place.as_array_mut().unwrap().pop()));
+            for (index, inner) in list.iter().enumerate() {
+                path.push(Step::Index(index));
+                walk(inner, path, visit);
+                path.pop();
+            }
+        }
+        other => {
+            for (what, value) in other_values(other) {
+                visit(path, "", what, &|place| *place = value.clone());
+            }
+        }
+    }
+}
+
+fn other_values(value: &Value) -> Vec<(&'static str, Value)> {
+    match value {
+        Value::Number(number) => {
+            let x = number.as_f64().unwrap();
+            let more = number.as_u64().map_or(json!(x + 1.0), |n| json!(n.wrapping_add(1)));
+            vec![
+                ("another sign", json!(-x)),
+                ("a tenth more", json!(if x == 0.0 { 0.1 } else { 1.1 * x })),
+                ("one more", more),
+                ("no number", NOT_A_NUMBER.into()),
+                ("nothing", Value::Null),
+            ]
+        }
+        Value::Bool(yes) => vec![("the contrary", (!yes).into())],
+        Value::String(_) => {
+            vec![("another text", "zzz".into()), ("a number", 1.into()), ("nothing", Value::Null)]
+        }
+        _ => vec![("a text", "zzz".into()), ("a number", 1.into())],
+    }
+}
+
+/// Keys of a plan that record how it was found: the verdict does not depend on them, and is listed as not comparing them.
+const RECORD: [(&str, &str); 10] = [
+    ("planner", "the name of what found the path"),
+    ("settings", "those of the planner"),
+    ("score", "which scores the planner preferred"),
+    ("seed", "of the search"),
+    ("version", "of the program that planned"),
+    ("budget", "of the search"),
+    ("statistics", "times and counts of the search"),
+    ("shortening", "how the path was shortened"),
+    ("optimisation", "how better paths were looked for"),
+    ("failures", "grasps that the search gave up"),
+];
+
+/// Reads plans as `verify` does: demands that the file brings along become those of the problem.
+struct PlanReader {
+    id: &'static str,
+    file: PathBuf,
+    scenario: Scenario,
+    source: PlanSource,
+}
+
+impl PlanReader {
+    fn new(id: &'static str, folder: &Path) -> Self {
+        let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
+        let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
+        Self { id, file: folder.join(format!("{id}.plan.json")), scenario, source }
+    }
+
+    /// A plan, with what is done with the object.
+    fn plan(&self, carry: Option<CarryEnd>, blend: bool) -> Value {
+        let problem = self.scenario.problem(self.source.margins).unwrap();
+        let carry = carry.map(|end| Carry { end, ..Carry::default() });
+        let timing = Some(Timing { blend, ..Timing::default() });
+        let request = Request { carry, timing, robustness: true, ..Request::default() };
+        let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+        assert!(answer.is_solved());
+        serde_json::to_value(PlanFile::of(&answer, &self.source)).unwrap()
+    }
+
+    fn opened(&self, plan: &PlanFile) -> Option<(Scenario, PlanSource)> {
+        let options = OpenOptions {
+            criterion: Some(plan.criterion),
+            robot: plan.robot.clone().map(PathBuf::from),
+            geometry: plan.given_geometry(),
+            grasps: plan.given_grasps(),
+        };
+        let is_own = options == OpenOptions { criterion: options.criterion, ..OpenOptions::default() };
+        let scenario = match is_own && plan.criterion == self.scenario.criterion {
+            true => self.scenario.clone(),
+            false => Scenario::open(self.id, &options).ok()?,
+        };
+        let OpenOptions { robot, geometry, grasps, .. } = options;
+        Some((scenario, PlanSource { robot, geometry, grasps, margins: plan.margins, ..self.source.clone() }))
+    }
+
+    fn read(&self, text: &str) -> Option<String> {
+        fs::write(&self.file, text).unwrap();
+        if let Some(plans) = SequencePlan::read(&self.file).ok()? {
+            let (scenario, task) = self.opened(plans.steps.first()?)?;
+            let of_scenario = plans.scenario.clone();
+            let task = (&scenario, &task);
+            let found = plans.judge(task, SequencePlan::own_problem, AuditSettings::default()).ok()?;
+            return Some(of_scenario + &serde_json::to_string(&found).unwrap());
+        }
+        let plan = PlanFile::read(&self.file).ok()?;
+        let (scenario, task) = self.opened(&plan)?;
+        plan.check_joints(&self.file, &scenario.robot).ok()?;
+        plan.check_path(&self.file, scenario.robot.dof()).ok()?;
+        let problem = scenario.problem(plan.margins).ok()?;
+        let found = plan.judge(&task, &problem, AuditSettings::default()).ok()??;
+        let brought = (problem.criterion(), &plan.robot, &plan.grasps, &plan.geometry);
+        Some(serde_json::to_string(&(found, brought)).unwrap())
+    }
+}
+
+#[test]
+fn no_key_of_a_plan_is_changed_unseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut silent = Vec::new();
+    let mut check = |name, id, plan: &dyn Fn(&PlanReader) -> Value, most| {
+        let reader = PlanReader::new(id, folder.path());
+        let whole = plan(&reader);
+        let read = Box::new(|text: &str| reader.read(text));
+        silent.extend(Format { name, whole, exempt: &RECORD, read }.check(most));
+    };
+    check("a reach", "021", &|reader| reader.plan(None, false), 100);
+    check("cut corners", "021", &|reader| reader.plan(None, true), 20);
+    check("a carry", "035", &|reader| reader.plan(Some(CarryEnd::Home), false), 40);
+    check("a carry out", "035", &|reader| reader.plan(Some(CarryEnd::Out { clear_m: 0.05 }), false), 10);
+    let place = |reader: &PlanReader| {
+        let problem = reader.scenario.problem(reader.source.margins).unwrap();
+        let goal = problem.place("outside").unwrap().clone();
+        let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
+        reader.plan(Some(CarryEnd::Place(place)), false)
+    };
+    check("a place", "012", &place, 20);
+    let steps = |reader: &PlanReader| {
+        let task = (&reader.source, StepDemand::default());
+        let request = Request { timing: Some(Timing::default()), ..Request::default() };
+        let solved = SequencePlan::solve(&reader.scenario, task, &request, &mut Unobserved).unwrap();
+        serde_json::to_value(solved.0).unwrap()
+    };
+    check("steps", "235", &steps, 8);
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
+/// Where what a file means is all that its reader gives.
+fn shown(thing: &impl std::fmt::Debug) -> String {
+    format!("{thing:?}")
+}
+
+#[test]
+fn no_key_of_a_scenario_is_changed_unseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("own");
+    fs::create_dir(&own).unwrap();
+    fs::write(own.join("cart.urdf"), CART).unwrap();
+    fs::write(own.join("cart.srdf"), SRDF).unwrap();
+    fs::write(own.join("part.obj"), tetrahedron()).unwrap();
+    let pose = json!({"position": [0.1, 0.2, 0.3], "rotation_rpy_deg": [0.0, 0.0, 30.0]});
+    let whole = json!({
+        "robot": "cart.urdf", "srdf": "cart.srdf", "group": "arm", "tip": "ball",
+        "about": {"title": "a", "author": "b", "licence": "MIT", "citation": "d"},
+        "fixed": {"z": 0.1}, "unchecked_pairs": [["ball", "bridge"]], "frame": pose,
+        "start": {"x": 0.1, "y": 0.2}, "floor": -1.5,
+        "obstacles": [
+            {"name": "wall", "pose": pose, "shapes": [
+                {"pose": {"position": [0.0, 0.1, 0.0], "quaternion_xyzw": [0.0, 0.6, 0.0, 0.8]},
+                 "box": {"size": [0.1, 0.2, 0.3]}},
+                {"sphere": {"radius": 0.1}}, {"cylinder": {"radius": 0.1, "length": 0.2}},
+                {"capsule": {"radius": 0.1, "length": 0.2}}, {"mesh": {"file": "part.obj", "scale": 0.5}},
+                {"hull": {"file": "part.obj", "scale": 0.5}},
+            ]},
+            {"name": "post", "pose": pose, "shapes": [{"box": {"size": [0.1, 0.1, 0.1]}}]},
+        ],
+        "target": {"name": "ball to take", "pose": pose, "mass_kg": 0.2, "friction": 0.4,
+                   "shapes": [{"sphere": {"radius": 0.02}}]},
+        "places": [
+            {"name": "there", "on": "wall", "pose": pose, "size": [0.1, 0.2]},
+            {"name": "exactly", "target_pose": pose},
+        ],
+        "steps": [{"pick": "post", "place": "there", "then": "stay", "mass_kg": 0.3, "friction": 0.5}],
+        "criterion": "exact",
+    });
+    let read = |text: &str| {
+        fs::write(own.join("scenario.yaml"), text).unwrap();
+        Scenario::open(own.to_str().unwrap(), &OpenOptions::default()).ok().map(|scenario| shown(&scenario))
+    };
+    let exempt = [("about", "who made it: no part of the task"), ("criterion", "exact is the default")];
+    let silent = Format { name: "a scenario", whole, exempt: &exempt, read: Box::new(read) }.check(400);
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
+#[test]
+fn no_key_of_the_files_of_a_robot_is_changed_unseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = folder.path();
+    fs::write(robot.join("cart.urdf"), CART).unwrap();
+    fs::write(robot.join("cart.srdf"), SRDF).unwrap();
+    let whole = json!({
+        "urdf": "cart.urdf", "group": "arm", "tip": "ball", "fixed": {"z": 0.1}, "solid_meshes": ["ball"],
+        "start": {"x": 0.1, "y": 0.2}, "floor_m": -0.5,
+        "hand": {"name": "grip", "tip": "ball", "fingers": {"z": {"open": 0.2, "closed": 0.1}}, "opening_m": 0.08,
+                 "finger_depth_m": 0.03, "closing_force_n": 20.0},
+    });
+    let limits = json!({"joints": {"x": {"lower": -0.5, "upper": 0.5, "velocity": 0.4, "acceleration": 2.0, "jerk": 9.0}}});
+    let load = || Robot::load(robot, &RobotOptions::default()).ok();
+    let read = |text: &str| {
+        fs::write(robot.join("robot.yaml"), text).unwrap();
+        fs::write(robot.join("limits.yaml"), limits.to_string()).unwrap();
+        let description = RobotDescription::parse(text, "robot.yaml").ok()?;
+        load().map(|_| shown(&description))
+    };
+    let mut silent =
+        Format { name: "robot.yaml", whole: whole.clone(), exempt: &[], read: Box::new(read) }.check(400);
+    let read = |text: &str| {
+        fs::write(robot.join("robot.yaml"), whole.to_string()).unwrap();
+        fs::write(robot.join("limits.yaml"), text).unwrap();
+        load().map(|robot| shown(&robot.limits()))
+    };
+    silent.extend(
+        Format { name: "limits.yaml", whole: limits.clone(), exempt: &[], read: Box::new(read) }.check(400),
+    );
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
+#[test]
+fn no_key_of_a_campaign_is_changed_unseen() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("planner.sh"),
+        "exit 0
+",
+    )
+    .unwrap();
+    let file = folder.path().join("campaign.yaml");
+    let of = |planners: Value, more: Value| {
+        let mut whole = json!({
+            "scenarios": ["01x", "045"], "planners": planners, "runs": 20,
+            "first_seed": 100, "time_limit_s": 30.5, "iteration_limit": 100_000, "memory_limit_mb": 512,
+            "exceptions": [{"scenario": "045", "planner": "reach", "time_limit_s": 900.0}],
+        });
+        whole.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        whole
+    };
+    let read = |text: &str| {
+        fs::write(&file, text).unwrap();
+        Campaign::read(&file, &Registry::default()).ok().map(|campaign| shown(&campaign))
+    };
+    let planners = json!([
+        {"planner": "reach", "score": "physics"},
+        {"name": "each", "planner": "ik-rrt", "settings": {"p_goal": 0.05}, "each_goal": true, "runs": 5, "time_limit_s": 5.0},
+        {"exec": ["sh", "planner.sh", "{seed}"]},
+    ]);
+    let own = json!([{"planner": "reach"}, {"planner": "grasp-reach", "name": "other"}]);
+    let demand = json!({"carry": "home", "margin_m": 0.002, "grasp_margin_m": 0.001,
+                        "robust_m": 0.001, "robust_rad": 0.01, "measure_clearance": false});
+    let mut silent = Vec::new();
+    for (name, whole) in [
+        (
+            "a campaign",
+            of(
+                planners,
+                json!({"criteria": ["exact", "paper"], "judge_both": true, "measure_clearance": false}),
+            ),
+        ),
+        ("a campaign of carrying", of(own, demand)),
+    ] {
+        silent.extend(Format { name, whole, exempt: &[], read: Box::new(read) }.check(400));
+    }
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
+/// A ball on slides.
+const CART: &str = r#"<robot name="cart">
+  <link name="rail"/><link name="bridge"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <link name="carriage"/>
+  <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="x" type="prismatic"><parent link="rail"/><child link="bridge"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="y" type="prismatic"><parent link="bridge"/><child link="carriage"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="z" type="prismatic"><parent link="carriage"/><child link="ball"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+</robot>"#;
+
+const SRDF: &str =
+    r#"<robot name="cart"><group name="arm"><joint name="x"/><joint name="y"/></group></robot>"#;
+
+fn tetrahedron() -> &'static str {
+    "v 0 0 0
+v 0.2 0 0
+v 0 0.2 0
+v 0 0 0.2
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"
+}

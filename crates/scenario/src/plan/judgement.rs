@@ -1,0 +1,257 @@
+use cranny_collision::Margins;
+use cranny_plan::{
+    Audit, AuditSettings, Carrier, Clearances, LiftOffSettings, Outcome, PlanError, Problem, Violation,
+    path_length,
+};
+use cranny_solve::{Robustness, Segment, TaskTrajectory};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::plan::statement::{Statement, differences};
+use crate::{PlanFile, PlanPlace, PlanSegment, PlanSource, PlanTiming};
+
+/// What a judge finds of a plan file: of its path, and of everything that it states besides.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    /// The verdict on the path. A false statement is one of its violations, unless the plan was made for another task than
+    /// the one that it is judged in.
+    #[serde(flatten)]
+    pub audit: Audit,
+    /// Demands of the file that the path was judged by, unless `differs` names them.
+    pub demanded: Demanded,
+    /// Statements of the file that differ from what was measured, or from the task that it is judged in. The verdict does
+    /// not depend on them.
+    pub differs: Vec<Statement>,
+    /// Keys of the file whose values were measured again and compared.
+    pub compared: Vec<&'static str>,
+    /// Keys of the file that were not compared: they record how the path was found.
+    pub not_compared: Vec<&'static str>,
+    /// The plan with every figure as it was measured.
+    #[serde(skip)]
+    pub measured: PlanFile,
+}
+
+/// Demands on a path that a plan file brings along.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Demanded {
+    /// The clearance of every proof.
+    pub margins: Margins,
+    /// As [`PlanFile::carry_to`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carry_to: Option<Vec<Vec<f64>>>,
+    /// As [`PlanFile::carry_clear_m`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carry_clear_m: Option<f64>,
+    /// As [`PlanFile::place`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<PlanPlace>,
+}
+
+/// Keys that state for which task a plan was made, and which pairs it leaves out: it was judged by these, or they differ.
+const TASK: [&str; 8] =
+    ["scenario", "robot", "geometry", "grasps", "criterion", "goal_threshold", "margins", "not_checked"];
+
+/// Keys whose values are measured again.
+const MEASURED: [&str; 12] = [
+    "outcome",
+    "joint_names",
+    "grasp",
+    "translation_error_m",
+    "rotation_error_rad",
+    "own_grasp",
+    "clearance_m",
+    "clearances_per_edge_m",
+    "path_length",
+    "segments",
+    "timing",
+    "robustness",
+];
+
+/// Keys of which nothing is measured: they record how the path was found.
+const RECORD: [&str; 11] = [
+    "planner",
+    "settings",
+    "score",
+    "seed",
+    "version",
+    "budget",
+    "statistics",
+    "shortening",
+    "optimisation",
+    "failures",
+    "goal_faults",
+];
+
+impl PlanFile {
+    /// Judges the path, as anybody's, and compares everything else that the plan states with what is measured along it;
+    /// `None` for a plan without a path. `task` is what the problem was made of.
+    ///
+    /// # Errors
+    /// As [`audit_segments`](cranny_solve::audit_segments).
+    pub fn judge(
+        &self,
+        task: &PlanSource,
+        problem: &Problem,
+        settings: AuditSettings,
+    ) -> Result<Option<Judgement>, PlanError> {
+        // The radii take as long as the verdict.
+        let (audit, robustness) =
+            rayon::join(|| self.audit(problem, settings), || self.measured_robustness(problem));
+        let Some(audit) = audit? else { return Ok(None) };
+        let measured = Self { robustness: robustness?, ..self.measured(task, problem, &audit, settings)? };
+        let (stated, found) = (figures(self), figures(&measured));
+        let is_stated = |key: &&str| is_stated(&stated[*key]);
+        let mut judgement = Judgement {
+            demanded: Demanded {
+                margins: task.margins,
+                carry_to: self.carry_to.clone(),
+                carry_clear_m: self.carry_clear_m,
+                place: self.place.clone(),
+            },
+            differs: differences(&TASK, &stated, &found),
+            compared: Vec::new(),
+            not_compared: Vec::new(),
+            audit,
+            measured,
+        };
+        // What is stated of a path that does not hold was measured of another one.
+        let holds = judgement.audit.valid;
+        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_stated).collect();
+        if holds {
+            let is_own_task = judgement.differs.is_empty();
+            for statement in differences(&measured_keys, &stated, &found) {
+                if is_own_task && statement.is_false {
+                    let [stated, measured] = statement.in_words();
+                    let key = statement.key;
+                    judgement.audit.violations.push(Violation::Statement { key, stated, measured });
+                } else {
+                    judgement.differs.push(statement);
+                }
+            }
+            judgement.audit.valid = judgement.audit.violations.is_empty();
+            judgement.compared = measured_keys;
+        } else {
+            judgement.not_compared = measured_keys;
+        }
+        judgement.not_compared.extend(RECORD.into_iter().filter(is_stated));
+        Ok(Some(judgement))
+    }
+
+    /// The radii where the file states some.
+    fn measured_robustness(&self, problem: &Problem) -> Result<Option<Robustness>, PlanError> {
+        let is_path = self.waypoints.iter().all(|q| q.len() == problem.robot().dof());
+        if self.robustness.is_none() || self.waypoints.is_empty() || !is_path {
+            return Ok(None);
+        }
+        let segments = self.solved_segments()?;
+        let cell = problem.cell().filter(|_| self.is_blended()).map(AsRef::as_ref);
+        let trajectory = cell.map(|cell| self.trajectory(problem.robot(), Some(cell))).transpose()?.flatten();
+        let corners = trajectory.as_ref().map_or(&[][..], TaskTrajectory::cut_corners);
+        Ok(Robustness::of(problem, self.task_cells(problem)?.as_ref(), &segments, corners))
+    }
+
+    /// The plan with every figure but its radii as it is measured: no field is left out, so that a new one needs a decision.
+    fn measured(
+        &self,
+        task: &PlanSource,
+        problem: &Problem,
+        audit: &Audit,
+        settings: AuditSettings,
+    ) -> Result<Self, PlanError> {
+        let segments = self.solved_segments()?;
+        let cell = problem.cell().map(AsRef::as_ref);
+        let timing = match &self.timing {
+            Some(_) if audit.valid => self.trajectory(problem.robot(), cell)?.as_ref().map(PlanTiming::of),
+            _ => None,
+        };
+        let (clearance_m, clearances_per_edge_m) = match settings.clearances {
+            Clearances::OfEdges => (audit.clearance_m, audit.clearances_per_edge_m.clone()),
+            Clearances::OfPath | Clearances::None => (self.clearance_m, self.clearances_per_edge_m.clone()),
+        };
+        let goal = audit.goal.map(|nearest| {
+            // Of several grasps at the end any is one that the path ends at.
+            let stated = self.grasp.and_then(|grasp| problem.arrival_at(grasp, self.reach().last()?));
+            stated.unwrap_or(nearest)
+        });
+        Ok(Self {
+            format: self.format.clone(),
+            scenario: task.scenario.clone(),
+            robot: task.robot.as_ref().map(|file| file.display().to_string()),
+            geometry: task.geometry.map(|geometry| geometry.name().to_owned()),
+            grasps: task.grasps.text(),
+            planner: self.planner.clone(),
+            settings: self.settings.clone(),
+            criterion: problem.criterion(),
+            score: self.score,
+            goal_threshold: problem.goal_threshold(),
+            seed: self.seed,
+            version: self.version.clone(),
+            outcome: if audit.valid { Outcome::Solved } else { self.outcome },
+            margins: task.margins,
+            budget: self.budget,
+            joint_names: problem.robot().joint_names().to_vec(),
+            grasp: goal.map(|goal| goal.grasp),
+            translation_error_m: goal.map(|goal| goal.translation_error_m),
+            rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
+            own_grasp: audit.own_grasp,
+            clearance_m,
+            not_checked: audit.not_checked.clone(),
+            path_length: path_length(&self.waypoints),
+            segments: self.measured_segments(problem, segments, &clearances_per_edge_m)?,
+            clearances_per_edge_m,
+            waypoints: self.waypoints.clone(),
+            timing,
+            statistics: self.statistics,
+            shortening: self.shortening,
+            optimisation: self.optimisation.clone(),
+            failures: self.failures.clone(),
+            goal_faults: self.goal_faults.clone(),
+            carry_to: self.carry_to.clone(),
+            carry_clear_m: self.carry_clear_m,
+            robustness: None,
+            place: self.place.clone(),
+        })
+    }
+
+    /// The segments with their clearances, and what the hand holds where it is closed.
+    fn measured_segments(
+        &self,
+        problem: &Problem,
+        mut segments: Vec<Segment>,
+        clearances_per_edge_m: &[Option<f64>],
+    ) -> Result<Vec<PlanSegment>, PlanError> {
+        let carrier = match segments.len() {
+            0 | 1 => None,
+            _ => Some(Carrier::new(problem, LiftOffSettings::default())?),
+        };
+        let reach = self.reach();
+        let held = carrier.as_ref().zip(reach.last()).and_then(|(carrier, grasp)| {
+            let grip = carrier.close(grasp).ok()?;
+            Some((carrier.object().to_owned(), grip))
+        });
+        let mut clearances_m = clearances_per_edge_m.iter();
+        for segment in &mut segments {
+            let edges = segment.waypoints.len().max(2) - 1;
+            segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
+            if let Some((object, grip)) = held.as_ref().filter(|_| segment.mode.holds()) {
+                segment.attached = Some(object.clone());
+                segment.opening_m = Some(grip.opening_m);
+                segment.uneven_m = Some(grip.uneven_m);
+            }
+        }
+        Ok(segments.iter().map(PlanSegment::of).collect())
+    }
+}
+
+/// All values of a plan but its way points, which are judged themselves.
+fn figures(plan: &PlanFile) -> Value {
+    let segments =
+        plan.segments.iter().map(|segment| PlanSegment { waypoints: Vec::new(), ..segment.clone() });
+    let without = PlanFile { waypoints: Vec::new(), segments: segments.collect(), ..plan.clone() };
+    serde_json::to_value(without).unwrap_or_default()
+}
+
+/// Whether a value is one: `null` and an empty list state nothing.
+fn is_stated(value: &Value) -> bool {
+    !value.is_null() && value.as_array().is_none_or(|list| !list.is_empty())
+}

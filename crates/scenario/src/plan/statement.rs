@@ -1,0 +1,162 @@
+use std::fmt;
+
+use cranny_file::excerpt;
+use serde::Serialize;
+use serde_json::Value;
+
+/// A value of a plan file that differs from what was measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statement {
+    /// Its key, with those of the objects and lists that it is in: `robustness.base.translation_m`.
+    pub key: String,
+    /// The value in the file.
+    pub stated: Value,
+    /// The value that was measured.
+    pub measured: Value,
+    /// Whether the file promises more than there is, beyond the tolerance of the measurement.
+    #[serde(skip)]
+    pub is_false: bool,
+}
+
+impl Statement {
+    /// Both values, with their unit and as many digits as it takes to distinguish them.
+    pub fn in_words(&self) -> [String; 2] {
+        let (Some(stated), Some(measured)) = (self.stated.as_f64(), self.measured.as_f64()) else {
+            return [&self.stated, &self.measured].map(|value| match value {
+                Value::Null => "nothing".to_owned(),
+                Value::Number(number) => {
+                    number.as_f64().map_or_else(String::new, |value| self.number(value, 2))
+                }
+                other => excerpt(&other.to_string()),
+            });
+        };
+        if self.stated.is_u64() && self.measured.is_u64() {
+            return [&self.stated, &self.measured].map(Value::to_string);
+        }
+        let words = |digits| [stated, measured].map(|value| self.number(value, digits));
+        let apart = (2..MOST_DIGITS).map(words).find(|[a, b]| a != b);
+        apart.unwrap_or_else(|| [stated, measured].map(|value| value.to_string()))
+    }
+
+    fn number(&self, value: f64, digits: usize) -> String {
+        let name = self.key.trim_end_matches(|c: char| c == '[' || c == ']' || c.is_ascii_digit());
+        if name.ends_with("_m") {
+            format!("{:.digits$} mm", value * 1e3)
+        } else if name.ends_with("_rad") {
+            format!("{:.digits$}°", value.to_degrees())
+        } else if name.ends_with("_s") {
+            format!("{value:.digits$} s")
+        } else {
+            format!("{value:.digits$}")
+        }
+    }
+}
+
+/// More digits than a number has.
+const MOST_DIGITS: usize = 18;
+
+impl fmt::Display for Statement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [stated, measured] = self.in_words();
+        write!(f, "{}: the file states {stated}, measured {measured}", self.key)
+    }
+}
+
+/// When a value that differs is false.
+#[derive(Clone, Copy)]
+enum Law {
+    /// A lower bound: beyond what was measured, and beyond this share of it. A weaker bound is true.
+    AtLeast { share: f64 },
+    /// Never.
+    Reported,
+    /// Only where it is no number: the judge of the path has compared numbers.
+    Judged,
+    /// Always.
+    Equal,
+}
+
+impl Law {
+    /// The law of a key of a plan file.
+    fn of(key: &str) -> Self {
+        match key {
+            "clearance_m" | "clearances_per_edge_m" => Self::AtLeast { share: 0.0 },
+            // A radius is measured to a twentieth.
+            "robustness" => Self::AtLeast { share: 0.06 },
+            "own_grasp" => Self::Judged,
+            _ => Self::Equal,
+        }
+    }
+
+    /// The law of a key within a value.
+    fn within(self, key: &str) -> Self {
+        match key {
+            "clearances_m" => Self::AtLeast { share: 0.0 },
+            "opening_m" => Self::Judged,
+            // Files of older versions do not have it.
+            "uneven_m" => Self::Reported,
+            _ => self,
+        }
+    }
+
+    fn is_false(self, stated: &Value, measured: &Value) -> bool {
+        match (self, stated.as_f64(), measured.as_f64()) {
+            (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) => false,
+            (Self::AtLeast { share }, Some(stated), Some(measured)) => {
+                stated > measured * (1.0 + share) + CLEARANCE_TOLERANCE
+            }
+            // Nothing is near.
+            (Self::AtLeast { .. }, Some(_), None) => false,
+            (_, Some(stated), Some(measured)) => !is_near(stated, measured, TOLERANCE),
+            _ => true,
+        }
+    }
+}
+
+/// Clearances (m) are proven to 10 µm.
+const CLEARANCE_TOLERANCE: f64 = 1.1e-5;
+/// A figure (m, rad, s) is right to within this, and this share of it: other versions may add up in another order.
+const TOLERANCE: f64 = 1e-6;
+/// What differs by less than this share is the same figure.
+const ROUNDING: f64 = 1e-9;
+
+fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance * b.abs().max(1.0)
+}
+
+/// The values under these keys that differ.
+pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Vec<Statement> {
+    let mut found = Vec::new();
+    for key in keys {
+        let (stated, measured) = (&stated[*key], &measured[*key]);
+        compare(key, Law::of(key), stated, measured, &mut found);
+    }
+    found
+}
+
+fn compare(key: &str, law: Law, stated: &Value, measured: &Value, found: &mut Vec<Statement>) {
+    match (stated, measured) {
+        (Value::Object(a), Value::Object(b)) => {
+            let more = b.keys().filter(|name| !a.contains_key(*name));
+            for name in a.keys().chain(more) {
+                let (a, b) = (&stated[name], &measured[name]);
+                compare(&format!("{key}.{name}"), law.within(name), a, b, found);
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&format!("{key}[{index}]"), law, a, b, found);
+            }
+        }
+        _ => {
+            let is_same = match (stated.as_f64(), measured.as_f64()) {
+                (Some(a), Some(b)) => (a - b).abs() <= ROUNDING * b.abs(),
+                _ => stated == measured,
+            };
+            if !is_same {
+                let is_false = law.is_false(stated, measured);
+                let (stated, measured) = (stated.clone(), measured.clone());
+                found.push(Statement { key: key.to_owned(), stated, measured, is_false });
+            }
+        }
+    }
+}
