@@ -3,7 +3,7 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{GraspFailure, Improvement, Outcome, Statistics};
+use cranny_plan::{ClearanceLimit, GraspFailure, Improvement, Outcome, Statistics};
 use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
@@ -25,6 +25,8 @@ pub struct Answered<'a> {
     pub duration_s: Option<f64>,
     pub timing_time_s: Option<f64>,
     pub trajectory_file: Option<&'a Path>,
+    /// The two things that limit the clearance.
+    pub clearance_limit: Option<&'a ClearanceLimit>,
     /// Why there is no trajectory.
     #[serde(skip)]
     pub untimed: Option<String>,
@@ -144,7 +146,8 @@ fn searched(statistics: &Statistics) -> String {
 }
 
 /// What is told of the path and its end.
-fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
+fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
+    let Answered { plan, clearance_limit, .. } = answered;
     if let (Some(grasp), Some(translation), Some(rotation)) =
         (plan.grasp, plan.translation_error_m, plan.rotation_error_rad)
     {
@@ -162,9 +165,10 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
     }
     if let Some(clearance) = plan.clearance_m {
         let but_for = text::but_for(&plan.not_checked);
+        let limited_by = text::limited_by(*clearance_limit, plan.margins);
         line(
             "clearance",
-            format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
+            format!("{} or more along the whole path, proven{but_for}{limited_by}", millimetres(clearance)),
         );
     }
     for pair in &plan.not_checked {
@@ -201,7 +205,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(page, "  {name:<12}{value}");
     };
-    about_path(plan, grasps, &mut line);
+    about_path(answered, grasps, &mut line);
     line("search", searched(statistics));
     if statistics.ik_attempts > 0 {
         let attempts = counted(statistics.ik_attempts, "IK attempt");

@@ -1,6 +1,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use cranny_collision::Margins;
 use cranny_plan::{Audit, AuditSettings};
 use cranny_scenario::{PlanFile, PlanSource, SequenceError, SequencePlan};
 use cranny_solve::Request;
@@ -117,16 +118,19 @@ pub fn verify(
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let audits = plans.audit(&scenario, margins, settings)?;
     let judged = Judged { valid: plans.is_solved(&scenario, &audits), steps: &audits };
-    text::answer(&judged, || judgement(&judged, scenario.steps.len()), output)?;
+    text::answer(&judged, || judgement(&judged, scenario.steps.len(), margins), output)?;
     Ok(if judged.valid { Answer::Done } else { Answer::No })
 }
 
-fn judgement(judged: &Judged, count: usize) -> String {
+fn judgement(judged: &Judged, count: usize, margins: Margins) -> String {
     let word = if judged.valid { "valid" } else { "NOT valid" };
     let mut page = format!("{word}: {} of {count} steps judged\n", judged.steps.len());
     for (index, audit) in judged.steps.iter().enumerate() {
         let clearance = audit.clearance_m.map_or_else(String::new, millimetres);
-        let _ = writeln!(page, "  step {:<7}clearance {clearance} or more along the whole path", index + 1);
+        let limited_by = text::limited_by(audit.clearance_limit.as_ref(), margins);
+        let step = index + 1;
+        let _ =
+            writeln!(page, "  step {step:<7}clearance {clearance} or more along the whole path{limited_by}");
         for violation in &audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
         }

@@ -48,7 +48,8 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         None => audit_with(&problem, &path, settings)?,
     };
     let answered = Answered { criterion: problem.criterion(), robot, grasps, audit: &audit };
-    text::answer(&answered, || page(&answered, path.len()), output)?;
+    let limited_by = text::limited_by(audit.clearance_limit.as_ref(), source.margins);
+    text::answer(&answered, || page(&answered, path.len(), &limited_by), output)?;
     Ok(if audit.valid { Answer::Done } else { Answer::No })
 }
 
@@ -68,7 +69,7 @@ struct Answered<'a> {
     audit: &'a Audit,
 }
 
-fn page(answered: &Answered, way_points: usize) -> String {
+fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     let Answered { criterion, robot, grasps, audit } = answered;
     let word = if audit.valid { "valid" } else { "NOT valid" };
     let by = if *criterion == Criterion::Paper {
@@ -108,7 +109,8 @@ fn page(answered: &Answered, way_points: usize) -> String {
         let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
-        let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));
+        let clearance = millimetres(clearance);
+        let _ = writeln!(page, "  clearance   {clearance} or more along the whole path{limited_by}");
     }
     page
 }

@@ -62,7 +62,7 @@ pub use contact::{Collider, Contact};
 pub use error::CollisionError;
 pub use levers::Levers;
 pub use margins::Margins;
-pub use measured_motion::{MeasuredMotion, Measuring};
+pub use measured_motion::{MeasuredMotion, Measuring, NearestPair};
 pub use motion::Motion;
 pub use pair_group::PairGroup;
 pub use released::{ReleasedCheck, ReleasedScratch};

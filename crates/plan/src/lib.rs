@@ -12,6 +12,7 @@ mod wall_clock;
 pub use error::PlanError;
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
 pub use path::audit::{Audit, AuditSettings, Clearances, audit, audit_with, path_length};
+pub use path::clearance_limit::{AppliedMargin, ClearanceLimit};
 pub use path::joint_metric::JointMetric;
 pub use path::path_cost::{CostKind, PathCost};
 pub use path::shortcut::{ShortcutSettings, Shortened, shortcut};
