@@ -3,7 +3,7 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{ClearanceLimit, GraspFailure, Improvement, Outcome, Statistics};
+use cranny_plan::{ClearanceLimit, GraspFailure, Improvement, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
@@ -189,6 +189,35 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
 }
 
+/// Why no grasp was taken at all, and what helps.
+fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
+    match reason {
+        NoGrasp::TooWide(too_wide) => line("too wide", too_wide.to_string()),
+        NoGrasp::OutOfReach(miss) => {
+            let nearest =
+                miss.grasp.map_or_else(|| "a sampled grasp".to_owned(), |grasp| format!("grasp {grasp}"));
+            let beyond = match miss.beyond_m {
+                beyond_m if beyond_m > 0.0 => format!(", {} or more beyond reach", millimetres(beyond_m)),
+                _ => String::new(),
+            };
+            let (missed, turned) = (millimetres(miss.missed_by_m), degrees(miss.turned_by_rad));
+            let joints = match &miss.joints_at_limits[..] {
+                [] => "no joint at its limit".to_owned(),
+                joints => format!("at their limits {}", joints.join(", ")),
+            };
+            line(
+                "reach",
+                format!("nearest is {nearest}{beyond}: the arm stays {missed}, {turned} off it, {joints}"),
+            );
+            if let Some([x, y]) = miss.base_shift_m {
+                let shift = format!("{x:+.2} m along x and {y:+.2} m along y");
+                line("hint", format!("with the base moved by {shift}, a grasp has a free configuration"));
+            }
+        }
+        _ => {}
+    }
+}
+
 /// What a person is told of an answer, whose grasps are these.
 pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
@@ -222,13 +251,16 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     for (reason, count) in GraspFailure::counted(&plan.failures) {
         line("blocked", format!("{:>11}: {reason}", counted(count, "grasp")));
     }
+    if let Some(reason) = &plan.no_grasp {
+        no_grasp(reason, &mut line);
+    }
     for fault in &answered.start_faults {
         line("start", fault.clone());
     }
     if plan.outcome == Outcome::Solved && !answered.valid {
         line("judged", "NOT valid; please report this".to_owned());
     }
-    if plan.outcome == Outcome::BudgetExhausted {
+    if plan.outcome == Outcome::BudgetExhausted && plan.no_grasp.is_none() {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {

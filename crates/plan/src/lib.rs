@@ -37,6 +37,7 @@ pub use search::forest::Forest;
 pub use search::goal_pool::GoalPool;
 pub use search::jacobian_search::GraspChoice;
 pub use search::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
+pub use search::no_grasp::{NoGrasp, ReachMiss};
 pub use search::pair_watch::search;
 pub use search::planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved};
 pub use search::ranges::Ranges;

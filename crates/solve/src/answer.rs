@@ -1,7 +1,7 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    Audit, Budget, CarryEnd, Criterion, GraspFailure, Improvement, NotChecked, OptimiseSettings, Outcome,
-    Statistics,
+    Audit, Budget, CarryEnd, Criterion, GraspFailure, Improvement, NoGrasp, NotChecked, OptimiseSettings,
+    Outcome, Statistics,
 };
 
 use crate::segment::{Mode, Segment, joined};
@@ -49,6 +49,8 @@ pub struct Answer {
     pub carry_to: Option<CarryEnd>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     pub failures: Vec<GraspFailure>,
+    /// Why no grasp was taken at all, after a search without a path in which the arm came to none.
+    pub no_grasp: Option<NoGrasp>,
     /// What touches and was not compared: all that is said holds but for these.
     pub not_checked: Vec<NotChecked>,
 }

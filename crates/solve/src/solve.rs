@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
+    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, NoGrasp, Observer,
     OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
     ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_task, audit_with, better, optimise, search,
     shortcut,
@@ -145,6 +145,11 @@ fn solve_once(
         let edges = segment.waypoints.len().max(2) - 1;
         segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
     }
+    let is_grasp_missed = matches!(
+        outcome,
+        Outcome::BudgetExhausted | Outcome::Cancelled | Outcome::GaveUp | Outcome::NoReachableGrasp
+    );
+    let no_grasp = if is_grasp_missed { NoGrasp::of(&problem, &failures) } else { None };
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
@@ -182,6 +187,7 @@ fn solve_once(
         statistics,
         carry_to,
         failures,
+        no_grasp,
         not_checked,
     })
 }

@@ -4,8 +4,8 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, OwnGrasp,
-    PlanError, Problem, Statistics, path_length,
+    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NoGrasp, NotChecked, Outcome,
+    OwnGrasp, PlanError, Problem, Statistics, path_length,
 };
 use cranny_solve::{Answer, Carry, Request, Robustness};
 use serde::{Deserialize, Serialize};
@@ -93,6 +93,9 @@ pub struct PlanFile {
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
+    /// Why no grasp was taken at all, after a search in which the arm came to none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_grasp: Option<NoGrasp>,
     /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_to: Option<Vec<Vec<f64>>>,
@@ -188,6 +191,7 @@ impl PlanFile {
             shortening: answer.shortening.as_ref().map(PlanShortening::of),
             optimisation: answer.optimisation.as_ref().map(PlanOptimisation::of),
             failures: answer.failures.clone(),
+            no_grasp: answer.no_grasp.clone(),
             carry_to: match &answer.carry_to {
                 Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
                 _ => None,
@@ -328,6 +332,7 @@ mod tests {
                 reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
                 attempts: 0,
             }],
+            no_grasp: None,
             carry_to: None,
             carry_clear_m: None,
             robustness: None,
