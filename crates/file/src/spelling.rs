@@ -20,10 +20,18 @@ pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -
     ranked.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
+/// Of [`nearest_names`] those that are as near as the first.
+fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let mut near = nearest_names(name, known);
+    let least = near.first().map(|first| edit_distance(name, first));
+    near.retain(|near| Some(edit_distance(name, near)) == least);
+    near
+}
+
 /// The end of a message about an unknown `name`: `; did you mean 'reach'?`, with the known names that are nearest to it;
 /// nothing where none is near.
 pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    suggested(&nearest_names(name, known))
+    suggested(&likeliest_names(name, known))
 }
 
 /// The same of names that are known to be near.
@@ -34,7 +42,7 @@ pub fn suggested(near: &[impl AsRef<str>]) -> String {
 
 /// [`did_you_mean`] where `name` may be one of `known`, or a file or folder.
 pub fn did_you_mean_here<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    let mut near = nearest_names(name, known);
+    let mut near = likeliest_names(name, known);
     near.extend(nearest_files(Path::new(name)));
     suggested(&near)
 }
@@ -54,7 +62,7 @@ pub fn nearest_files(path: &Path) -> Vec<String> {
         .filter_map(|entry| entry.file_name().into_string().ok())
         .collect();
     known.sort();
-    let near = nearest_names(name, known.iter().map(String::as_str));
+    let near = likeliest_names(name, known.iter().map(String::as_str));
     near.into_iter().map(|near| folder.join(near).display().to_string()).collect()
 }
 
