@@ -113,7 +113,9 @@ pub fn grasp_experiment<'py>(
 /// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path by servos within the effort
 /// limits of its URDF, the hand closes, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that
 /// carries the object on. A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
-/// "slipped", "dropped", "never-closed", "knocked-away"), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
+/// "slipped", "dropped", "never-closed", "knocked-away"; of an object that the hand let go "placed" where it was to be put
+/// down, or "misplaced"), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
+/// in the end: translation_m, rotation_rad, is_there), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
 /// pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
 /// quaternion_xyzw, simulated_s. Of several plans, which are executed on all cores, a list of them in their order.
 ///

@@ -49,6 +49,13 @@ impl PyVerification {
         self.audit.clearance_m
     }
 
+    /// The two things that limit it: a dictionary of `first`, `second`, `required_m` and the `margin` that applies to them
+    /// ("margin", "grasp-margin"); None where `clearance_m` is None or 0.
+    #[getter]
+    fn clearance_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.audit.clearance_limit)
+    }
+
     /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
     /// ("always-touching", "never-moves", "resting": contact of an object with what carries it, with `segment` and
     /// `allowance_m`). All statements hold but for these.

@@ -1,5 +1,5 @@
 import { millimetres, progress } from "./figures.ts";
-import type { ShownPlan } from "./trajectory.ts";
+import type { ClearanceCurve, ShownPlan } from "./trajectory.ts";
 
 /** What is farther away than this, in metres, need not be told apart. */
 const MOST_M = 0.25;
@@ -11,7 +11,11 @@ const SCALES_M = [0.01, 0.02, 0.05, 0.1, 0.15, 0.25];
 const TOP = 6;
 const BOTTOM = 3;
 
-/** Clearance over time: a line for each plan, the one that is looked at filled, and where the time is. */
+/** How the line of the robot's own links is dashed, in points. */
+const DASH = [3, 3];
+
+/** Clearance from the world over time: a line for each plan, the one that is looked at filled; of that one the distance
+ * between the robot's own links too, dashed, which would hide it; and where the time is. */
 export class ClearancePlot {
   readonly canvas = document.createElement("canvas");
   private readonly duration_s: number;
@@ -66,7 +70,7 @@ export class ClearancePlot {
     const [ink, faint] = [style.getPropertyValue("--ink-soft"), style.getPropertyValue("--rule")];
     const most = Math.max(
       ...shown.map(({ clearance }) =>
-        Math.min(MOST_M, clearance?.distances_m.reduce((a, b) => Math.max(a, b), 0) ?? 0),
+        Math.min(MOST_M, clearance ? drawn(clearance).reduce((a, b) => Math.max(a, b), 0) : 0),
       ),
     );
     this.scale_m = SCALES_M.find((scale) => scale >= most) ?? MOST_M;
@@ -85,6 +89,8 @@ export class ClearancePlot {
       pen.fillStyle = faint;
       for (const mode of current.carrying?.modes.slice(1) ?? []) pen.fillRect(x(mode.from_s) - 0.5, 0, 1, height);
       this.line(pen, current, x, y, 1);
+      this.ownLine(pen, current, x, y);
+      this.legend(pen, current, from, ink);
     }
     this.cursor(pen, current, { x: x(time_s), time_s, height, y, ink: style.getPropertyValue("--ink") });
     this.describe(current);
@@ -120,9 +126,53 @@ export class ClearancePlot {
   }
 
   private trace(pen: CanvasRenderingContext2D, plan: ShownPlan, x: Along, y: Along): void {
-    const { times_s, distances_m } = plan.clearance ?? { times_s: [], distances_m: [] };
     pen.beginPath();
+    if (!plan.clearance) return;
+    const { times_s } = plan.clearance;
+    const distances_m = drawn(plan.clearance);
     for (let i = 0; i < times_s.length; i += 1) pen.lineTo(x(times_s[i]), y(distances_m[i]));
+  }
+
+  private ownLine(pen: CanvasRenderingContext2D, plan: ShownPlan, x: Along, y: Along): void {
+    if (!plan.clearance || !hasBoth(plan.clearance)) return;
+    const { times_s, own_m } = plan.clearance;
+    pen.beginPath();
+    for (let i = 0; i < times_s.length; i += 1) pen.lineTo(x(times_s[i]), y(own_m[i]));
+    pen.setLineDash(DASH);
+    pen.strokeStyle = plan.colour;
+    pen.globalAlpha = 0.7;
+    pen.lineWidth = 1;
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.globalAlpha = 1;
+  }
+
+  /** Which line is which, in the upper left corner. */
+  private legend(pen: CanvasRenderingContext2D, plan: ShownPlan, from: number, ink: string): void {
+    if (!plan.clearance || !hasBoth(plan.clearance)) return;
+    pen.font = "10px system-ui, sans-serif";
+    pen.textBaseline = "middle";
+    pen.textAlign = "left";
+    const back = getComputedStyle(this.canvas).getPropertyValue("--card");
+    let left = from + 4;
+    for (const [words, dash] of [
+      ["from the world", []],
+      ["robot from itself", DASH],
+    ] as [string, number[]][]) {
+      pen.fillStyle = back;
+      pen.fillRect(left - 2, TOP - 4, 24 + pen.measureText(words).width, 14);
+      pen.strokeStyle = plan.colour;
+      pen.lineWidth = 1.5;
+      pen.setLineDash(dash);
+      pen.beginPath();
+      pen.moveTo(left, TOP + 2.5);
+      pen.lineTo(left + 16, TOP + 2.5);
+      pen.stroke();
+      pen.setLineDash([]);
+      pen.fillStyle = ink;
+      pen.fillText(words, left + 20, TOP + 3);
+      left += 32 + pen.measureText(words).width;
+    }
   }
 
   private line(pen: CanvasRenderingContext2D, plan: ShownPlan, x: Along, y: Along, opacity: number): void {
@@ -174,6 +224,18 @@ export class ClearancePlot {
       : "not known for this plan";
     this.canvas.setAttribute("aria-label", `Clearance over time; ${words}`);
   }
+}
+
+/** Whether there are pairs of both kinds. */
+function hasBoth({ world_m, own_m }: ClearanceCurve): boolean {
+  return world_m.some(Number.isFinite) && own_m.some(Number.isFinite);
+}
+
+/** What the line of a plan shows: the distance from the world, where something in it can be touched, the least of all where
+ * something is touched, with how deep. */
+function drawn({ distances_m, world_m }: ClearanceCurve): Float64Array {
+  const hasWorld = world_m.some(Number.isFinite);
+  return distances_m.map((distance, i) => (hasWorld && distance >= 0 ? world_m[i] : distance));
 }
 
 type Along = (value: number) => number;

@@ -186,6 +186,10 @@ export interface Recording {
 export interface Clearance {
   times_s: Floats64;
   distances_m: Floats64;
+  /** The same between the robot, with what it holds, and the world, and between its own links; at least 0, infinite
+   * where there is no such pair. */
+  world_m: Floats64;
+  own_m: Floats64;
   /** Indices into `pairs`, one per instant. */
   closest: Unsigned32;
   pairs: { first: string; second: string }[];

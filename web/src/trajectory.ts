@@ -62,6 +62,9 @@ export class Trajectory {
 export class ClearanceCurve {
   readonly times_s: Float64Array;
   readonly distances_m: Float64Array;
+  /** From the world, and of the robot's own links from each other. */
+  readonly world_m: Float64Array;
+  readonly own_m: Float64Array;
   private readonly closest: Uint32Array;
   private readonly points: Float32Array;
   private readonly pairs: Clearance["pairs"];
@@ -69,6 +72,8 @@ export class ClearanceCurve {
   constructor(clearance: Clearance) {
     this.times_s = floats64(clearance.times_s);
     this.distances_m = floats64(clearance.distances_m);
+    this.world_m = floats64(clearance.world_m);
+    this.own_m = floats64(clearance.own_m);
     this.closest = unsigned32(clearance.closest);
     this.points = floats32(clearance.points);
     this.pairs = clearance.pairs;

@@ -7,7 +7,7 @@
 //! 3. mdBook makes HTML of it; the API of Rust, and of Python where a wheel is installed, is put beside it.
 //! 4. Every link and every file that the result names must be there.
 
-mod links;
+pub mod links;
 mod stage;
 
 use std::path::Path;

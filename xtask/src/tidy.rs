@@ -12,6 +12,7 @@ mod machine_paths;
 mod module_circles;
 mod module_names;
 mod notices;
+mod page_links;
 mod system_calls;
 mod test_files;
 mod unsafe_code;
@@ -75,6 +76,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         machine_paths::check(files),
         test_files::check(files),
         walks::check(files),
+        page_links::check(files),
     ]
     .concat()
 }

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
+use cranny_file::did_you_mean;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Criterion, Registry};
 use cranny_scenario::built_in;
@@ -137,8 +138,9 @@ impl Campaign {
             if !planners.iter().any(|known: &CampaignPlanner| known.name == planner) {
                 let names: Vec<&str> = planners.iter().map(|known| known.name.as_str()).collect();
                 let problem = format!(
-                    "no planner of the campaign is called '{planner}' (there are: {})",
-                    names.join(", ")
+                    "no planner of the campaign is called '{planner}' (there are: {}){}",
+                    names.join(", "),
+                    did_you_mean(&planner, names.iter().copied())
                 );
                 return Err(fault(referenced, problem));
             }

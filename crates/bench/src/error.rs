@@ -1,4 +1,6 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use cranny_file::{nearest_files, suggested};
 
 /// What can be wrong with a campaign, its results or a worker. What a planner does wrong is none of these: it is
 /// an outcome of its trial.
@@ -88,7 +90,8 @@ pub enum BenchError {
     /// Nothing has an id of this pattern.
     #[error(
         "no built-in scenario matches '{pattern}' ('x' stands for any digit: 01x, 0x5; 'all' for all of them), and \
-         there is no folder or archive of that name"
+         there is no folder or archive of that name{}",
+        suggested(&nearest_files(Path::new(pattern)))
     )]
     Pattern {
         /// The pattern.

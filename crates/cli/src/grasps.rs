@@ -5,11 +5,11 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_file::counted;
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, csv_text, nearest_distances, read_csv,
-    sample_grasps, spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, nearest_distances,
+    read_csv, sample_grasps, spread,
 };
 use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
-use cranny_scenario::{OpenOptions, Scenario, ScenarioError, TooWide};
+use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
 use serde::Serialize;
 

@@ -38,6 +38,7 @@ mod progress;
 mod recording;
 mod render;
 mod render_format;
+mod render_sheet;
 mod report_paths;
 mod report_pictures;
 mod roadmap;
@@ -99,6 +100,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Bench(arguments) => bench::run(arguments, registry, cli.output),
         Chosen::Robot(arguments) => robot::run(arguments, cli.output),
         Chosen::Roadmap(arguments) => roadmap::run(arguments, cli.output),
+        Chosen::Render(arguments) if arguments.all => render_sheet::run(arguments, cli.output),
         Chosen::Render(arguments) => render::run(arguments, registry, cli.output),
         Chosen::View(arguments) => view::run(arguments, registry, cli.output),
         Chosen::Doctor => doctor::run(cli.output),

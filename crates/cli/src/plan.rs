@@ -75,6 +75,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         duration_s: answer.timed.as_ref().map(|timed| timed.trajectory.duration_s()),
         timing_time_s: answer.timed.as_ref().map(|timed| timed.time_s),
         trajectory_file: trajectory_file.as_deref(),
+        clearance_limit: answer.audit.as_ref().and_then(|audit| audit.clearance_limit.as_ref()),
         untimed: answer.untimed.clone(),
         plan: &plan,
     };

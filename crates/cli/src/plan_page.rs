@@ -3,7 +3,7 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{GraspFailure, Improvement, Outcome, Statistics};
+use cranny_plan::{ClearanceLimit, GraspFailure, Improvement, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
@@ -28,6 +28,8 @@ pub struct Answered<'a> {
     pub duration_s: Option<f64>,
     pub timing_time_s: Option<f64>,
     pub trajectory_file: Option<&'a Path>,
+    /// The two things that limit the clearance.
+    pub clearance_limit: Option<&'a ClearanceLimit>,
     /// Why there is no trajectory.
     #[serde(skip)]
     pub untimed: Option<String>,
@@ -150,7 +152,8 @@ fn searched(statistics: &Statistics) -> String {
 }
 
 /// What is told of the path and its end.
-fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
+fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
+    let Answered { plan, clearance_limit, .. } = answered;
     if let (Some(grasp), Some(translation), Some(rotation)) =
         (plan.grasp, plan.translation_error_m, plan.rotation_error_rad)
     {
@@ -168,9 +171,10 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
     }
     if let Some(clearance) = plan.clearance_m {
         let but_for = text::but_for(&plan.not_checked);
+        let limited_by = text::limited_by(*clearance_limit, plan.margins);
         line(
             "clearance",
-            format!("{} or more along the whole path, proven{but_for}", at_least_mm(clearance)),
+            format!("{} or more along the whole path, proven{but_for}{limited_by}", at_least_mm(clearance)),
         );
     }
     for pair in &plan.not_checked {
@@ -191,6 +195,35 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
     }
 }
 
+/// Why no grasp was taken at all, and what helps.
+fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
+    match reason {
+        NoGrasp::TooWide(too_wide) => line("too wide", too_wide.to_string()),
+        NoGrasp::OutOfReach(miss) => {
+            let nearest =
+                miss.grasp.map_or_else(|| "a sampled grasp".to_owned(), |grasp| format!("grasp {grasp}"));
+            let beyond = match miss.beyond_m {
+                beyond_m if beyond_m > 0.0 => format!(", {} or more beyond reach", millimetres(beyond_m)),
+                _ => String::new(),
+            };
+            let (missed, turned) = (millimetres(miss.missed_by_m), degrees(miss.turned_by_rad));
+            let joints = match &miss.joints_at_limits[..] {
+                [] => "no joint at its limit".to_owned(),
+                joints => format!("at their limits {}", joints.join(", ")),
+            };
+            line(
+                "reach",
+                format!("nearest is {nearest}{beyond}: the arm stays {missed}, {turned} off it, {joints}"),
+            );
+            if let Some([x, y]) = miss.base_shift_m {
+                let shift = format!("{x:+.2} m along x and {y:+.2} m along y");
+                line("hint", format!("with the base moved by {shift}, a grasp has a free configuration"));
+            }
+        }
+        _ => {}
+    }
+}
+
 /// What a person is told of an answer, whose grasps are these.
 pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
@@ -207,7 +240,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(page, "  {name:<12}{value}");
     };
-    about_path(plan, grasps, &mut line);
+    about_path(answered, grasps, &mut line);
     line("search", searched(statistics));
     if statistics.ik_attempts > 0 {
         let attempts = counted(statistics.ik_attempts, "IK attempt");
@@ -223,6 +256,9 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     for (reason, count) in GraspFailure::counted(&plan.failures) {
         line("blocked", format!("{:>11}: {reason}", counted(count, "grasp")));
+    }
+    if let Some(reason) = &plan.no_grasp {
+        no_grasp(reason, &mut line);
     }
     for fault in &answered.start_faults {
         line("start", fault.clone());
@@ -244,7 +280,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     if plan.outcome == Outcome::Solved && !answered.valid {
         line("judged", "NOT valid; please report this".to_owned());
     }
-    if plan.outcome == Outcome::BudgetExhausted {
+    if plan.outcome == Outcome::BudgetExhausted && plan.no_grasp.is_none() {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {

@@ -141,16 +141,20 @@ fn page_of_verdict(judged: &Judged, count: usize) -> String {
     for statement in differs {
         let _ = writeln!(page, "  differs     {statement}");
     }
-    for (index, step) in steps.iter().enumerate() {
-        let clearance = step.audit.clearance_m.map_or_else(String::new, text::at_least_mm);
-        let _ = writeln!(page, "  step {:<7}clearance {clearance} or more along the whole path", index + 1);
-        for violation in &step.audit.violations {
+    for (index, judgement) in steps.iter().enumerate() {
+        let clearance = judgement.audit.clearance_m.map_or_else(String::new, text::at_least_mm);
+        let limited_by =
+            text::limited_by(judgement.audit.clearance_limit.as_ref(), judgement.demanded.margins);
+        let step = index + 1;
+        let _ =
+            writeln!(page, "  step {step:<7}clearance {clearance} or more along the whole path{limited_by}");
+        for violation in &judgement.audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
         }
-        for pair in &step.audit.not_checked {
+        for pair in &judgement.audit.not_checked {
             let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
         }
-        page.push_str(&statement_lines(step));
+        page.push_str(&statement_lines(judgement));
     }
     page
 }

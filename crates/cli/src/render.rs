@@ -108,7 +108,7 @@ pub enum ViewArgument {
 }
 
 impl ViewArgument {
-    fn views(self) -> Vec<StandardView> {
+    pub fn views(self) -> Vec<StandardView> {
         match self {
             Self::ThreeQuarter => vec![StandardView::ThreeQuarter],
             Self::Front => vec![StandardView::Front],
@@ -121,22 +121,18 @@ impl ViewArgument {
 
 /// What is printed with `--json`.
 #[derive(Default, Serialize)]
-struct Rendered {
-    files: Vec<PathBuf>,
-    pictures: usize,
-    width: usize,
-    height: usize,
-    triangles: usize,
+pub struct Rendered {
+    pub files: Vec<PathBuf>,
+    pub pictures: usize,
+    pub width: usize,
+    pub height: usize,
+    pub triangles: usize,
+    /// Obstacles that the pictures show as glass, because they hide what matters.
+    pub seen_through: Vec<String>,
 }
 
 /// Instants a second of an animated glTF, which interpolates between them.
-const GLTF_RATE_HZ: f64 = 30.0;
-
-/// Pictures in a row of a sheet: a row for each environment.
-const SHEET_COLUMNS: usize = 5;
-
-/// The longest side of a picture on a sheet, in points: all of it is held in memory.
-const MOST_SHEET_POINTS: usize = 2048;
+pub const GLTF_RATE_HZ: f64 = 30.0;
 
 /// More poses than this hide the way that they show.
 const MOST_GHOSTS: i64 = 100;
@@ -155,10 +151,6 @@ pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> 
         output_file::check(&arguments.output, kind, output)?;
     }
     let rendered = match (&arguments.id, format) {
-        (_, Format::Png) if arguments.all => sheet(arguments, output)?,
-        _ if arguments.all => {
-            return Err(flag("all", "a sheet is a picture: give -o a name that ends in .png"));
-        }
         (Some(_), _) if arguments.search_tree && format != Format::Html => {
             return Err(flag("search-tree", "trees are shown in a page: give -o a name that ends in .html"));
         }
@@ -174,10 +166,26 @@ pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> 
         (Some(id), _) => one(id, arguments, format, registry, output)?,
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
-    let page =
-        || rendered.files.iter().map(|file| format!("{}\n", file.display())).collect::<Vec<_>>().concat();
-    text::answer(&rendered, page, output)?;
-    Ok(Answer::Done)
+    rendered.answer(output)
+}
+
+impl Rendered {
+    /// Prints what was written.
+    pub fn answer(&self, output: Output) -> Result<Answer, Failure> {
+        text::answer(self, || self.page(), output)?;
+        Ok(Answer::Done)
+    }
+
+    fn page(&self) -> String {
+        let mut page: String = self.files.iter().map(|file| format!("{}\n", file.display())).collect();
+        if !self.seen_through.is_empty() {
+            let names = self.seen_through.join(", ");
+            page += &format!(
+                "  seen through, because they hide robot, way or target: {names} (--solid: nothing)\n"
+            );
+        }
+        page
+    }
 }
 
 fn one(
@@ -196,11 +204,13 @@ fn one(
     };
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
-    let mut rendered = Rendered { triangles: scene.triangle_count(), ..Rendered::default() };
+    let seen_through = scene.seen_through(&arguments.view.views(), &settings);
+    let mut rendered = Rendered { triangles: scene.triangle_count(), seen_through, ..Rendered::default() };
     let file = &arguments.output;
     match format {
         Format::Glb => {
             scene.write_glb(file)?;
+            rendered.seen_through.clear();
             rendered.files.push(file.clone());
         }
         Format::Png => {
@@ -293,50 +303,6 @@ fn moving(
     Ok(frames.len())
 }
 
-/// All built-in scenarios, with the plans of a folder where it has them.
-fn sheet(arguments: &RenderArguments, output: Output) -> Result<Rendered, Failure> {
-    let entries = cranny_scenario::catalogue();
-    let bar = progress::bar(entries.len() as u64, output.quiet);
-    bar.set_message("scenarios");
-    let [view] = arguments.view.views()[..] else {
-        return Err(flag("view", "a sheet has one view of each scenario"));
-    };
-    // With --all the only free argument is the folder of plans.
-    let folder = arguments.plans.first().cloned().or(arguments.id.as_ref().map(PathBuf::from));
-    if let Some(folder) = folder.as_ref().filter(|folder| !folder.is_dir()) {
-        let problem = format!("'{}' is no folder of plan files", folder.display());
-        return Err(Failure::Flag { flag: "all", problem });
-    }
-    let size = arguments.size.unwrap_or((400, 300));
-    if size.0.max(size.1) > MOST_SHEET_POINTS {
-        let problem = format!(
-            "{} × {} points are too many for each picture of a sheet; each side is at most {MOST_SHEET_POINTS} \
-             points long",
-            size.0, size.1
-        );
-        return Err(Failure::Flag { flag: "size", problem });
-    }
-    let mut pictures = Vec::new();
-    let mut triangles = 0;
-    for entry in entries {
-        let plan = folder.as_ref().map(|folder| folder.join(format!("{}.plan.json", entry.id)));
-        let plan = plan.filter(|plan| plan.is_file());
-        let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ, output)?;
-        triangles += scene.triangle_count();
-        // Nobody turns a picture on a sheet or walks back from it: it shows the whole scene.
-        let direction_deg = arguments.camera.unwrap_or(view.direction_deg());
-        let camera = scene.whole_camera_from(direction_deg, size.0 as f64 / size.1 as f64);
-        let settings = PictureSettings { camera: Some(camera), ..settings(&scene, arguments, size, 3)? };
-        pictures.push((entry.id.to_owned(), Picture::of(&scene, view, &settings)?));
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let sheet = Picture::sheet(&pictures, SHEET_COLUMNS);
-    sheet.write_png(&arguments.output)?;
-    let files = vec![arguments.output.clone()];
-    Ok(Rendered { files, pictures: 1, width: sheet.width(), height: sheet.height(), triangles })
-}
-
 /// What is seen of a recording, with as many instants a second as pictures.
 fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
     let recording = recording::read(
@@ -351,7 +317,7 @@ fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> R
     Ok(Scene::of_moving_bodies(&recording))
 }
 
-fn scene(
+pub fn scene(
     id: &str,
     plan: Option<&Path>,
     arguments: &RenderArguments,
@@ -413,7 +379,7 @@ fn scene_of_steps(
     Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
 }
 
-fn settings(
+pub fn settings(
     scene: &Scene,
     arguments: &RenderArguments,
     (width, height): (usize, usize),
@@ -469,7 +435,7 @@ fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Res
     Ok(())
 }
 
-fn flag(flag: &'static str, problem: &str) -> Failure {
+pub fn flag(flag: &'static str, problem: &str) -> Failure {
     Failure::Flag { flag, problem: problem.to_owned() }
 }
 

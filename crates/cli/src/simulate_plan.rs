@@ -7,7 +7,8 @@ use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, PlanFile, Scenario, TargetPhysics, read_waypoints};
 use cranny_sim::{
-    DriveSettings, GraspOutcome, GraspTest, PlanContact, PlanRow, PlanRun, PlanTest, TrackingError,
+    DriveSettings, GraspOutcome, GraspTest, PlacedError, PlanContact, PlanOutcome, PlanRow, PlanRun,
+    PlanTest, Released, TrackingError,
 };
 use cranny_solve::{Segment, TaskTrajectory, Timing};
 use serde::Serialize;
@@ -56,8 +57,9 @@ impl InsteadArguments {
 The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
 where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
 object on (`plan --carry`) or puts it down (`plan --place`). Of several steps (`plan --steps`) each begins where the one
-before has left things. Said is how far the arm was from the plan, what it touched, and what became of the object,
-as `simulate grasps` says it.")]
+before has left things. The answer is how far the arm was from the plan, what it touched, and what became of the
+object: as for `simulate grasps`, or where the hand let it go, `placed` where it was to be put down or `misplaced`;
+where it was released, where it is in the end, and whether it is in the hand.")]
 pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
@@ -155,8 +157,9 @@ pub fn execute(
 
 /// Whether the object is held to the end, or stands where it was to be put down.
 pub fn is_as_planned(row: &PlanRow) -> bool {
-    let is_there = row.placed.is_none_or(|placed| placed.is_there());
-    row.outcome == GraspOutcome::Held && is_there
+    let is_to_be_placed = row.placed.is_some();
+    row.outcome
+        == if is_to_be_placed { PlanOutcome::Placed } else { PlanOutcome::Grasped(GraspOutcome::Held) }
 }
 
 /// What came of a plan of this name.
@@ -190,10 +193,19 @@ pub fn page_of(name: &str, row: &PlanRow) -> String {
         millimetres(row.translation_error_m),
         degrees(row.rotation_error_rad),
     );
-    if let Some(placed) = row.placed.filter(|_| row.outcome == GraspOutcome::Held) {
-        let (off, turned) = (millimetres(placed.translation_m), degrees(placed.rotation_rad));
-        let stands = if placed.is_there() { "stands" } else { "does not stand" };
-        let _ = writeln!(page, "  put down, it {stands} where it was to be: {off}, {turned} off");
+    let off = |error: &PlacedError| {
+        format!("{}, {} off", millimetres(error.translation_m), degrees(error.rotation_rad))
+    };
+    if let Some(Released { position_m: [x, y, z], off: at, .. }) = &row.released {
+        let _ = writeln!(page, "  it was released at ({x:.3}, {y:.3}, {z:.3}) m, {}", off(at));
     }
+    if let Some(placed) = &row.placed {
+        let stands = if placed.is_there { "stands where" } else { "does NOT stand where" };
+        let [x, y, z] = row.position_m;
+        let at = format!("({x:.3}, {y:.3}, {z:.3}) m, {}", off(placed));
+        let _ = writeln!(page, "  in the end it {stands} it was to be put down: it is at {at}");
+    }
+    let is_in = if row.is_in_hand { "is" } else { "is not" };
+    let _ = writeln!(page, "  at the end it {is_in} in the hand");
     page
 }

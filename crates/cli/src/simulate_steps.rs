@@ -2,7 +2,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use cranny_scenario::{OpenOptions, PlanFile, SequencePlan};
-use cranny_sim::{GraspOutcome, PlanRow};
+use cranny_sim::PlanRow;
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -100,7 +100,7 @@ pub fn run(
             recordings.push(RecordedStep { body, world_from_object: stood.world_from_object, run: moved });
         }
         let executed = ExecutedStep { object: step.pick.clone(), row: PlanRow::of(&run) };
-        let is_put_down = executed.row.outcome == GraspOutcome::Held;
+        let is_put_down = executed.row.released.is_some();
         steps.push(executed);
         // Else the hand does not open.
         if !is_put_down {

@@ -1,7 +1,10 @@
 use std::io::Write;
 
+use cranny_collision::Margins;
 use cranny_file::{counted, visible};
-use cranny_plan::{AllowedContact, NotChecked, NotCheckedReason, OwnGrasp};
+use cranny_plan::{
+    AllowedContact, AppliedMargin, ClearanceLimit, NotChecked, NotCheckedReason, OwnGrasp,
+};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -93,6 +96,23 @@ pub fn own_grasp(grasp: &OwnGrasp) -> String {
 pub fn only_so_many(count: usize, noun: &str) -> String {
     let verb = if count == 1 { "is" } else { "are" };
     format!("there {verb} {}, counted from 0", counted(count, noun))
+}
+
+/// The two things that limit a clearance, where the margin that applies to them is not the one between any two things.
+pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
+    let Margins { margin_m, grasp_margin_m, .. } = margins;
+    match limit {
+        Some(ClearanceLimit { first, second, margin: AppliedMargin::GraspMargin, .. })
+            if margin_m.total_cmp(&grasp_margin_m).is_ne() =>
+        {
+            let [margin, grasp_margin] = [margin_m, grasp_margin_m].map(millimetres);
+            format!(
+                "; limited by {first} and {second}, to which the grasp margin of {grasp_margin} applies, not the margin \
+                 of {margin}"
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 /// What follows "proven" or "valid" where something was not compared, or may touch.

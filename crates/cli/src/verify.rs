@@ -38,8 +38,10 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
             (Judged::Path(audit_with(&problem, &path, settings)?), path.len())
         }
     };
+    let audit = judged.audit();
+    let limited_by = text::limited_by(audit.clearance_limit.as_ref(), source.margins);
     let answered = Answered { criterion: problem.criterion(), brought, deviations, judged };
-    text::answer(&answered, || page(&answered, way_points), output)?;
+    text::answer(&answered, || page(&answered, way_points, &limited_by), output)?;
     Ok(if answered.judged.audit().valid { Answer::Done } else { Answer::No })
 }
 
@@ -149,7 +151,7 @@ pub fn statement_lines(judgement: &Judgement) -> String {
     lines
 }
 
-fn page(answered: &Answered, way_points: usize) -> String {
+fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     let Answered { criterion, brought, deviations, judged } = answered;
     let audit = judged.audit();
     let word = if audit.valid { "valid" } else { "NOT valid" };
@@ -189,7 +191,8 @@ fn page(answered: &Answered, way_points: usize) -> String {
         let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
-        let _ = writeln!(page, "  clearance   {} or more along the whole path", text::at_least_mm(clearance));
+        let clearance = text::at_least_mm(clearance);
+        let _ = writeln!(page, "  clearance   {clearance} or more along the whole path{limited_by}");
     }
     if let Judged::Plan(judgement) = judged {
         page.push_str(&statement_lines(judgement));

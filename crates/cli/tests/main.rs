@@ -7,6 +7,7 @@ mod file_readers;
 /// Where `file_readers` is, in this crate.
 const HERE: &str = "tests/file_readers";
 
+mod answers;
 mod any_bytes;
 mod bad_input;
 mod bench;

@@ -87,7 +87,7 @@ fn all_scenarios_stand_on_one_sheet() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let shown = done(folder, &["render", "--all", "-o", "sheet.png", "--size", "48x36", "--samples", "1"]);
-    assert_eq!((shown["width"].as_u64(), shown["height"].as_u64()), (Some(300), Some(194)));
+    assert_eq!((shown["width"].as_u64(), shown["height"].as_u64()), (Some(300), Some(332)));
     assert!(begins_with(&folder.join("sheet.png"), PNG));
 }
 

@@ -313,7 +313,15 @@ fn steps_are_executed_one_after_the_other() {
     let is_there = |step: &serde_json::Value| {
         let placed = &step["placed"];
         let within = |key: &str, most: f64| placed[key].as_f64().is_some_and(|off| off <= most);
-        step["outcome"] == "held" && within("translation_m", 0.01) && within("rotation_rad", 0.1746)
+        let is_there = within("translation_m", 0.01) && within("rotation_rad", 0.1746);
+        // What the hand has let go is nothing that is held.
+        if step["released"].is_object() {
+            let outcome = if is_there { "placed" } else { "misplaced" };
+            assert_eq!(step["outcome"], outcome, "{step}");
+            assert!(!is_there || step["is_in_hand"] == false, "{step}");
+            assert!(step["released"]["position_m"].is_array() && placed["is_there"] == is_there, "{step}");
+        }
+        step["outcome"] == "placed"
     };
     let as_planned = steps.len() == 3 && steps.iter().all(is_there);
     assert_eq!((code == 0, &executed["as_planned"]), (as_planned, &as_planned.into()), "{executed}");

@@ -282,29 +282,32 @@ impl Cell {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
-        self.clearance_where(q, &|pair| !pair.is_exempt(), scratch)
+        self.nearest_where(q, &|pair| !pair.is_exempt(), scratch).0
     }
 
-    /// The same over the pairs that are asked about.
-    pub(crate) fn clearance_where(
+    /// The same over the pairs that are asked about, with the pair that has it.
+    pub(crate) fn nearest_where(
         &self,
         q: &[f64],
         is_asked: &dyn Fn(&Pair) -> bool,
         scratch: &mut Scratch,
-    ) -> f64 {
+    ) -> (f64, Option<Pair>) {
         self.robot.forward_kinematics(q, &mut scratch.frames);
-        let mut least = f64::INFINITY;
+        let (mut least, mut nearest) = (f64::INFINITY, None);
         for pair in self.pairs.iter().filter(is_asked) {
             let is_farther = self.quick_bound(&pair, &scratch.frames, least) >= least;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {
-                least = least.min(self.distance(&pair, &scratch.frames, least).lower_m);
+                let lower_m = self.distance(&pair, &scratch.frames, least).lower_m;
+                if lower_m < least {
+                    (least, nearest) = (lower_m, Some(pair));
+                }
             }
             if least <= 0.0 {
                 break;
             }
         }
-        least
+        (least, nearest)
     }
 
     /// A pair that is closer at `q` than it may be: the first in a fixed order, hand and wrist before the

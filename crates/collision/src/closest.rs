@@ -3,7 +3,7 @@ use cranny_spatial::Point;
 
 use crate::cell::{Cell, Scratch};
 use crate::contact::{Collider, Contact};
-use crate::pairs::Pair;
+use crate::pairs::{Other, Pair};
 
 /// The two things of a cell that are nearest to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,22 @@ impl Cell {
         let second = self.other(&pair);
         let points = self.nearest_points(&pair, scratch);
         Some(Closest { first, second, distance_m: least_m, points })
+    }
+
+    /// Least distances at `q` (m, rad; one per joint) between the robot, with what it holds, and the world, and between its
+    /// own links, in metres, certified from below; 0 in contact, infinite where there is no such pair. Joint limits do not
+    /// enter.
+    ///
+    /// `clearances(q)` has `clearance(q)` as its lesser.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearances(&self, q: &[f64], scratch: &mut Scratch) -> [f64; 2] {
+        [false, true].map(|is_own| {
+            let is_asked =
+                |pair: &Pair| !pair.is_exempt() && matches!(pair.second, Other::Link { .. }) == is_own;
+            self.nearest_where(q, &is_asked, scratch).0.max(0.0)
+        })
     }
 
     fn deepest(&self, q: &[f64], scratch: &mut Scratch) -> Option<Closest> {

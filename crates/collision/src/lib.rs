@@ -66,7 +66,7 @@ pub use error::CollisionError;
 pub use extent::Extent;
 pub use levers::Levers;
 pub use margins::Margins;
-pub use measured_motion::{MeasuredMotion, Measuring};
+pub use measured_motion::{MeasuredMotion, Measuring, NearestPair};
 pub use motion::Motion;
 pub use pair_group::PairGroup;
 pub use released::{ReleasedCheck, ReleasedScratch};

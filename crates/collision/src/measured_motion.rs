@@ -1,5 +1,6 @@
 use cranny_spatial::{CONTACT_M, ROUNDING_M};
 
+use crate::Collider;
 use crate::cell::{Cell, Scratch};
 use crate::contact::Contact;
 use crate::motion::travel_of;
@@ -32,6 +33,22 @@ pub struct MeasuredMotion {
     pub seen_m: f64,
     /// Where on the motion, in [0, 1], a pair was seen closer than it may be.
     pub contradiction: Option<(f64, Contact)>,
+    /// The pair that was seen at that least distance; `None` where no pair was asked after.
+    pub nearest: Option<NearestPair>,
+}
+
+/// The pair that limits a clearance, and the distance that is demanded of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestPair {
+    /// A link.
+    pub first: Collider,
+    /// Another link, or a body.
+    pub second: Collider,
+    /// The least distance of the two that counts as free, in metres.
+    pub required_m: f64,
+    /// Whether [`Margins::grasp_margin_m`](crate::Margins::grasp_margin_m) applies to it instead of
+    /// [`Margins::margin_m`](crate::Margins::margin_m).
+    pub has_grasp_margin: bool,
 }
 
 /// How far [`Cell::least_clearance`] may lie below the truth, in metres.
@@ -78,8 +95,9 @@ impl Cell {
         let is_asked = |pair: &Pair| {
             !pair.is_exempt() && measuring.group.is_none_or(|group| self.group_of(pair) == group)
         };
-        let mut least = self.clearance_where(a, &is_asked, scratch);
-        least = least.min(self.clearance_where(b, &is_asked, scratch)).min(measuring.below_m);
+        let [at_a, at_b] = [a, b].map(|q| self.nearest_where(q, &is_asked, scratch));
+        let (mut least, mut nearest) = if at_b.0 < at_a.0 { at_b } else { at_a };
+        least = least.min(measuring.below_m);
         let mut contradiction = None;
         let all: Vec<u32> = self.all_pairs().filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
@@ -106,12 +124,15 @@ impl Cell {
                     continue;
                 }
                 let gap = self.distance(pair, &scratch.frames, least.max(bar(least)).max(pair.required_m));
-                least = least.min(gap.lower_m);
+                if gap.lower_m < least {
+                    (least, nearest) = (gap.lower_m, Some(*pair));
+                }
                 if gap.lower_m < pair.required_m - MEASURING_M && contradiction.is_none() {
                     contradiction = Some((middle, self.describe(pair, &scratch.frames)));
                 }
                 if least <= 0.0 {
-                    return MeasuredMotion { least_m: 0.0, seen_m: least, contradiction };
+                    let nearest = nearest.map(|pair| self.nearest_pair(&pair));
+                    return MeasuredMotion { least_m: 0.0, seen_m: least, contradiction, nearest };
                 }
                 if gap.lower_m < bar(least) {
                     doubtful.push(index);
@@ -123,6 +144,16 @@ impl Cell {
                 open.push_back((middle + quarter, quarter, doubtful));
             }
         }
-        MeasuredMotion { least_m: (least - tolerance_m(least)).max(0.0), seen_m: least, contradiction }
+        let least_m = (least - tolerance_m(least)).max(0.0);
+        let nearest = nearest.map(|pair| self.nearest_pair(&pair));
+        MeasuredMotion { least_m, seen_m: least, contradiction, nearest }
+    }
+
+    fn nearest_pair(&self, pair: &Pair) -> NearestPair {
+        let Pair { first, required_m, .. } = *pair;
+        let (link, second) = (self.bodies[first].link, self.other(pair));
+        let is_of_grasp = matches!(second, Collider::Body(body) if self.grasp_bodies.contains(&body));
+        let has_grasp_margin = is_of_grasp && self.robot().hand_links().contains(&link);
+        NearestPair { first: Collider::Link(link), second, required_m, has_grasp_margin }
     }
 }

@@ -1,4 +1,7 @@
 use std::io;
+use std::path::Path;
+
+use crate::spelling::{nearest_files, suggested};
 
 /// What lifts a limit, for messages: on the command line, and in Python.
 pub const LIFTED_BY: &str = "--large-files, or lift_file_limits() in Python,";
@@ -9,8 +12,11 @@ pub const LIFTED_BY: &str = "--large-files, or lift_file_limits() in Python,";
 #[non_exhaustive]
 pub enum FileFault {
     /// Nothing is there.
-    #[error("there is no such file")]
-    Missing,
+    #[error("there is no such file{}", suggested(near))]
+    Missing {
+        /// What is beside it under a similar name.
+        near: Vec<String>,
+    },
     /// The operating system does not let this user read it, or enter the folder that it is in.
     #[error("no permission to read it (see its owner and mode, and those of the folders above it)")]
     Denied,
@@ -47,9 +53,11 @@ pub enum FileFault {
 
 impl FileFault {
     /// The words for what the operating system says, where there are any.
-    pub(crate) fn of(error: io::Error) -> io::Error {
+    pub(crate) fn of(path: &Path, error: io::Error) -> io::Error {
         let fault = match error.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::Missing,
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
+                Self::Missing { near: nearest_files(path) }
+            }
             io::ErrorKind::PermissionDenied => Self::Denied,
             io::ErrorKind::IsADirectory => Self::Folder,
             _ => return error,

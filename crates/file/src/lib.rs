@@ -8,6 +8,7 @@ mod distinct;
 mod excerpt;
 mod fault;
 mod opener;
+mod spelling;
 mod text;
 
 pub use bound::{at_least, at_most};
@@ -16,4 +17,5 @@ pub use distinct::distinct;
 pub use excerpt::{excerpt, visible};
 pub use fault::{FileFault, LIFTED_BY};
 pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
+pub use spelling::{did_you_mean, did_you_mean_here, nearest_files, nearest_names, suggested};
 pub use text::{TextFault, json, yaml};

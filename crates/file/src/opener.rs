@@ -69,7 +69,7 @@ impl Readable {
         // A file may grow, and a pipe has no size.
         File::open(path)
             .and_then(|file| file.take(most.saturating_add(1)).read_to_end(&mut bytes))
-            .map_err(FileFault::of)?;
+            .map_err(|fault| FileFault::of(path, fault))?;
         if bytes.len() as u64 > most {
             return Err(FileFault::TooLarge { what: self.what, size: None, most }.into());
         }
@@ -92,7 +92,7 @@ impl Readable {
     /// # Errors
     /// As [`Self::bytes`].
     pub fn check(self, path: &Path) -> io::Result<()> {
-        let found = fs::metadata(path).map_err(FileFault::of)?;
+        let found = fs::metadata(path).map_err(|fault| FileFault::of(path, fault))?;
         let kind = found.file_type();
         if kind.is_dir() {
             return Err(FileFault::Folder.into());
@@ -132,6 +132,6 @@ pub fn is_there(path: &Path) -> io::Result<bool> {
         {
             Ok(false)
         }
-        Err(fault) => Err(FileFault::of(fault)),
+        Err(fault) => Err(FileFault::of(path, fault)),
     }
 }

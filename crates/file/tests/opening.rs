@@ -31,8 +31,15 @@ fn what_is_no_file_is_said_in_words() {
     fs::write(&file, b"one\ntwo \xff\n").unwrap();
     assert_eq!(fault(TEXT.text(&file)), FileFault::NotText { line: 2 });
     assert_eq!(fault(TEXT.bytes(folder.path())), FileFault::Folder);
-    assert_eq!(fault(TEXT.bytes(&folder.path().join("none"))), FileFault::Missing);
-    assert_eq!(fault(TEXT.bytes(&file.join("none"))), FileFault::Missing);
+    let missing = |near: &[&str]| FileFault::Missing {
+        near: near.iter().map(|near| folder.path().join(near).display().to_string()).collect(),
+    };
+    assert_eq!(fault(TEXT.bytes(&folder.path().join("none"))), missing(&[]));
+    assert_eq!(fault(TEXT.bytes(&file.join("none"))), missing(&[]));
+    fs::write(folder.path().join("kitchen.yaml"), "").unwrap();
+    let slip = fault(TEXT.bytes(&folder.path().join("kichen.yaml")));
+    assert_eq!(slip, missing(&["kitchen.yaml"]));
+    assert!(slip.to_string().contains("did you mean"), "{slip}");
     assert!(!is_there(&file.join("none")).unwrap() && is_there(&file).unwrap());
 }
 

@@ -11,6 +11,7 @@ mod robust_score;
 mod sampler;
 mod score_kind;
 mod subset;
+mod too_wide;
 mod twins;
 
 pub use contact::{Contact, friction_needed, friction_score};
@@ -24,3 +25,4 @@ pub use robust_score::RobustScore;
 pub use sampler::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
 pub use score_kind::ScoreKind;
 pub use subset::{covering_subset, farthest_subset, random_subset};
+pub use too_wide::TooWide;

@@ -1,4 +1,4 @@
-use cranny_file::counted;
+use cranny_file::{counted, did_you_mean};
 
 /// What makes a problem or a path malformed. That a problem has no solution is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +30,8 @@ pub enum PlanError {
     },
     /// A place is named that the problem does not have.
     #[error(
-        "there is no place '{name}' to put the target down (there are: {known}; `places` of a scenario.yaml)"
+        "there is no place '{name}' to put the target down (there are: {known}; `places` of a scenario.yaml){}",
+        did_you_mean(name, known.split(", ").map(|known| known.trim_matches('\'')))
     )]
     UnknownPlace {
         /// The name asked for.
@@ -74,7 +75,7 @@ pub enum PlanError {
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
     NoGoal,
     /// A planner is named that does not exist.
-    #[error("there is no planner '{name}' (there are: {known})")]
+    #[error("there is no planner '{name}' (there are: {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownPlanner {
         /// The name asked for.
         name: String,
@@ -88,7 +89,7 @@ pub enum PlanError {
         name: &'static str,
     },
     /// A planner has no such setting.
-    #[error("planner '{planner}' has no setting '{setting}' (there are: {known})")]
+    #[error("planner '{planner}' has no setting '{setting}' (there are: {known}){}", did_you_mean(setting, known.split(", ")))]
     UnknownSetting {
         /// Which planner.
         planner: String,

@@ -1,6 +1,7 @@
 //! What planners are made of: the door [`Planner`](crate::Planner), trees and their nearest neighbours, samples, goals.
 
 pub(crate) mod approach_sphere;
+pub(crate) mod base_shift;
 pub(crate) mod baseline_check;
 pub(crate) mod bidirectional;
 pub(crate) mod box_pages;
@@ -15,6 +16,7 @@ pub(crate) mod ik_pipeline;
 pub(crate) mod jacobian_search;
 pub(crate) mod near_set;
 pub(crate) mod nearest;
+pub(crate) mod no_grasp;
 pub(crate) mod pair_watch;
 pub(crate) mod planner;
 pub(crate) mod ranges;

@@ -102,6 +102,28 @@ impl<'robot> IkSolver<'robot> {
         self.attempt(root_from_tip, self.settings.pull, Some(start))
     }
 
+    /// One attempt from `start`, clamped into limits, without a pull: where it ends, and whether it reached the target.
+    ///
+    /// # Panics
+    /// As [`Self::solve_from`].
+    pub fn approach(&mut self, root_from_tip: &Pose, start: &[f64]) -> (IkSolution, bool) {
+        self.q.copy_from_slice(start);
+        let reached = self.attempt(root_from_tip, 0.0, None);
+        let is_reached = reached.is_some();
+        let robot = self.robot;
+        let end = reached.unwrap_or_else(|| {
+            robot.tip_kinematics(&self.q, &mut self.frames);
+            let difference = PoseDifference::between(self.frames.link(robot.tip()), root_from_tip);
+            IkSolution {
+                q: self.q.clone(),
+                translation_error_m: difference.translation_m,
+                rotation_error_rad: difference.rotation_rad,
+                iterations: self.settings.max_iterations,
+            }
+        });
+        (end, is_reached)
+    }
+
     /// The next configuration on a way of the tip: [`Self::solve_from`] the last one, unless a joint jumps, by more than
     /// 0.1 (m, rad).
     ///

@@ -1,9 +1,11 @@
 use std::collections::HashSet;
 
+use cranny_file::nearest_names;
+
 use crate::full_turn::wrapped;
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
-use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup, spelling};
+use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.
 pub(crate) struct Resolved {
@@ -62,13 +64,13 @@ pub(crate) fn named_group(
 
 /// The error for a `name` that is not in the file.
 pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotError {
-    let nearest = spelling::nearest(name, urdf.joints.iter().map(|joint| joint.name.as_str()));
+    let nearest = nearest_names(name, urdf.joints.iter().map(|joint| joint.name.as_str()));
     RobotError::UnknownName { place, kind: "joint", name: name.to_owned(), nearest }
 }
 
 /// The error for a link `name` that is not in the file.
 pub(crate) fn unknown_link(urdf: &Urdf, place: String, name: &str) -> RobotError {
-    let nearest = spelling::nearest(name, urdf.links.iter().map(|link| link.name.as_str()));
+    let nearest = nearest_names(name, urdf.links.iter().map(|link| link.name.as_str()));
     RobotError::UnknownName { place, kind: "link", name: name.to_owned(), nearest }
 }
 
@@ -238,7 +240,7 @@ impl Resolver<'_> {
                 place: place.to_owned(),
                 kind: "SRDF group",
                 name: name.to_owned(),
-                nearest: spelling::nearest(name, known),
+                nearest: nearest_names(name, known),
             }
         })
     }

@@ -38,7 +38,6 @@ mod rate_limits;
 mod reach_bound;
 mod robot_description;
 mod robot_files;
-mod spelling;
 mod srdf;
 mod steadiness;
 mod text_source;

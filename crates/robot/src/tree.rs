@@ -1,7 +1,9 @@
 use std::collections::HashMap;
 
+use cranny_file::nearest_names;
+
 use crate::urdf_model::Urdf;
-use crate::{Location, RobotError, spelling};
+use crate::{Location, RobotError};
 
 /// The links of a URDF as a tree, parents before children, each link's children in the order of the file.
 pub(crate) struct Tree {
@@ -52,7 +54,7 @@ impl Tree {
                 place: format!("{}: joint `{}`", urdf.joints[joint].at, urdf.joints[joint].name),
                 kind: "link",
                 name: name.clone(),
-                nearest: spelling::nearest(name, urdf.links.iter().map(|link| link.name.as_str())),
+                nearest: nearest_names(name, urdf.links.iter().map(|link| link.name.as_str())),
             })
         };
         // 2.

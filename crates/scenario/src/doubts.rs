@@ -1,10 +1,11 @@
 use cranny_collision::{Body, Part, World};
 use cranny_file::counted;
+use cranny_grasp::{SamplerSettings, TooWide};
 use cranny_robot::{Link, Robot};
-use cranny_shape::separation;
+use cranny_shape::{Surface, separation};
 use cranny_spatial::{Point, Pose};
 
-use crate::{Scenario, measured_opening_m, mesh_repairs};
+use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m, mesh_repairs};
 
 /// From the pads of a hand at a grasp to what it grasps there is no way farther than this, in metres: half of what the
 /// widest two-finger hands open.
@@ -46,6 +47,17 @@ pub fn wide_opening(robot: &Robot) -> Option<String> {
 const LOOSE_M: f64 = 2e-3;
 
 impl Scenario {
+    /// Why a planner that makes grasps of its own will find none for the target, where nothing else gives any.
+    pub fn too_wide_target(&self) -> Option<String> {
+        let hand = self.robot.hand().filter(|_| self.grasps.is_empty())?;
+        let surface = Surface::new(&self.target_mesh().ok()??).ok()?;
+        let friction = self.target_physics().friction.unwrap_or(DEFAULT_FRICTION);
+        let opening_m = hand.description.opening_m;
+        let too_wide =
+            TooWide::of(&surface, &SamplerSettings { friction, opening_m, ..SamplerSettings::default() })?;
+        Some(format!("{}: {too_wide}", self.world.bodies()[self.target?].name))
+    }
+
     /// What is odd about where the target is: deep in something, or in the air.
     pub fn odd_places(&self) -> Vec<String> {
         let Some(index) = self.target else { return Vec::new() };

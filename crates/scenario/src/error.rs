@@ -1,7 +1,6 @@
 use std::path::PathBuf;
 
-use cranny_file::TextFault;
-use cranny_file::counted;
+use cranny_file::{TextFault, counted, did_you_mean, did_you_mean_here};
 use cranny_robot::Location;
 
 use crate::family::error::FamilyError;
@@ -25,7 +24,7 @@ pub enum ScenarioError {
         /// The built-in ids.
         known: String,
         /// Those of them that may be meant.
-        near: Vec<&'static str>,
+        near: Vec<String>,
     },
     /// A file stands where the folder of a scenario is meant.
     #[error(
@@ -115,7 +114,7 @@ pub enum ScenarioError {
         joints: String,
     },
     /// A joint is named that the robot does not have.
-    #[error("{at}: unknown joint '{joint}' (the robot has: {known})")]
+    #[error("{at}: unknown joint '{joint}' (the robot has: {known}){}", did_you_mean(joint, known.split(", ")))]
     UnknownJoint {
         /// Where.
         at: Location,
@@ -141,7 +140,7 @@ pub enum ScenarioError {
         joint: String,
     },
     /// A scene names an object that its library does not have.
-    #[error("{at}: the object library has no '{name}' (it has: {known})")]
+    #[error("{at}: the object library has no '{name}' (it has: {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownObject {
         /// Where.
         at: Location,
@@ -249,7 +248,11 @@ pub enum ScenarioError {
         reason: cranny_grasp::GraspError,
     },
     /// A scenario's robot is nowhere.
-    #[error("{at}: there is no robot '{name}': it is neither built in ({known}) nor a file or folder ({})", path.display())]
+    #[error(
+        "{at}: there is no robot '{name}': it is neither built in ({known}) nor a file or folder ({}){}",
+        path.display(),
+        did_you_mean_here(name, known.split(", "))
+    )]
     UnknownRobot {
         /// Where.
         at: Location,
@@ -257,6 +260,18 @@ pub enum ScenarioError {
         name: String,
         /// What was looked for.
         path: PathBuf,
+        /// The built-in robots.
+        known: String,
+    },
+    /// A robot is named that is nowhere.
+    #[error(
+        "there is no robot '{}': it is neither built in ({known}) nor a file or folder{}",
+        what.display(),
+        did_you_mean_here(&what.display().to_string(), known.split(", "))
+    )]
+    NoRobot {
+        /// Its name, or its path.
+        what: PathBuf,
         /// The built-in robots.
         known: String,
     },
@@ -328,6 +343,6 @@ pub enum ScenarioError {
 }
 
 /// The names that may be meant, or else a hint.
-fn meant(near: &[&str], hint: &str) -> String {
+fn meant(near: &[String], hint: &str) -> String {
     if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
 }

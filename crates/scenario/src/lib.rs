@@ -16,7 +16,6 @@ mod robot;
 mod scenario;
 mod schema;
 mod steps;
-mod too_wide;
 
 pub use catalogue::{BuiltInTask, CatalogueEntry, built_in, catalogue, insertions, sequences};
 pub use doubts::{model_notes, seen_only_links, wide_opening};
@@ -68,4 +67,3 @@ pub use robot::source::{RecipeRobot, RobotSource};
 pub use scenario::{Geometry, OpenOptions, Scenario};
 pub use schema::SchemaFile;
 pub use steps::Step;
-pub use too_wide::TooWide;

@@ -41,6 +41,8 @@ pub(crate) struct GraspTrial<'a> {
     steps_open: u32,
     /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
     opens_from: Option<(u32, f64)>,
+    /// Where the object was then.
+    world_from_released: Option<Pose>,
     recording: Option<Recording>,
     /// What the recording has, besides object and hand.
     recorded: Vec<RigidBodyHandle>,
@@ -76,6 +78,7 @@ impl<'a> GraspTrial<'a> {
             steps: 0,
             steps_open: 0,
             opens_from: None,
+            world_from_released: None,
             recording: None,
             recorded: Vec::new(),
         };
@@ -253,8 +256,7 @@ impl<'a> GraspTrial<'a> {
             }
         }
         let error = self.error(&closed_from_object, &self.hand_from_object());
-        let touching = self.gripper.pressures(&self.world, self.object);
-        let outcome = if touching.iter().all(Option::is_none) {
+        let outcome = if !self.is_touched() {
             GraspOutcome::Dropped
         } else if self.is_held(error) {
             GraspOutcome::Held
@@ -268,9 +270,15 @@ impl<'a> GraspTrial<'a> {
         self.ended(outcome, error, held_s, contact_force_n)
     }
 
+    /// Whether a finger touches the object.
+    fn is_touched(&self) -> bool {
+        self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
+    }
+
     /// Opens the hand, and moves it on meanwhile.
     fn release(&mut self, Move { duration_s, advance }: Move<'_, 'a>) {
         let stroke_m = self.test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
+        self.world_from_released = Some(self.world_from_object());
         self.opens_from = Some((self.steps, self.gripper.closed(&self.world).0 * stroke_m));
         for step in 1..=whole_steps(duration_s, self.test.physics.step_s) {
             advance(self, f64::from(step) * self.test.physics.step_s);
@@ -309,6 +317,8 @@ impl<'a> GraspTrial<'a> {
             held_s,
             contact_force_n,
             world_from_object: self.world_from_object(),
+            is_in_hand: self.is_touched(),
+            world_from_released: self.world_from_released,
             simulated_s: self.time_s(),
             recording: self.recording,
         }

@@ -1,7 +1,7 @@
 use cranny_spatial::{Point, Pose};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use crate::GraspRun;
+use crate::{GraspOutcome, GraspRun};
 
 /// What came of a plan that an arm executed: reach, close, lift.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub struct PlanRun {
     pub lift_m: f64,
     /// Where the object was before anything moved, in the planning frame.
     pub world_from_resting: Pose,
+    /// How far the object was, when the hand let it go, from where it was to be put down; `None` where it did not.
+    pub released: Option<PlacedError>,
     /// How far the object is in the end from where it was to be put down, of a plan that puts it down.
     pub placed: Option<PlacedError>,
     /// Closing and lifting.
@@ -33,6 +35,36 @@ pub struct PlacedError {
     pub translation_m: f64,
     /// How far it is turned, in radians.
     pub rotation_rad: f64,
+    /// Whether both are within [`Self::MOST_M`] and [`Self::MOST_RAD`].
+    pub is_there: bool,
+}
+
+/// Fate of the object of an executed plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanOutcome {
+    /// The hand did not let it go: as for a grasp.
+    Grasped(GraspOutcome),
+    /// The hand let it go, and it stands where it was to be put down.
+    Placed,
+    /// The hand let it go, and it is elsewhere.
+    Misplaced,
+}
+
+impl PlanOutcome {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grasped(outcome) => outcome.name(),
+            Self::Placed => "placed",
+            Self::Misplaced => "misplaced",
+        }
+    }
+}
+
+impl Serialize for PlanOutcome {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl PlacedError {
@@ -42,19 +74,23 @@ impl PlacedError {
     pub const MOST_RAD: f64 = std::f64::consts::PI / 18.0;
 
     pub(crate) fn between(planned: &Pose, actual: &Pose, center: &Point) -> Self {
-        Self {
-            translation_m: (actual * center - planned * center).norm(),
-            rotation_rad: planned.rotation.angle_to(&actual.rotation),
-        }
-    }
-
-    /// Whether it stands where it was to be.
-    pub fn is_there(&self) -> bool {
-        self.translation_m <= Self::MOST_M && self.rotation_rad <= Self::MOST_RAD
+        let translation_m = (actual * center - planned * center).norm();
+        let rotation_rad = planned.rotation.angle_to(&actual.rotation);
+        let is_there = translation_m <= Self::MOST_M && rotation_rad <= Self::MOST_RAD;
+        Self { translation_m, rotation_rad, is_there }
     }
 }
 
 impl PlanRun {
+    /// What became of the object.
+    pub fn outcome(&self) -> PlanOutcome {
+        match (self.released, self.placed) {
+            (Some(_), Some(PlacedError { is_there: true, .. })) => PlanOutcome::Placed,
+            (Some(_), _) => PlanOutcome::Misplaced,
+            (None, _) => PlanOutcome::Grasped(self.grasp.outcome),
+        }
+    }
+
     /// How far the object's origin rose, in metres.
     pub fn rose_m(&self) -> f64 {
         self.grasp.world_from_object.translation.z - self.world_from_resting.translation.z

@@ -91,11 +91,11 @@ impl PlanTest {
         let grasp = trial.grasp(held, leaving);
         let contacts = contacts.into_inner();
         let world_from_tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
-        let placed = onward.filter(|_| off.is_some()).map(|onward| {
+        let planned = onward.filter(|_| off.is_some()).map(|onward| {
             let down = onward.sample(onward.duration_s()).position;
-            let planned = world_from_tip(&down) * world_from_tip(&end).inverse() * world_from_resting;
-            PlacedError::between(&planned, &grasp.world_from_object, &resting)
+            world_from_tip(&down) * world_from_tip(&end).inverse() * world_from_resting
         });
+        let off = |actual: &Pose| planned.map(|planned| PlacedError::between(&planned, actual, &resting));
         Ok(PlanRun {
             reach_s: reach.duration_s(),
             on_the_way,
@@ -104,7 +104,8 @@ impl PlanTest {
             pushed_m,
             lift_m: lift.lift_m,
             world_from_resting,
-            placed,
+            released: grasp.world_from_released.as_ref().and_then(off),
+            placed: off(&grasp.world_from_object),
             grasp,
         })
     }

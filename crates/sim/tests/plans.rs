@@ -8,7 +8,7 @@ use cranny_plan::{MotionLimits, TimingMethod, Trajectory};
 use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
-use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlanRun, PlanTest, SimError};
+use cranny_sim::{Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlacedError, PlanOutcome, PlanRun, PlanTest, SimError};
 use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
@@ -90,6 +90,14 @@ fn an_arm_reaches_closes_and_lifts() {
     assert!(run.pushed_m < 1e-4 && (run.lift_m - 0.03).abs() < 1e-12);
     assert!((run.rose_m() - 0.03).abs() < 2e-3, "{}", run.rose_m());
     assert!(run.on_the_way.translation_m < 2e-3 && run.at_the_end.translation_m < 1e-3, "{run:?}");
+    assert!(run.grasp.is_in_hand && run.grasp.world_from_released.is_none());
+    assert_eq!(run.outcome(), PlanOutcome::Grasped(GraspOutcome::Held));
+    // What is let go is where it was to be, or it is not; it is held in no case.
+    let off = |translation_m, is_there| Some(PlacedError { translation_m, rotation_rad: 0.0, is_there });
+    let let_go = PlanRun { released: off(1e-4, true), ..run.clone() };
+    let thrown = PlanRun { placed: off(2.7, false), ..let_go.clone() };
+    let stands = PlanRun { placed: off(1e-3, true), ..let_go };
+    assert_eq!([thrown, stands].map(|run| run.outcome().name()), ["misplaced", "placed"]);
     // Object, palm, two fingers, and the bodies of the arm: what stands still, base, and nine joints.
     let recording = run.grasp.recording.unwrap();
     assert_eq!(recording.bodies.len(), 4 + 10);

@@ -1,6 +1,6 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    Audit, Budget, CarryEnd, ConfigurationFault, Criterion, GraspFailure, Improvement, NotChecked,
+    Audit, Budget, CarryEnd, ConfigurationFault, Criterion, GraspFailure, Improvement, NoGrasp, NotChecked,
     OptimiseSettings, Outcome, Statistics,
 };
 
@@ -51,6 +51,8 @@ pub struct Answer {
     pub failures: Vec<GraspFailure>,
     /// Where every goal configuration is refused: for each all reasons.
     pub goal_faults: Vec<Vec<ConfigurationFault>>,
+    /// Why no grasp was taken at all, after a search without a path in which the arm came to none.
+    pub no_grasp: Option<NoGrasp>,
     /// What touches and was not compared: all that is said holds but for these.
     pub not_checked: Vec<NotChecked>,
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, Observer,
+    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, NoGrasp, Observer,
     OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
     ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_cut_corners, audit_task, audit_with, better, optimise, search,
     shortcut,
@@ -157,6 +157,11 @@ fn solve_once(
         segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
     }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
+    let is_grasp_missed = matches!(
+        outcome,
+        Outcome::BudgetExhausted | Outcome::Cancelled | Outcome::GaveUp | Outcome::NoReachableGrasp
+    );
+    let no_grasp = if is_grasp_missed { NoGrasp::of(&problem, &failures) } else { None };
     let goal_faults = if outcome == Outcome::GoalsInvalid { problem.goal_faults() } else { Vec::new() };
     // 5.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
@@ -190,6 +195,7 @@ fn solve_once(
         carry_to,
         failures,
         goal_faults,
+        no_grasp,
         not_checked,
     })
 }

@@ -17,6 +17,9 @@ pub struct ClearanceProfile {
     pub times_s: Vec<f64>,
     /// The closest pair at each of them, its distance negative for how deep it overlaps.
     pub closest: Vec<Closest>,
+    /// Least distances at each of them between the robot, with what it holds, and the world, and between its own links, in
+    /// metres ([`Cell::clearances`]).
+    pub apart_m: Vec<[f64; 2]>,
     /// The names of the pairs that occur, each once.
     names: Vec<(String, String)>,
     /// Per instant which of them.
@@ -42,12 +45,18 @@ impl ClearanceProfile {
         let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
+        let mut apart_m = Vec::new();
         for Stretch { cell, places } in stretches(path, cell, steps, &places) {
             let nearest = places.par_iter().map_init(
                 || cell.scratch(),
-                |scratch, &place| cell.closest(&path.configurations[place], scratch),
+                |scratch, &place| {
+                    let q = &path.configurations[place];
+                    Some((cell.closest(q, scratch)?, cell.clearances(q, scratch)))
+                },
             );
-            let nearest: Vec<Closest> = nearest.collect::<Option<_>>()?;
+            let nearest: Vec<(Closest, [f64; 2])> = nearest.collect::<Option<_>>()?;
+            let (nearest, apart): (Vec<Closest>, Vec<[f64; 2]>) = nearest.into_iter().unzip();
+            apart_m.extend(apart);
             let name = |collider: Collider| cell.name(collider).to_owned();
             for pair in nearest.iter().map(|pair| (name(pair.first), name(pair.second))) {
                 let known = names.iter().position(|other| *other == pair).unwrap_or_else(|| {
@@ -59,7 +68,7 @@ impl ClearanceProfile {
             closest.extend(nearest);
         }
         let times_s = places.iter().map(|&place| path.times_s[place]).collect();
-        Some(Self { times_s, closest, names, name_indices })
+        Some(Self { times_s, closest, apart_m, names, name_indices })
     }
 
     pub(crate) fn rows(&self) -> ClearanceRows {
@@ -72,6 +81,8 @@ impl ClearanceProfile {
         ClearanceRows {
             times_s: number_row::floats64(self.times_s.iter().copied()),
             distances_m: number_row::floats64(self.closest.iter().map(|closest| closest.distance_m)),
+            world_m: number_row::floats64(self.apart_m.iter().map(|[world_m, _]| *world_m)),
+            own_m: number_row::floats64(self.apart_m.iter().map(|[_, own_m]| *own_m)),
             closest: number_row::unsigned32(self.name_indices.iter().copied()),
             pairs: self.names.iter().map(pair).collect(),
             points: number_row::floats32(points),
@@ -135,6 +146,8 @@ fn stretches<'a, 'b>(
 pub(crate) struct ClearanceRows {
     times_s: String,
     distances_m: String,
+    world_m: String,
+    own_m: String,
     closest: String,
     pairs: Vec<PairNames>,
     points: String,

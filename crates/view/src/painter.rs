@@ -17,7 +17,12 @@ pub(crate) struct Translucency {
     pub opacity: f32,
     /// How much more it does where it is seen from the side, so that its form can be told.
     pub rim: f32,
+    /// Whether its edges are drawn too: a flat body is otherwise told from nothing.
+    pub has_edges: bool,
 }
+
+/// Faces whose normals have a smaller cosine meet at an edge: 30°, more than between the triangles of a round body.
+const SMOOTH: f32 = 0.866;
 
 /// How much darker the line around a thing is.
 const OUTLINE: f32 = 0.5;
@@ -37,7 +42,7 @@ struct Share {
 impl Painter<'_> {
     /// Paints every point of the canvas.
     pub fn paint_solid(&self, list: &DrawList, buffer: &SampleBuffer, canvas: &mut [DrawVector]) {
-        let things = Things { list, buffer };
+        let things = Things { list, buffer, has_edges: false };
         let per_point = buffer.offsets.len();
         let mut skies = SkyMemory::new(buffer.width);
         for row in 0..buffer.height {
@@ -69,7 +74,7 @@ impl Painter<'_> {
         look: Translucency,
         canvas: &mut [DrawVector],
     ) {
-        let things = Things { list, buffer };
+        let things = Things { list, buffer, has_edges: look.has_edges };
         let per_point = buffer.offsets.len();
         for row in region.rows.clone() {
             for column in region.columns.clone() {
@@ -194,6 +199,8 @@ impl SkyMemory {
 struct Things<'a> {
     list: &'a DrawList,
     buffer: &'a SampleBuffer,
+    /// Whether the edges between faces of one thing are lines too.
+    has_edges: bool,
 }
 
 impl Things<'_> {
@@ -233,16 +240,31 @@ impl Things<'_> {
             if here == beside && here == under {
                 continue;
             }
-            let here = self.thing(here);
             let is_lined = |thing: u32| thing < UNLINED || thing == NOTHING;
-            let differs = |other: u32| here != other && is_lined(here) && is_lined(other);
-            count += u32::from(differs(self.thing(beside)) || differs(self.thing(under)));
+            let differs = |other: u32| {
+                let things = [self.thing(here), self.thing(other)];
+                things.into_iter().all(is_lined)
+                    && (things[0] != things[1] || (self.has_edges && self.is_edge(here, other)))
+            };
+            count += u32::from(differs(beside) || differs(under));
         }
         count as f32 / samples as f32
     }
 
     fn triangle(&self, row: usize, column: usize, sample: usize) -> u32 {
         self.buffer.triangle[(row * self.buffer.offsets.len() + sample) * self.buffer.width + column]
+    }
+
+    /// Whether two triangles of one thing, if they are any, meet at an edge.
+    fn is_edge(&self, one: u32, other: u32) -> bool {
+        let normal = |triangle: u32| {
+            let [a, b, c] = self.list.corners(triangle as usize);
+            (b - a).cross(&(c - a)).try_normalize(0.0)
+        };
+        one != NOTHING
+            && other != NOTHING
+            && one != other
+            && normal(one).zip(normal(other)).is_some_and(|(one, other)| one.dot(&other).abs() < SMOOTH)
     }
 
     fn thing(&self, triangle: u32) -> u32 {

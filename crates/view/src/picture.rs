@@ -69,8 +69,8 @@ const GHOST_OPACITY: f32 = 0.44;
 /// How much denser a ghost is at its edges, which show its form.
 const GHOST_RIM: f32 = 0.9;
 
-/// What can be seen through is glass in the colour of what it is made of.
-const GLASS_OPACITY: f32 = 0.36;
+/// What can be seen through is glass in the colour of what it is made of, with its edges.
+const GLASS_OPACITY: f32 = 0.45;
 const GLASS_RIM: f32 = 0.35;
 
 /// Links are things by the number of their node; bodies, as wholes, by theirs after all nodes.
@@ -155,6 +155,22 @@ impl Picture {
     }
 }
 
+impl Scene {
+    /// Names of the obstacles that [`Picture::of`] shows as glass from any of these views.
+    pub fn seen_through(&self, views: &[StandardView], settings: &PictureSettings) -> Vec<String> {
+        if settings.see_through == SeeThrough::Nothing {
+            return Vec::new();
+        }
+        let aspect = settings.width as f64 / settings.height.max(1) as f64;
+        let camera = |view: &StandardView| settings.camera.unwrap_or_else(|| self.camera(*view, aspect));
+        let hiding = views.iter().flat_map(|view| self.hiding(&camera(view)));
+        let mut names: Vec<String> = hiding.map(|node| self.nodes[node].name.clone()).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+}
+
 /// Light as a screen shows it: as it is up to this, then ever more slowly towards white, so that highlights keep
 /// their form.
 const LINEAR_UP_TO: f32 = 0.72;
@@ -193,7 +209,11 @@ impl Stage {
                 let mut list = DrawList::default();
                 list.add(mesh, pose, thing, &scene.materials, Material::clone);
                 let opacity = if is_glass { scene.opacity(mesh) } else { GLASS_OPACITY };
-                translucent.push((distance(pose), list, Translucency { opacity, rim: GLASS_RIM }));
+                translucent.push((
+                    distance(pose),
+                    list,
+                    Translucency { opacity, rim: GLASS_RIM, has_edges: true },
+                ));
             } else {
                 solid.add(mesh, pose, thing, &scene.materials, Material::clone);
             }
@@ -223,7 +243,7 @@ impl Stage {
             }
             // Later ones are denser.
             let opacity = GHOST_OPACITY * (0.6 + 0.4 * (index + 1) as f32 / ghosts.len() as f32);
-            let translucency = Translucency { opacity, rim: GHOST_RIM };
+            let translucency = Translucency { opacity, rim: GHOST_RIM, has_edges: false };
             translucent.push((far, list, translucency));
         }
         translucent.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -289,16 +289,25 @@ fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
     let problem = problem(&scenario);
     let cell = cell(&problem);
     let mut scratch = cell.scratch();
-    for ((instant, distance), points) in instants.iter().zip(&distances).zip(points.chunks_exact(6)) {
+    let (mut world_is_least, mut own_is_least) = (false, false);
+    for (index, ((instant, distance), points)) in
+        instants.iter().zip(&distances).zip(points.chunks_exact(6)).enumerate()
+    {
         let place = times
             .iter()
             .position(|time| time.to_bits() == instant.to_bits())
             .expect("an instant of the path");
         let q = &rows[place * 9..(place + 1) * 9];
         assert!((cell.clearance(q, &mut scratch) - distance).abs() < 1e-9);
+        let [world, own] = ["world_m", "own_m"].map(|key| floats64(&clearance[key])[index]);
+        assert!((world.min(own) - distance).abs() < 1e-9);
+        world_is_least |= world < own;
+        own_is_least |= own < world;
         let apart = (0..3).map(|i| f64::from(points[i] - points[i + 3]).powi(2)).sum::<f64>().sqrt();
         assert!((apart - distance).abs() < 1e-4, "{apart} {distance}");
     }
+    // The robot's own links are not what hides how near the world comes.
+    assert!(world_is_least || own_is_least);
     assert_eq!((&plan["is_valid"], &plan["grasp"]), (&false.into(), &Value::Null));
     assert!(plan["verdict"].as_str().is_some_and(|line| line.contains("from the nearest grasp")), "{plan}");
 }

@@ -333,6 +333,26 @@ test("a screen of the size of a hand has room for all", () =>
     { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
   ));
 
+test("on a telephone the title lies beside the tools or below them, never under them", async () => {
+  const name = "a_kitchen_with_a_name_that_is_long_enough_for_any_screen";
+  for (const width of [360, 400, 530, 760]) {
+    await withPage(
+      { ...twoJointPage({ plans: 1 }), name },
+      async ({ page }) => {
+        const [title, tools] = [
+          await page.getByRole("banner").boundingBox(),
+          await page.getByRole("navigation", { name: "Tools" }).boundingBox(),
+        ];
+        assert.ok(title && tools);
+        const isBeside = title.x + title.width <= tools.x;
+        assert.ok(isBeside || title.y >= tools.y + tools.height, JSON.stringify({ width, title, tools }));
+        assert.ok(title.x + title.width <= width && tools.x >= 0);
+      },
+      { viewport: { width, height: 780 }, hasTouch: true, isMobile: true },
+    );
+  }
+});
+
 test("a scenario without plan, grasps, floor and spheres can be looked at", () =>
   withPage(
     { ...twoJointPage({ plans: 0, grasps: 0 }), world_from_floor: null, floor_area: null, link_spheres: [] },

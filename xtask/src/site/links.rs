@@ -4,17 +4,49 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// A page of Markdown with each of its links that `new` knows a new place for.
-pub fn rewritten(page: &str, new: impl Fn(&str) -> Option<String>) -> String {
+pub fn rewritten(page: &str, mut new: impl FnMut(&str) -> Option<String>) -> String {
     let mut text = String::with_capacity(page.len());
     let mut rest = page;
     while let Some((before, after)) = rest.split_once("](") {
         let Some((link, after)) = after.split_once(')') else { break };
         text.push_str(before);
-        let place = Some(link).filter(|link| !is_elsewhere(link)).and_then(&new);
+        let place = Some(link).filter(|link| !is_elsewhere(link)).and_then(&mut new);
         text.extend(["](", place.as_deref().unwrap_or(link), ")"]);
         rest = after;
     }
     text + rest
+}
+
+/// A page as the site shows it: with what only the site has, `<!-- site: TEXT -->`, and without what stands in for that
+/// elsewhere, `<!-- repository -->TEXT<!-- end -->`.
+pub fn for_the_site(page: &str) -> String {
+    let replaced = |page: &str, begin: &str, end: &str, is_kept: bool| {
+        let mut text = String::with_capacity(page.len());
+        let mut rest = page;
+        while let Some((before, (inner, after))) =
+            rest.split_once(begin).and_then(|(before, after)| Some((before, after.split_once(end)?)))
+        {
+            text.push_str(before);
+            text.push_str(if is_kept { inner } else { "" });
+            rest = after;
+        }
+        text + rest
+    };
+    replaced(&replaced(page, "<!-- site: ", " -->", true), "<!-- repository -->", "<!-- end -->", false)
+}
+
+/// A page without comments and code: what a reader of the repository can follow.
+pub fn for_the_repository(page: &str) -> String {
+    let without = |page: &str, mark: &str, end: &str| {
+        let mut text = String::new();
+        let mut rest = page;
+        while let Some((before, after)) = rest.split_once(mark) {
+            text.push_str(before);
+            rest = after.split_once(end).map_or("", |(_, after)| after);
+        }
+        text + rest
+    };
+    without(&without(&without(page, "<!--", "-->"), "```", "```"), "`", "`")
 }
 
 /// A relative path from a folder, without `..`; `None` where it leads out of everything.

@@ -147,6 +147,7 @@ impl Stage<'_> {
         for page in staged.iter().filter(|path| is_page(path)) {
             let path = self.source.join(page);
             let text = fs::read_to_string(&path).map_err(|error| told(&path, &error))?;
+            let text = links::for_the_site(&text);
             let folder = page.parent().unwrap_or(Path::new(""));
             let is_start = page == Path::new(START);
             let text = links::rewritten(&text, |link| {

@@ -1,12 +1,13 @@
 use std::ops::Range;
 
-use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, Scratch};
+use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, NearestPair, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
 use cranny_spatial::{CONTACT_M, PoseDifference};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::path::clearance_limit::ClearanceLimit;
 use crate::path::grasp_judge::GraspJudge;
 use crate::path::step::{RELEASED_STEP_M, Stepper};
 use crate::task::problem::Validity;
@@ -28,6 +29,8 @@ pub struct Audit {
     /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
     /// there is nothing to touch.
     pub clearance_m: Option<f64>,
+    /// The two things that limit it; `None` where it is 0, infinite, or not measured edge by edge.
+    pub clearance_limit: Option<ClearanceLimit>,
     /// The same for every edge (`exact` only); 0 for an edge that is not proven.
     pub clearances_per_edge_m: Vec<Option<f64>>,
     /// What touches and was not compared (`exact` only): all that is said holds but for these.
@@ -142,7 +145,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         }
     }
     // 3.
-    let (mut clearances_per_edge_m, mut clearance_m) = (Vec::new(), None);
+    let (mut clearances_per_edge_m, mut clearance_m, mut clearance_limit) = (Vec::new(), None, None);
     let mut not_checked = Vec::new();
     match problem.validity() {
         Validity::Exact(cell) => {
@@ -159,9 +162,15 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
             for begin in (0..path.len() - 1).step_by(EDGES_AT_ONCE) {
                 let detail = if faulty < MOST_DETAILED { Detail::EveryPair } else { Detail::FirstPair };
                 let edges = begin..(begin + EDGES_AT_ONCE).min(path.len() - 1);
-                for (found, least_m) in judge_edges(cell, path, edges, settings.clearances, detail) {
-                    let least_m = least_m.filter(|least_m| least_m.is_finite());
-                    clearance_m = clearance_m.into_iter().chain(least_m).reduce(f64::min);
+                for (found, measured) in judge_edges(cell, path, edges, settings.clearances, detail) {
+                    let measured = measured.filter(|(least_m, _)| least_m.is_finite());
+                    let least_m = measured.map(|(least_m, _)| least_m);
+                    if let Some((least_m, nearest)) =
+                        measured.filter(|(m, _)| clearance_m.is_none_or(|least| *m < least))
+                    {
+                        clearance_m = Some(least_m);
+                        clearance_limit = nearest.map(|nearest| ClearanceLimit::of(cell, &nearest));
+                    }
                     if settings.clearances == Clearances::OfEdges {
                         clearances_per_edge_m.push(least_m);
                     }
@@ -195,7 +204,16 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     let end = End { way_point: path.len() - 1, q: last, must_arrive: settings.at_goal };
     let (goal, own_grasp) = judge_end(problem, &end, &offset, &mut violations);
     let valid = violations.is_empty();
-    Ok(Audit { valid, violations, goal, own_grasp, clearance_m, clearances_per_edge_m, not_checked })
+    Ok(Audit {
+        valid,
+        violations,
+        goal,
+        own_grasp,
+        clearance_m,
+        clearance_limit,
+        clearances_per_edge_m,
+        not_checked,
+    })
 }
 
 /// The last way point of a path.
@@ -311,8 +329,9 @@ enum Detail {
     FirstPair,
 }
 
-/// Whether an edge is proven, else what is wrong with it; and its least clearance (m) where that is measured.
-type JudgedEdge = (Result<(), Vec<Violation>>, Option<f64>);
+/// Whether an edge is proven, else what is wrong with it; and its least clearance (m) where that is measured, with the pair
+/// that has it.
+type JudgedEdge = (Result<(), Vec<Violation>>, Option<(f64, Option<NearestPair>)>);
 
 /// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if that is measured.
 fn judge_edges(
@@ -329,12 +348,12 @@ fn judge_edges(
             return (found, None);
         }
         if found.is_err() {
-            return (found, Some(0.0));
+            return (found, Some((0.0, None)));
         }
         let measured = cell.measure_motion([a, b], Measuring::default(), scratch);
         match measured.contradiction {
-            Some((at, contact)) => (Err(vec![unresolved(cell, edge, at, &contact)]), Some(0.0)),
-            None => (found, Some(measured.least_m)),
+            Some((at, contact)) => (Err(vec![unresolved(cell, edge, at, &contact)]), Some((0.0, None))),
+            None => (found, Some((measured.least_m, measured.nearest))),
         }
     };
     if edges.len() <= EDGES_PER_THREAD {

@@ -39,7 +39,12 @@ pub fn audit_cut_corners(
         let lower = |known: &mut Option<f64>| {
             *known = known.iter().copied().chain(clearance_m).reduce(f64::min);
         };
+        let of_edges = audit.clearance_m;
         lower(&mut audit.clearance_m);
+        if audit.clearance_m != of_edges {
+            // A pair that limits an edge is not what limits the corner.
+            audit.clearance_limit = None;
+        }
         if settings.clearances == Clearances::OfEdges {
             corner.edges.iter().for_each(|&edge| lower(&mut audit.clearances_per_edge_m[edge]));
         }

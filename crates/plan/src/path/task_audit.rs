@@ -247,7 +247,9 @@ fn place(
 fn append(audit: &mut Audit, piece: Audit, before: usize) {
     audit.violations.extend(piece.violations.into_iter().map(|violation| violation.counted_from(before)));
     audit.clearances_per_edge_m.extend(piece.clearances_per_edge_m);
-    audit.clearance_m = audit.clearance_m.into_iter().chain(piece.clearance_m).reduce(f64::min);
+    if piece.clearance_m.is_some_and(|piece_m| audit.clearance_m.is_none_or(|least_m| piece_m < least_m)) {
+        (audit.clearance_m, audit.clearance_limit) = (piece.clearance_m, piece.clearance_limit);
+    }
     let new = piece.not_checked.into_iter().filter(|pair| !audit.not_checked.contains(pair));
     let new: Vec<_> = new.collect();
     audit.not_checked.extend(new);

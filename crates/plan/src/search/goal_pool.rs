@@ -55,6 +55,8 @@ struct Record {
     hand_contacts: usize,
     hand_contact: Option<Contact>,
     blocked: Vec<f64>,
+    /// Why it is left out from the beginning.
+    excluded: Option<FailureReason>,
 }
 
 impl<'a> GoalPool<'a> {
@@ -72,9 +74,13 @@ impl<'a> GoalPool<'a> {
 
     /// The pool of all grasps and their twins.
     pub fn new(problem: &'a Problem, cell: &'a Cell, grasps: &GraspSet) -> Self {
-        let both = |(index, grasp)| poses(grasp).map(|pose| (index, pose));
-        let poses = grasps.grasps().iter().enumerate().flat_map(both).collect();
-        Self { poses, records: vec![Record::default(); grasps.len()], ..Self::empty(problem, cell) }
+        let given = grasps.grasps();
+        let excluded: Vec<_> =
+            given.iter().map(|grasp| FailureReason::of_width(cell.robot(), grasp)).collect();
+        let fitting = given.iter().enumerate().filter(|(index, _)| excluded[*index].is_none());
+        let poses = fitting.flat_map(|(index, grasp)| poses(grasp).map(|pose| (index, pose))).collect();
+        let records = excluded.into_iter().map(|excluded| Record { excluded, ..Record::default() }).collect();
+        Self { poses, records, ..Self::empty(problem, cell) }
     }
 
     /// The pool of the grasps that a source brings.
@@ -227,6 +233,9 @@ impl<'a> GoalPool<'a> {
     }
 
     fn reason(&self, record: &Record, scratch: &mut Scratch) -> FailureReason {
+        if let Some(excluded) = &record.excluded {
+            return excluded.clone();
+        }
         if record.goals > 0 {
             return FailureReason::NotConnected { goals: record.goals };
         }

@@ -1,4 +1,4 @@
-use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings};
+use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, TooWide};
 use cranny_spatial::{Pose, Stream};
 
 use crate::path::grasp_judge::GraspJudge;
@@ -33,18 +33,34 @@ impl<'a> GraspSource<'a> {
     /// # Errors
     /// [`PlanError::NoGraspMeasure`] for a surface on which no grasp can be sampled: there is none with a measure.
     pub fn new(measure: &'a GraspMeasure, first_score: f64) -> Result<Self, PlanError> {
-        let settings = SamplerSettings {
+        let sampler = Self::sampler(measure)?;
+        let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);
+        let judge = GraspJudge::new(measure);
+        Ok(Self { sampler, measure, judge, score_beyond, left: 0, goals: 0 })
+    }
+
+    /// The sampler of grasps of at least [`GraspMeasure::LEAST_SCORE`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn sampler(measure: &'a GraspMeasure) -> Result<GraspSampler<'a>, PlanError> {
+        GraspSampler::new(measure.surface_in_world(), &Self::settings(measure))
+            .map_err(|_| PlanError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })
+    }
+
+    /// By how much the target is too wide for the hand, if it is.
+    pub fn too_wide(measure: &GraspMeasure) -> Option<TooWide> {
+        TooWide::of(measure.surface_in_world(), &Self::settings(measure))
+    }
+
+    fn settings(measure: &GraspMeasure) -> SamplerSettings {
+        SamplerSettings {
             // Whatever needs no more friction than this has the least score.
             friction: (1.0 - GraspMeasure::LEAST_SCORE) * measure.friction(),
             opening_m: measure.opening_m(),
             first_approach: FirstApproach::Random,
             ..SamplerSettings::default()
-        };
-        let sampler = GraspSampler::new(measure.surface_in_world(), &settings)
-            .map_err(|_| PlanError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })?;
-        let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);
-        let judge = GraspJudge::new(measure);
-        Ok(Self { sampler, measure, judge, score_beyond, left: 0, goals: 0 })
+        }
     }
 
     /// A new batch begins, so many goals being found.

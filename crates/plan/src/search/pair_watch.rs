@@ -1,11 +1,13 @@
 use cranny_collision::{Cell, Scratch, UncheckedReason};
 use cranny_spatial::Pose;
 
+use crate::search::no_grasp::all_excluded;
 use crate::wall_clock::now;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Statistics};
 
 /// Runs a planner. If a node of its search shows a pair of links free that was not checked because it touched in
-/// every sample, the pair is checked from then on: `problem` becomes one that checks it, and the search begins anew.
+/// every sample, the pair is checked from then on: `problem` becomes one that checks it, and the search begins anew. Where
+/// every grasp is excluded beforehand, by its width or as beyond reach, no search is begun.
 ///
 /// # Errors
 /// Those of the planner.
@@ -18,6 +20,10 @@ pub fn search(
 ) -> Result<PlanReport, PlanError> {
     planner.check()?;
     let begin = now();
+    if let Some(failures) = all_excluded(problem).filter(|_| problem.start_is_free()) {
+        let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
+        return Ok(PlanReport { failures, ..report });
+    }
     while let Some(cell) = problem.cell() {
         if !cell.unchecked().iter().any(|unchecked| unchecked.reason == UncheckedReason::AlwaysTouching) {
             break;

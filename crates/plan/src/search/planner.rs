@@ -39,7 +39,8 @@ pub enum Outcome {
     StartInvalid,
     /// Every goal configuration is in collision or outside the joint limits.
     GoalsInvalid,
-    /// No grasp can be reached at all: each is excluded for certain.
+    /// No grasp can be reached at all: each is excluded for certain, or wherever the target was sampled it is wider than the
+    /// hand opens.
     NoReachableGrasp,
 }
 

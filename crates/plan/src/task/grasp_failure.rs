@@ -1,3 +1,6 @@
+use cranny_file::distinct;
+use cranny_grasp::Grasp;
+use cranny_robot::Robot;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -54,12 +57,24 @@ impl GraspFailure {
     }
 }
 
-/// What can stand between a robot and a grasp. Only the first is certain: the others say what was met, not
+/// What can stand between a robot and a grasp. Only the first three are certain: the others state what was met, not
 /// that there is no way.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 #[non_exhaustive]
 pub enum FailureReason {
+    /// The object is stated to be wider there than the hand opens.
+    TooWide {
+        /// Its width, in metres.
+        width_m: f64,
+        /// Between the pads of the open hand, in metres.
+        opening_m: f64,
+    },
+    /// The grasp is farther away than the arm can ever reach, wherever its base stands.
+    OutOfReach {
+        /// Least distance beyond, in metres.
+        beyond_m: f64,
+    },
     /// The hand alone collides there and at the twin.
     HandCollides {
         /// Which link of the hand.
@@ -159,10 +174,26 @@ pub enum FailureReason {
     NotTried,
 }
 
+/// Two widths that differ by less are equal, in metres: files round.
+const WIDTH_TOLERANCE_M: f64 = 1e-9;
+
 impl FailureReason {
+    /// [`Self::TooWide`] for a grasp whose stated width is beyond the opening of the robot's hand.
+    pub(crate) fn of_width(robot: &Robot, grasp: &Grasp) -> Option<Self> {
+        let opening_m = robot.hand()?.description.opening_m;
+        let width_m = grasp.width_m.filter(|width_m| *width_m > opening_m + WIDTH_TOLERANCE_M)?;
+        (opening_m > 0.0).then_some(Self::TooWide { width_m, opening_m })
+    }
+
     /// The reason in words, without the grasp.
     pub fn sentence(&self) -> String {
         match self {
+            Self::TooWide { width_m, opening_m } => {
+                let [width, opening] = distinct([width_m * 1e3, opening_m * 1e3], 1);
+                format!("the object is {width} mm wide there, and the hand opens {opening} mm")
+            }
+            // One sentence for all of them, which are counted by it.
+            Self::OutOfReach { .. } => "beyond reach from anywhere the base can stand".to_owned(),
             Self::HandCollides { link, body } => format!("the hand alone collides: {link} against {body}"),
             Self::NoIk => "no attempt of inverse kinematics came there".to_owned(),
             Self::ArmCollides { link, body } => format!("the arm came there, but {link} touched {body}"),

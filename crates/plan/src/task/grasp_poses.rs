@@ -2,6 +2,8 @@ use cranny_collision::{Cell, Contact, Scratch};
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_spatial::Pose;
 
+use crate::FailureReason;
+
 /// The two gripper poses of a grasp: it and its twin with the fingers swapped. An arm may reach only one of
 /// them, within its joint limits.
 pub(crate) fn poses(grasp: &Grasp) -> [Pose; 2] {
@@ -27,7 +29,8 @@ pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> R
 /// All poses that the hand alone can take, with the index of their grasp, from the highest score down.
 pub(crate) fn all_open_poses(cell: &Cell, grasps: &GraspSet, scratch: &mut Scratch) -> Vec<(usize, Pose)> {
     let mut all = Vec::new();
-    for index in grasps.by_score() {
+    let fits = |index: &usize| FailureReason::of_width(cell.robot(), &grasps.grasps()[*index]).is_none();
+    for index in grasps.by_score().into_iter().filter(fits) {
         let open = open_poses(cell, &grasps.grasps()[index], scratch).unwrap_or_default();
         all.extend(open.into_iter().map(|pose| (index, pose)));
     }

@@ -26,9 +26,14 @@ pub struct IkAnnotationSettings {
     pub seed: u64,
 }
 
+impl IkAnnotationSettings {
+    pub(crate) const DEFAULT: Self =
+        Self { method: IkMethod::Restarts, solutions: 1, attempts: 5000, seed: 0 };
+}
+
 impl Default for IkAnnotationSettings {
     fn default() -> Self {
-        Self { method: IkMethod::Restarts, solutions: 1, attempts: 5000, seed: 0 }
+        Self::DEFAULT
     }
 }
 

@@ -1,9 +1,11 @@
+use cranny_file::did_you_mean;
+
 /// What can be wrong with a family of scenarios. The message is complete in itself: file and line where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FamilyError {
     /// A family is asked for that there is not.
-    #[error("no family '{name}' (there are {known})")]
+    #[error("no family '{name}' (there are {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownFamily {
         /// What was asked for.
         name: String,

@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use cranny_file::nearest_files;
 use cranny_grasp::read_csv;
 
 use crate::given_grasps::GivenGrasps;
@@ -51,7 +52,10 @@ impl Scenario {
         } else if own::is_there(folder)? {
             Err(ScenarioError::FileForFolder { path: folder.to_owned() })
         } else {
-            let near = catalogue::near_ids(what);
+            // Ids, and scenarios beside the place where it would be.
+            let ids = catalogue::near_ids(what).into_iter().map(str::to_owned);
+            let near =
+                ids.chain(nearest_files(folder).into_iter().filter(|near| is_scenario(near))).collect();
             Err(ScenarioError::Unknown { what: what.to_owned(), known: catalogue::known_ids(), near })
         }
     }

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Body, Part, World};
-use cranny_file::{TABLE, TEXT};
+use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
@@ -19,8 +19,8 @@ use crate::layout::own_file::{
 };
 use crate::robot::file;
 use crate::{
-    BUILTIN_ROBOTS, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
-    ScenarioError, Step, TargetPhysics, scenario,
+    BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario, ScenarioError,
+    Step, TargetPhysics, scenario,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -194,8 +194,7 @@ impl Layout<'_> {
         let path = self.folder.join(name);
         if !path.exists() {
             let (at, name) = (self.at(file.robot.referenced), name.clone());
-            let known = BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
-            return Err(ScenarioError::UnknownRobot { at, name, path, known });
+            return Err(ScenarioError::UnknownRobot { at, name, path, known: BuiltinRobot::known() });
         }
         let robot = file::load(&path, &robot_options)?;
         Ok((robot, source_of(RobotSource::Files(path))))
@@ -295,7 +294,8 @@ impl Layout<'_> {
                 if !is_floor && !known.clone().any(|obstacle| obstacle == on) {
                     let floor = file.floor.as_ref().map(|_| FLOOR);
                     let known = known.by_ref().chain(floor).collect::<Vec<_>>().join(", ");
-                    return Err(refuse(format!("there is no obstacle '{on}' (there are: {known})")));
+                    let meant = did_you_mean(on, known.split(", "));
+                    return Err(refuse(format!("there is no obstacle '{on}' (there are: {known}){meant}")));
                 }
                 if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
                     return Err(refuse(format!(
@@ -329,9 +329,10 @@ impl Layout<'_> {
             [("body", pick, bodies.collect::<Vec<_>>()), ("place", place, places.collect())]
         {
             if !known.contains(&name.as_str()) {
+                let meant = did_you_mean(name, known.iter().copied());
                 let known = known.join(", ");
                 return Err(refuse(format!(
-                    "there is no {what} '{name}' for this step (there are: {known})"
+                    "there is no {what} '{name}' for this step (there are: {known}){meant}"
                 )));
             }
         }

@@ -1,3 +1,5 @@
+use cranny_file::did_you_mean_here;
+
 /// What can be wrong with an object to be grasped. The message is complete in itself: file and line where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -38,7 +40,8 @@ pub enum ObjectError {
     },
     /// No built-in object has that name.
     #[error(
-        "there is no built-in object '{name}' (there are: {known}) and no folder of that name with object.yaml"
+        "there is no built-in object '{name}' (there are: {known}) and no folder of that name with object.yaml{}",
+        did_you_mean_here(name, known.split(", "))
     )]
     Unknown {
         /// The name.

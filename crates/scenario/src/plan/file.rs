@@ -4,8 +4,8 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NotChecked, Outcome, OwnGrasp,
-    PlanError, Problem, Statistics, path_length,
+    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NoGrasp, NotChecked, Outcome,
+    OwnGrasp, PlanError, Problem, Statistics, path_length,
 };
 use cranny_solve::{Answer, Carry, Request, Robustness};
 use serde::{Deserialize, Serialize};
@@ -97,6 +97,9 @@ pub struct PlanFile {
     /// Where every goal configuration was refused: for each the reasons, in sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub goal_faults: Vec<Vec<String>>,
+    /// Why no grasp was taken at all, after a search in which the arm came to none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_grasp: Option<NoGrasp>,
     /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_to: Option<Vec<Vec<f64>>>,
@@ -198,6 +201,7 @@ impl PlanFile {
                 .iter()
                 .map(|faults| faults.iter().map(ToString::to_string).collect())
                 .collect(),
+            no_grasp: answer.no_grasp.clone(),
             carry_to: match &answer.carry_to {
                 Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
                 _ => None,
@@ -345,6 +349,7 @@ mod tests {
                 attempts: 0,
             }],
             goal_faults: Vec::new(),
+            no_grasp: None,
             carry_to: None,
             carry_clear_m: None,
             robustness: None,

@@ -68,7 +68,7 @@ const MEASURED: [&str; 12] = [
 ];
 
 /// Keys of which nothing is measured: they record how the path was found.
-const RECORD: [&str; 11] = [
+const RECORD: [&str; 12] = [
     "planner",
     "settings",
     "score",
@@ -80,6 +80,7 @@ const RECORD: [&str; 11] = [
     "optimisation",
     "failures",
     "goal_faults",
+    "no_grasp",
 ];
 
 impl PlanFile {
@@ -206,6 +207,7 @@ impl PlanFile {
             optimisation: self.optimisation.clone(),
             failures: self.failures.clone(),
             goal_faults: self.goal_faults.clone(),
+            no_grasp: self.no_grasp.clone(),
             carry_to: self.carry_to.clone(),
             carry_clear_m: self.carry_clear_m,
             robustness: None,

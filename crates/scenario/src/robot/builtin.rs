@@ -134,6 +134,11 @@ impl BuiltinRobot {
         BUILTIN_ROBOTS.iter().find(|robot| robot.name == name.replace('-', "_"))
     }
 
+    /// The names of all, for a message about an unknown one.
+    pub(crate) fn known() -> String {
+        BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ")
+    }
+
     /// The one that a flag names, unless a robot's folder of that name is there.
     pub(crate) fn of_path(what: &Path) -> Option<&'static Self> {
         let is_folder = what.join("robot.yaml").is_file();

@@ -1,0 +1,104 @@
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+
+/// The known names that a misspelt `name` probably meant: at most three, nearest first, none that differs in
+/// more than half of its letters.
+pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    // Longer ones are no slips, and take long to compare.
+    const LONGEST: usize = 200;
+    if name.len() > LONGEST {
+        return Vec::new();
+    }
+    let mut ranked: Vec<(usize, &str)> = known
+        .into_iter()
+        .filter(|candidate| candidate.len() <= LONGEST)
+        .map(|candidate| (edit_distance(name, candidate), candidate))
+        .filter(|(distance, candidate)| 2 * distance <= candidate.chars().count().max(2))
+        .collect();
+    ranked.sort_by_key(|&(distance, _)| distance);
+    ranked.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()
+}
+
+/// Of [`nearest_names`] those that are as near as the first.
+fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let mut near = nearest_names(name, known);
+    let least = near.first().map(|first| edit_distance(name, first));
+    near.retain(|near| Some(edit_distance(name, near)) == least);
+    near
+}
+
+/// The end of a message about an unknown `name`: `; did you mean 'reach'?`, with the known names that are nearest to it;
+/// nothing where none is near.
+pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    suggested(&likeliest_names(name, known))
+}
+
+/// The same of names that are known to be near.
+pub fn suggested(near: &[impl AsRef<str>]) -> String {
+    let quoted: Vec<String> = near.iter().map(|name| format!("'{}'", name.as_ref())).collect();
+    if quoted.is_empty() { String::new() } else { format!("; did you mean {}?", quoted.join(" or ")) }
+}
+
+/// [`did_you_mean`] where `name` may be one of `known`, or a file or folder.
+pub fn did_you_mean_here<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let mut near = likeliest_names(name, known);
+    near.extend(nearest_files(Path::new(name)));
+    suggested(&near)
+}
+
+/// The files and folders beside a missing `path` that it probably meant, as they would be named in its place.
+pub fn nearest_files(path: &Path) -> Vec<String> {
+    /// In a folder of more entries a slip is not looked for.
+    const MOST_ENTRIES: usize = 10_000;
+    let (Some(name), Some(folder)) = (path.file_name().and_then(OsStr::to_str), path.parent()) else {
+        return Vec::new();
+    };
+    let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let Ok(entries) = fs::read_dir(listed) else { return Vec::new() };
+    let mut known: Vec<String> = entries
+        .take(MOST_ENTRIES)
+        .flatten()
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    known.sort();
+    let near = likeliest_names(name, known.iter().map(String::as_str));
+    near.into_iter().map(|near| folder.join(near).display().to_string()).collect()
+}
+
+/// How many letters must be inserted, removed or replaced to turn `a` into `b` (Levenshtein 1966).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for j in 0..b.len() {
+            let replaced = diagonal + usize::from(letter != b[j]);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(row[j + 1] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_those_of_the_textbook() {
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+        assert_eq!(edit_distance("", "abc"), 3);
+        assert_eq!(edit_distance("same", "same"), 0);
+    }
+
+    #[test]
+    fn a_typing_slip_finds_its_name_first() {
+        let known = ["panda_joint1", "panda_joint2", "base_joint_x"];
+        assert_eq!(nearest_names("panda_jiont2", known)[0], "panda_joint2");
+        assert!(nearest_names("zzz", known).is_empty());
+        assert_eq!(did_you_mean("base_joint_y", known), "; did you mean 'base_joint_x'?");
+        assert_eq!(did_you_mean("zzz", known), "");
+    }
+}

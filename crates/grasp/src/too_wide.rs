@@ -1,0 +1,39 @@
+use std::fmt;
+
+use cranny_file::distinct;
+use cranny_shape::Surface;
+use serde::{Deserialize, Serialize};
+
+use crate::{GraspSampler, SamplerSettings};
+
+/// So many first contacts are drawn: a handle with a thousandth of the surface is met by some ten.
+const FIRST_CONTACTS: usize = 10_000;
+
+/// An object that no grasp fits, as far as was sampled: two pads that hold it are farther apart than the hand opens.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TooWide {
+    /// The least distance of two contacts in force closure, in metres.
+    pub narrowest_m: f64,
+    /// Between the pads of the open hand, in metres.
+    pub opening_m: f64,
+}
+
+impl TooWide {
+    /// Of an object, if it is; `settings` are those of the sampling of grasps.
+    pub fn of(surface: &Surface, settings: &SamplerSettings) -> Option<Self> {
+        let narrowest_m = GraspSampler::new(surface, settings).ok()?.too_wide_m(FIRST_CONTACTS)?;
+        Some(Self { narrowest_m, opening_m: settings.opening_m })
+    }
+}
+
+impl fmt::Display for TooWide {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [narrowest, opening] =
+            distinct([self.narrowest_m, self.opening_m].map(|metres| metres * 1e3), 1);
+        write!(
+            formatter,
+            "no grasp fits: two pads that hold it are at least {narrowest} mm apart, as sampled, and the hand opens \
+             {opening} mm"
+        )
+    }
+}
