@@ -116,8 +116,9 @@ impl PyPlan {
         self.file.clearance_m
     }
 
-    /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
-    /// ("always-touching", "never-moves"). What is said holds but for these.
+    /// Pairs that are not compared: dictionaries of `first`, `second`, `depth_m` and `reason` ("always-touching",
+    /// "adjacent-touching", "adjacent-unproven", "adjacent-free", "never-moves"). The verdict holds but for these; those that
+    /// are "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.file.not_checked)

@@ -49,8 +49,9 @@ impl PyVerification {
         self.audit.clearance_m
     }
 
-    /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
-    /// ("always-touching", "never-moves"). What is said holds but for these.
+    /// Pairs that are not compared: dictionaries of `first`, `second`, `depth_m` and `reason` ("always-touching",
+    /// "adjacent-touching", "adjacent-unproven", "adjacent-free", "never-moves"). The verdict holds but for these; those that
+    /// are "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.audit.not_checked)
@@ -66,7 +67,7 @@ impl PyVerification {
 
     fn __repr__(&self) -> String {
         let Audit { valid, violations, .. } = &self.audit;
-        let unchecked = self.audit.not_checked.len();
+        let unchecked = self.audit.not_checked.iter().filter(|pair| pair.is_exception()).count();
         if *valid && unchecked > 0 {
             format!("<cranny.Verification: valid, but for {unchecked} pairs that are not checked>")
         } else if *valid {

@@ -167,8 +167,8 @@ fn about_path(plan: &PlanFile, grasps: &GraspSet, line: &mut dyn FnMut(&str, Str
             format!("{} or more along the whole path, proven{but_for}", millimetres(clearance)),
         );
     }
-    for pair in &plan.not_checked {
-        line("not checked", text::not_checked(pair));
+    for pairs in text::not_checked(&plan.not_checked) {
+        line("not checked", pairs);
     }
     if !plan.waypoints.is_empty() {
         let points = counted(plan.waypoints.len(), "way point");

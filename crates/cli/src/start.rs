@@ -1,3 +1,4 @@
+use cranny_collision::Collider;
 use cranny_plan::Problem;
 
 use crate::text::millimetres;
@@ -35,6 +36,14 @@ pub fn faults(problem: &Problem) -> Vec<String> {
     let mut faults: Vec<String> = contacts.iter().take(MOST).map(describe).collect();
     if contacts.len() > MOST {
         faults.push(format!("and {} more pairs", contacts.len() - MOST));
+    }
+    let is_of_links = |contact: &cranny_collision::Contact| matches!(contact.second, Collider::Link(_));
+    if contacts.iter().any(is_of_links) {
+        faults.push(
+            "links that may touch each other are declared in an SRDF or as unchecked_pairs in scenario.yaml; \
+             `cranny robot add` proposes them"
+                .to_owned(),
+        );
     }
     faults
 }

@@ -85,26 +85,48 @@ pub fn only_so_many(count: usize, noun: &str) -> String {
     format!("there {verb} {}, counted from 0", counted(count, noun))
 }
 
-/// What is said right after "proven" or "valid" where something was not compared.
+/// The exception that follows "proven" or "valid" where something was not compared.
 pub fn but_for(not_checked: &[NotChecked]) -> String {
-    match not_checked.len() {
+    match not_checked.iter().filter(|pair| pair.is_exception()).count() {
         0 => String::new(),
         1 => ", but for 1 pair that is not checked".to_owned(),
         count => format!(", but for {count} pairs that are not checked"),
     }
 }
 
-/// Two things that touch and are not compared, why, and what to do about it.
-pub fn not_checked(pair: &NotChecked) -> String {
-    let NotChecked { first, second, depth_m, reason } = pair;
-    let depth = millimetres(*depth_m);
-    match reason {
-        NotCheckedReason::NeverMoves => {
-            format!("{first} stands still, {depth} deep in {second}")
+/// As many adjacent pairs are named in a line.
+const MOST_NAMED: usize = 3;
+
+/// Pairs that are not compared, why, and what to do about it: a line each, but one for all adjacent links of a kind.
+pub fn not_checked(pairs: &[NotChecked]) -> Vec<String> {
+    use NotCheckedReason::{AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching};
+    let of = |reason| pairs.iter().filter(move |pair| pair.reason == reason);
+    let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason }| {
+        let depth = millimetres(*depth_m);
+        match reason {
+            AlwaysTouching => Some(format!(
+                "{first} and {second} touch wherever the joints between them stand, at least {depth} deep \
+                 (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
+            )),
+            NotCheckedReason::NeverMoves => Some(format!("{first} stands still, {depth} deep in {second}")),
+            _ => None,
         }
-        _ => format!(
-            "{first} and {second} touched in every sample, at least {depth} deep \
-             (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
-        ),
+    });
+    let mut lines: Vec<String> = alone.collect();
+    for (reason, what) in [
+        (AdjacentTouching, "adjacent, touching at every value of their joint"),
+        (AdjacentUnproven, "adjacent, too close to prove them free at any value of their joint"),
+        (AdjacentFree, "adjacent, proven to touch at no value of their joint: their distance alone is not counted"),
+    ] {
+        let count = of(reason).count();
+        let names = of(reason).take(MOST_NAMED).map(|pair| format!("{} and {}", pair.first, pair.second));
+        let mut names = names.collect::<Vec<_>>().join(", ");
+        if count > MOST_NAMED {
+            names.push_str(", …");
+        }
+        if count > 0 {
+            lines.push(format!("{} ({names}): {what}", counted(count, "pair")));
+        }
     }
+    lines
 }

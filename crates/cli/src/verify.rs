@@ -104,8 +104,8 @@ fn page(answered: &Answered, way_points: usize) -> String {
     if let Some(grasp) = &audit.own_grasp {
         let _ = writeln!(page, "  goal        {}", text::own_grasp(grasp));
     }
-    for pair in &audit.not_checked {
-        let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
+    for pairs in text::not_checked(&audit.not_checked) {
+        let _ = writeln!(page, "  not checked {pairs}");
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
         let _ = writeln!(page, "  clearance   {} or more along the whole path", millimetres(clearance));

@@ -99,7 +99,6 @@ impl Robustness {
 
     /// Along a path in one cell, with an object of this radius.
     fn along(cell: &Arc<Cell>, path: &[Vec<f64>], object_m: f64) -> Self {
-        let cell = cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
         let mut scratch = cell.scratch();
         let mut room_m =
             |group| (cell.group_clearance(path, group, SHARE, &mut scratch) - CONTACT_M).max(0.0);

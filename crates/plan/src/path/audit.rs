@@ -146,7 +146,6 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     let mut not_checked = Vec::new();
     match problem.validity() {
         Validity::Exact(cell) => {
-            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             not_checked = NotChecked::of(cell);
             // A path of one way point is an edge of no length.
             let single = [first.clone(), first.clone()];

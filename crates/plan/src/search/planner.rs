@@ -194,3 +194,18 @@ pub trait Planner: Send + Sync {
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError>;
 }
+
+/// Runs a planner whose settings are good ([`Planner::check`]).
+///
+/// # Errors
+/// Those of the planner.
+pub fn search(
+    planner: &dyn Planner,
+    problem: &Problem,
+    budget: &Budget,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<PlanReport, PlanError> {
+    planner.check()?;
+    planner.plan(problem, budget, seed, observer)
+}

@@ -1,7 +1,7 @@
 use cranny_collision::{Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
 
-/// Two things that touch and are compared by no check and no proof, by name: "proven" is said of a path but for these.
+/// Two things that are compared by no check and no proof, by name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NotChecked {
     /// A link.
@@ -19,13 +19,24 @@ pub struct NotChecked {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum NotCheckedReason {
-    /// Two links that touch in every configuration that was checked.
+    /// Two links, proven to touch at every value of the joints between them.
     AlwaysTouching,
+    /// Two adjacent links, proven to touch at every value of their joint.
+    AdjacentTouching,
+    /// Two adjacent links that touch, or nearly do, at all values of their joint that were looked at.
+    AdjacentUnproven,
+    /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
+    AdjacentFree,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
 }
 
 impl NotChecked {
+    /// Whether "free" and "proven" hold but for this pair. They hold for adjacent links that are proven never to touch.
+    pub fn is_exception(&self) -> bool {
+        self.reason != NotCheckedReason::AdjacentFree
+    }
+
     pub(crate) fn of(cell: &Cell) -> Vec<Self> {
         let named = cell.unchecked().iter().map(|unchecked| Self {
             first: cell.name(unchecked.first).to_owned(),
@@ -33,6 +44,9 @@ impl NotChecked {
             depth_m: unchecked.depth_m,
             reason: match unchecked.reason {
                 UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
+                UncheckedReason::AdjacentTouching => NotCheckedReason::AdjacentTouching,
+                UncheckedReason::AdjacentUnproven => NotCheckedReason::AdjacentUnproven,
+                UncheckedReason::AdjacentFree => NotCheckedReason::AdjacentFree,
                 UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
             },
         });
