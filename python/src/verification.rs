@@ -50,8 +50,8 @@ impl PyVerification {
     }
 
     /// Pairs that are not compared: dictionaries of `first`, `second`, `depth_m` and `reason` ("always-touching",
-    /// "adjacent-touching", "adjacent-unproven", "adjacent-free", "never-moves"). The verdict holds but for these; those that
-    /// are "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
+    /// "adjacent-touching", "adjacent-at-joint", "adjacent-unproven", "adjacent-free", "never-moves"). The verdict holds but
+    /// for these; those that are "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.audit.not_checked)

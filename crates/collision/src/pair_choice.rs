@@ -11,7 +11,7 @@ impl Cell {
     /// not free at any value of their joint that was looked at.
     #[must_use]
     pub fn with_all_pairs(&self) -> Self {
-        let more = self.unchecked.iter().filter(|unchecked| !unchecked.reason.is_about_the_joint());
+        let more = self.unchecked.iter().filter(|unchecked| !unchecked.reason.is_never_free());
         self.with_pairs(&more.filter_map(Unchecked::links).collect::<Vec<_>>())
     }
 }

@@ -1,8 +1,8 @@
 use std::collections::VecDeque;
 
-use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Solid, overlap};
-use cranny_spatial::{CONTACT_M, Pose, ROUNDING_M, Vector};
+use cranny_robot::{JointKind, LinkFrames, Robot};
+use cranny_shape::{Overlap, Solid, overlap};
+use cranny_spatial::{CONTACT_M, ROUNDING_M, Vector};
 
 use crate::link_body::{LinkBody, group_separation};
 use crate::travel::{Travel, shared_joints};
@@ -14,11 +14,11 @@ pub(crate) enum PairRange {
     AlwaysTouching { depth_m: f64 },
     /// They touch at none.
     NeverTouching,
-    /// They are free at one value, and touch at another.
-    Both,
+    /// They are free at one value, and touch at another: only near their joint, or elsewhere too.
+    Both { is_at_joint: bool },
     /// They are free at one value; the others were not asked about.
     SomewhereFree,
-    /// Nothing, before [`MOST_BOXES`] were used up: they touched in the middle of every box, at the least that deep (m), or
+    /// Nothing, before as many boxes were used up as are looked at: they touched in the middle of every box, at the least that deep (m), or
     /// in none.
     Unproven { depth_m: f64 },
 }
@@ -51,9 +51,14 @@ pub(crate) struct PairRanges<'a> {
     slope: Vec<f64>,
 }
 
-/// More boxes are not looked at for one pair: each takes some 10 to 200 µs. Of a single joint's range they are pieces of a
-/// two-thousandth.
-const MOST_BOXES: usize = 4095;
+/// More boxes are not looked at for one pair: each takes some 10 to 200 µs.
+const MOST_BOXES: usize = 20_000;
+
+/// Nor more pieces of the range of a single joint: in the end they are less than a thousandth of it.
+const MOST_PIECES: usize = 4095;
+
+/// Steps of a sweep over the range of a joint.
+const SWEEP: u32 = 512;
 
 /// The search for the depth of two convex bodies ends within a thousandth of it; of each depth so much is believed.
 const BELIEVED: f64 = 0.9;
@@ -79,8 +84,8 @@ impl<'a> PairRanges<'a> {
         let joints = self.joints_between(pair, shared);
         let whole: JointBox =
             joints.iter().map(|&joint| self.robot.limits()[joint]).map(|l| [l.lower, l.upper]).collect();
-        let (mut boxes, mut is_free, mut least_depth_m) = (VecDeque::from([whole]), false, None::<f64>);
-        for _ in 0..MOST_BOXES {
+        let (mut boxes, mut is_free, mut least_depth_m) = (VecDeque::from([whole.clone()]), false, None::<f64>);
+        for _ in 0..if joints.len() == 1 { MOST_PIECES } else { MOST_BOXES } {
             let Some(values) = boxes.pop_front() else {
                 return match least_depth_m {
                     Some(depth_m) => PairRange::AlwaysTouching { depth_m },
@@ -98,14 +103,14 @@ impl<'a> PairRanges<'a> {
                 }
                 is_free = true;
             } else {
-                let depth_m = self.depth_m(pair);
+                let (depth_m, _) = self.deepest(pair, shared);
                 least_depth_m = Some(least_depth_m.map_or(depth_m, |least| least.min(depth_m)));
                 if BELIEVED * depth_m > travel_m {
                     continue;
                 }
             }
             if is_free && least_depth_m.is_some() {
-                return PairRange::Both;
+                return PairRange::Both { is_at_joint: self.touch_at_joint_alone(pair, shared, &joints, &whole) };
             }
             if gap.lower_m < enough_m {
                 boxes.extend(self.halves(pair, shared, &joints, values).into_iter().flatten());
@@ -167,37 +172,54 @@ impl<'a> PairRanges<'a> {
         Some(halves)
     }
 
-    /// The greatest depth of two convex solids of the links in each other, in metres.
-    fn depth_m(&self, pair: (usize, usize)) -> f64 {
+    /// The greatest depth of two convex solids of the links in each other, and how far the deepest place of any two is from
+    /// the axis of the last joint between them, in metres: endlessly far from one that slides.
+    fn deepest(&self, pair: (usize, usize), shared: usize) -> (f64, f64) {
         let [first, second] = [pair.0, pair.1].map(|body| &self.bodies[body]);
-        let is_convex = |(_, solid): &(Pose, &Solid)| solid.support_point(&Vector::x()).is_some();
-        let others: Vec<_> = second.placed(&self.frames).filter(is_convex).collect();
-        let convex = first.placed(&self.frames).filter(is_convex);
-        let overlaps =
-            convex.flat_map(|(pose_a, a)| others.iter().filter_map(move |(pose_b, b)| overlap(a, &pose_a, b, pose_b)));
-        overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
-    }
-}
-
-#[cfg(test)]
-mod dev {
-    use super::*;
-    #[test]
-    fn dev() {
-        for urdf in [cranny_test_robots::plane_arm(), cranny_test_robots::ball(2.0)] {
-            let robot = Robot::from_urdf_text(&urdf, "t", None, &cranny_robot::RobotOptions::default()).unwrap();
-            let bodies = LinkBody::all(&robot);
-            let mut ranges = PairRanges::new(&robot, &bodies);
-            for b in 0..bodies.len() { for a in 0..b {
-                let l = (bodies[a].link, bodies[b].link);
-                let shared = shared_joints(&robot, l.0, l.1);
-                let n = ranges.joints_between((a,b), shared).len();
-                if n == 0 { continue }
-                let adj = robot.adjacent_pairs().contains(&l);
-                let begin = std::time::Instant::now();
-                let range = ranges.of((a, b), if adj {Question::DoTheyEverChange} else {Question::DoTheyAlwaysTouch});
-                println!("{adj} {} {} n={n} {range:?} {:.1} ms", robot.links()[l.0].name, robot.links()[l.1].name, begin.elapsed().as_secs_f64()*1e3);
-            }}
+        let others: Vec<_> = second.placed(&self.frames).collect();
+        let is_convex = |solid: &Solid| solid.support_point(&Vector::x()).is_some();
+        let (mut depth_m, mut deepest) = (0.0_f64, None::<Overlap>);
+        for (pose_a, a) in first.placed(&self.frames) {
+            for (pose_b, b) in &others {
+                let Some(found) = overlap(a, &pose_a, b, pose_b) else { continue };
+                if is_convex(a) && is_convex(b) {
+                    depth_m = depth_m.max(found.depth_m);
+                }
+                deepest = deepest.filter(|known| known.depth_m >= found.depth_m).or(Some(found));
+            }
         }
+        let movers = [second, first].map(|body| self.robot.ancestors(body.link).get(shared..).unwrap_or_default());
+        let from_axis_m = movers.iter().find_map(|movers| movers.last()).zip(deepest).map(|(mover, deepest)| {
+            if mover.kind == JointKind::Prismatic {
+                return f64::INFINITY;
+            }
+            let frame = self.frames.link(mover.child_link);
+            let axis = frame.rotation * mover.axis_in_child;
+            axis.cross(&(deepest.point.coords - frame.translation.vector)).norm()
+        });
+        (depth_m, from_axis_m.unwrap_or(0.0))
+    }
+
+    /// Whether two links that one joint moves touch near its axis alone, wherever they touch in a sweep over its range.
+    fn touch_at_joint_alone(
+        &mut self,
+        pair: (usize, usize),
+        shared: usize,
+        joints: &[usize],
+        range: &JointBox,
+    ) -> bool {
+        let (&[joint], &[[lower, upper]]) = (joints, &range[..]) else { return false };
+        let joint_m = self.joint_neighbourhood_m(pair);
+        (0..=SWEEP).all(|step| {
+            let value = lower + (upper - lower) * f64::from(step) / f64::from(SWEEP);
+            self.travel_m(pair, shared, &[joint], &vec![[value; 2]]);
+            self.deepest(pair, shared).1 <= joint_m
+        })
+    }
+
+    /// How far from the axis of their joint two links count as being at the joint, in metres: as far as both are thick.
+    fn joint_neighbourhood_m(&self, pair: (usize, usize)) -> f64 {
+        let thickness_m = |body: usize| 2.0 * self.bodies[body].bounds.aabb.half_extents.min();
+        thickness_m(pair.0) + thickness_m(pair.1)
     }
 }

@@ -8,8 +8,8 @@ use crate::unchecked::UncheckedReason;
 ///
 /// A pair is left out if its SRDF or whoever loads the robot declares it, if no joint moves one link against the other, or if
 /// it is proven over the whole range of the joints between them that comparing them shows nothing new. All others are
-/// compared, whatever samples show. Adjacent links that can be proven neither to touch always nor never, and were not seen
-/// to do both, are left out too: every answer names them.
+/// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were seen
+/// to touch at their joint alone: every answer names them.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
@@ -98,6 +98,7 @@ fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) 
         PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AdjacentTouching, depth_m),
         PairRange::NeverTouching => of(UncheckedReason::AdjacentFree, 0.0),
         PairRange::Unproven { depth_m } => of(UncheckedReason::AdjacentUnproven, depth_m),
-        PairRange::Both | PairRange::SomewhereFree => None,
+        PairRange::Both { is_at_joint: true } => of(UncheckedReason::AdjacentAtJoint, 0.0),
+        PairRange::Both { is_at_joint: false } | PairRange::SomewhereFree => None,
     }
 }

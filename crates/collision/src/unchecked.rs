@@ -32,6 +32,9 @@ pub enum UncheckedReason {
     AdjacentTouching,
     /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all values that were looked at.
     AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
+    /// it was looked at.
+    AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
     AdjacentFree,
     /// A link that no joint moves, on what it stands on.
@@ -39,8 +42,8 @@ pub enum UncheckedReason {
 }
 
 impl UncheckedReason {
-    /// Whether the pair is left out because of where its joint is, also where all others are asked for.
-    pub(crate) fn is_about_the_joint(self) -> bool {
+    /// Whether the pair was seen free at no value of its joint: to compare it would make every configuration unfree.
+    pub(crate) fn is_never_free(self) -> bool {
         matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
     }
 }

@@ -25,6 +25,9 @@ pub enum NotCheckedReason {
     AdjacentTouching,
     /// Two adjacent links that touch, or nearly do, at all values of their joint that were looked at.
     AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
+    /// it was looked at.
+    AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
     AdjacentFree,
     /// A link that no joint moves, on what it stands on.
@@ -46,6 +49,7 @@ impl NotChecked {
                 UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
                 UncheckedReason::AdjacentTouching => NotCheckedReason::AdjacentTouching,
                 UncheckedReason::AdjacentUnproven => NotCheckedReason::AdjacentUnproven,
+                UncheckedReason::AdjacentAtJoint => NotCheckedReason::AdjacentAtJoint,
                 UncheckedReason::AdjacentFree => NotCheckedReason::AdjacentFree,
                 UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
             },
