@@ -99,7 +99,9 @@ const MOST_NAMED: usize = 3;
 
 /// Pairs that are not compared, why, and what to do about it: a line each, but one for all adjacent links of a kind.
 pub fn not_checked(pairs: &[NotChecked]) -> Vec<String> {
-    use NotCheckedReason::{AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching};
+    use NotCheckedReason::{
+        AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching,
+    };
     let of = |reason| pairs.iter().filter(move |pair| pair.reason == reason);
     let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason }| {
         let depth = millimetres(*depth_m);
@@ -115,9 +117,15 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<String> {
     let mut lines: Vec<String> = alone.collect();
     for (reason, what) in [
         (AdjacentTouching, "adjacent, touching at every value of their joint"),
-        (AdjacentAtJoint, "adjacent, touching near their joint at some of its values (--strict-pairs checks them)"),
+        (
+            AdjacentAtJoint,
+            "adjacent, touching near their joint at some of its values (--strict-pairs checks them)",
+        ),
         (AdjacentUnproven, "adjacent, too close to prove them free at any value of their joint"),
-        (AdjacentFree, "adjacent, proven to touch at no value of their joint: their distance alone is not counted"),
+        (
+            AdjacentFree,
+            "adjacent, proven to touch at no value of their joint: their distance alone is not counted",
+        ),
     ] {
         let count = of(reason).count();
         let names = of(reason).take(MOST_NAMED).map(|pair| format!("{} and {}", pair.first, pair.second));

@@ -84,7 +84,8 @@ impl<'a> PairRanges<'a> {
         let joints = self.joints_between(pair, shared);
         let whole: JointBox =
             joints.iter().map(|&joint| self.robot.limits()[joint]).map(|l| [l.lower, l.upper]).collect();
-        let (mut boxes, mut is_free, mut least_depth_m) = (VecDeque::from([whole.clone()]), false, None::<f64>);
+        let (mut boxes, mut is_free, mut least_depth_m) =
+            (VecDeque::from([whole.clone()]), false, None::<f64>);
         for _ in 0..if joints.len() == 1 { MOST_PIECES } else { MOST_BOXES } {
             let Some(values) = boxes.pop_front() else {
                 return match least_depth_m {
@@ -110,7 +111,9 @@ impl<'a> PairRanges<'a> {
                 }
             }
             if is_free && least_depth_m.is_some() {
-                return PairRange::Both { is_at_joint: self.touch_at_joint_alone(pair, shared, &joints, &whole) };
+                return PairRange::Both {
+                    is_at_joint: self.touch_at_joint_alone(pair, shared, &joints, &whole),
+                };
             }
             if gap.lower_m < enough_m {
                 boxes.extend(self.halves(pair, shared, &joints, values).into_iter().flatten());
@@ -188,15 +191,17 @@ impl<'a> PairRanges<'a> {
                 deepest = deepest.filter(|known| known.depth_m >= found.depth_m).or(Some(found));
             }
         }
-        let movers = [second, first].map(|body| self.robot.ancestors(body.link).get(shared..).unwrap_or_default());
-        let from_axis_m = movers.iter().find_map(|movers| movers.last()).zip(deepest).map(|(mover, deepest)| {
-            if mover.kind == JointKind::Prismatic {
-                return f64::INFINITY;
-            }
-            let frame = self.frames.link(mover.child_link);
-            let axis = frame.rotation * mover.axis_in_child;
-            axis.cross(&(deepest.point.coords - frame.translation.vector)).norm()
-        });
+        let movers =
+            [second, first].map(|body| self.robot.ancestors(body.link).get(shared..).unwrap_or_default());
+        let from_axis_m =
+            movers.iter().find_map(|movers| movers.last()).zip(deepest).map(|(mover, deepest)| {
+                if mover.kind == JointKind::Prismatic {
+                    return f64::INFINITY;
+                }
+                let frame = self.frames.link(mover.child_link);
+                let axis = frame.rotation * mover.axis_in_child;
+                axis.cross(&(deepest.point.coords - frame.translation.vector)).norm()
+            });
         (depth_m, from_axis_m.unwrap_or(0.0))
     }
 

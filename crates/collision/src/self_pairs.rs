@@ -53,8 +53,7 @@ impl SelfPairs {
         };
         let own = self.0.iter().map(|&(pair, exempt)| {
             let is_loose = [pair.0, pair.1].iter().any(|&body| robot.is_loose(bodies[body].link));
-            let still =
-                exempt.filter(|exempt| !is_loose || exempt.reason != UncheckedReason::AdjacentFree);
+            let still = exempt.filter(|exempt| !is_loose || exempt.reason != UncheckedReason::AdjacentFree);
             (pair, still)
         });
         let with_held = (0..held).filter(moves).map(|other| ((other, held), None));

@@ -58,7 +58,8 @@ fn neighbours_over_a_bare_hub_are_checked_where_they_can_touch_and_arms_on_it_al
     // The upper arms swing down to the base; the forearm never meets the upper arm.
     assert_eq!(names(&cell), [["base", "forearm"], ["forearm", "right"], ["left", "right"]]);
     // The upper arms swing down to the base, near their joint; the forearm never meets the upper arm.
-    let adjacent = cell.unchecked().iter().map(|pair| (cell.name(pair.first), cell.name(pair.second), pair.reason));
+    let adjacent =
+        cell.unchecked().iter().map(|pair| (cell.name(pair.first), cell.name(pair.second), pair.reason));
     let (at_joint, free) = (UncheckedReason::AdjacentAtJoint, UncheckedReason::AdjacentFree);
     let expected = [("base", "left", at_joint), ("left", "forearm", free), ("base", "right", at_joint)];
     assert_eq!(adjacent.collect::<Vec<_>>(), expected);
@@ -92,7 +93,10 @@ fn a_pair_that_was_left_out_is_checked_where_that_is_asked_for() {
     let q = [0.0, 0.0, 0.0];
     assert!(cell.is_free(&q, &mut scratch));
     let strict = cell.with_all_pairs();
-    assert_eq!(names(&strict), [["base", "forearm"], ["base", "left"], ["base", "right"], ["forearm", "right"]]);
+    assert_eq!(
+        names(&strict),
+        [["base", "forearm"], ["base", "left"], ["base", "right"], ["forearm", "right"]]
+    );
     // What touches at its joint wherever that stands is named all the same.
     assert!(unchecked(&strict).iter().all(|pair| pair.reason == UncheckedReason::AdjacentTouching));
     assert!(!strict.is_free(&q, &mut strict.scratch()));
