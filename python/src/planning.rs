@@ -69,7 +69,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
 /// only cut the search short. `score`: which score of the grasps counts, "geometric" or "physics": the robust one,
 /// which every grasp must then have. `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show;
-/// `strict_pairs`: pairs of links that touch in every sample are checked too, see `plan.not_checked`. Under "paper",
+/// `strict_pairs`: pairs of links of `plan.not_checked` are checked too, but for adjacent ones that are free nowhere. Under "paper",
 /// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
 /// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",

@@ -56,9 +56,10 @@ impl PyVerification {
         python_of(py, &self.audit.clearance_limit)
     }
 
-    /// What touches and is not compared: dictionaries of `first`, `second`, `depth_m` and `reason`
-    /// ("always-touching", "never-moves", "resting": contact of an object with what carries it, with `segment` and
-    /// `allowance_m`). All statements hold but for these.
+    /// Pairs that are not compared: dictionaries of `first`, `second`, `depth_m` and `reason` ("always-touching",
+    /// "adjacent-touching", "adjacent-at-joint", "adjacent-unproven", "adjacent-free", "never-moves"; "resting": contact of an
+    /// object with what carries it, with `segment` and `allowance_m`). The verdict holds but for these; those that are
+    /// "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.audit.not_checked)

@@ -65,7 +65,7 @@ pub struct TaskArguments {
     pub criterion: Option<CriterionArgument>,
     #[command(flatten)]
     pub margins: MarginArguments,
-    /// Check pairs of links that touch in every sample too, which are left out otherwise and named
+    /// Check pairs of links too that are named as not checked, but for adjacent ones that touch at every value of their joint
     #[arg(long)]
     pub strict_pairs: bool,
     /// Another robot instead of the scenario's: a built-in one (see `cranny robot list`), the folder of one, or a URDF with

@@ -97,8 +97,8 @@ fn page(info: &Info) -> String {
     if info.self_collision_pairs > 0 {
         line("self pairs", format!("{} of links checked", counted(info.self_collision_pairs, "pair")));
     }
-    for pair in &info.not_checked {
-        line("not checked", text::not_checked(pair));
+    for (_, pairs) in text::not_checked(&info.not_checked) {
+        line("not checked", pairs);
     }
     let clearance =
         info.start_clearance_m.map_or_else(String::new, |c| format!(", {}", text::millimetres(c)));

@@ -177,8 +177,8 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
             format!("{} or more along the whole path, proven{but_for}{limited_by}", at_least_mm(clearance)),
         );
     }
-    for pair in &plan.not_checked {
-        line(text::exemption(pair), text::not_checked(pair));
+    for (name, pairs) in text::not_checked(&plan.not_checked) {
+        line(name, pairs);
     }
     if !plan.waypoints.is_empty() {
         let points = counted(plan.waypoints.len(), "way point");

@@ -151,8 +151,8 @@ fn page_of_verdict(judged: &Judged, count: usize) -> String {
         for violation in &judgement.audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
         }
-        for pair in &judgement.audit.not_checked {
-            let _ = writeln!(page, "  not checked {}", text::not_checked(pair));
+        for (name, pairs) in text::not_checked(&judgement.audit.not_checked) {
+            let _ = writeln!(page, "  {name:<12}{pairs}");
         }
         page.push_str(&statement_lines(judgement));
     }

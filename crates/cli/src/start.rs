@@ -1,3 +1,6 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Collider};
 use cranny_plan::Problem;
 
 /// At most so many reasons are listed.
@@ -12,6 +15,17 @@ pub fn faults(problem: &Problem) -> Vec<String> {
     let mut lines: Vec<String> = faults.iter().take(MOST).map(ToString::to_string).collect();
     if faults.len() > MOST {
         lines.push(format!("and {} more", faults.len() - MOST));
+    }
+    let is_of_links = |cell: &Arc<Cell>| {
+        let contacts = cell.contacts(problem.start(), &mut cell.scratch());
+        contacts.iter().any(|contact| matches!(contact.second, Collider::Link(_)))
+    };
+    if problem.cell().is_some_and(is_of_links) {
+        lines.push(
+            "links that may touch each other are declared in an SRDF or as unchecked_pairs in scenario.yaml; \
+             `cranny robot add` proposes them"
+                .to_owned(),
+        );
     }
     lines
 }

@@ -120,28 +120,58 @@ pub fn but_for(not_checked: &[NotChecked]) -> String {
     NotChecked::summary(not_checked).map_or_else(String::new, |summary| format!(", but for {summary}"))
 }
 
-/// The heading under which something is named that was not compared, or may touch.
-pub fn exemption(pair: &NotChecked) -> &'static str {
-    if pair.contact.is_some() { "contact" } else { "not checked" }
+/// As many adjacent pairs are named in a line.
+const MOST_NAMED: usize = 3;
+
+/// Pairs that are not compared, why, and what to do about it, and contacts that are allowed, each with the heading of its line:
+/// a line each, but one for all adjacent links of a kind.
+pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
+    use NotCheckedReason::{AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching};
+    let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason, contact }| {
+        let depth = at_least_mm(*depth_m);
+        if let Some(AllowedContact { segment, allowance_m }) = contact {
+            let (segment, allowance) = (<&str>::from(segment), millimetres(*allowance_m));
+            let text = format!(
+                "{first} may touch the face of {second} that carries it in {segment}: {depth} deep, at most {allowance}"
+            );
+            return Some(("contact", text));
+        }
+        let text = match reason {
+            AlwaysTouching => format!(
+                "{first} and {second} touch wherever the joints between them stand, at least {depth} deep \
+                 (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
+            ),
+            NotCheckedReason::NeverMoves => format!("{first} stands still, {depth} deep in {second}"),
+            _ => return None,
+        };
+        Some((NOT_CHECKED, text))
+    });
+    let mut lines: Vec<_> = alone.collect();
+    for (reason, what) in [
+        (AdjacentTouching, "adjacent, touching at every value of their joint"),
+        (
+            AdjacentAtJoint,
+            "adjacent, touching near their joint at some of its values (--strict-pairs checks them)",
+        ),
+        (AdjacentUnproven, "adjacent, too close to prove them free at any value of their joint"),
+        (
+            AdjacentFree,
+            "adjacent, proven to touch at no value of their joint: their distance alone is not counted",
+        ),
+    ] {
+        let of_kind = pairs.iter().filter(|pair| pair.reason == reason);
+        let count = of_kind.clone().count();
+        let names = of_kind.take(MOST_NAMED).map(|pair| format!("{} and {}", pair.first, pair.second));
+        let mut names = names.collect::<Vec<_>>().join(", ");
+        if count > MOST_NAMED {
+            names.push_str(", …");
+        }
+        if count > 0 {
+            lines.push((NOT_CHECKED, format!("{} ({names}): {what}", counted(count, "pair"))));
+        }
+    }
+    lines
 }
 
-/// Two things that touch and are not compared, why, and what to do about it.
-pub fn not_checked(pair: &NotChecked) -> String {
-    let NotChecked { first, second, depth_m, reason, contact } = pair;
-    let depth = at_least_mm(*depth_m);
-    if let Some(AllowedContact { segment, allowance_m }) = contact {
-        let (segment, allowance) = (<&str>::from(segment), millimetres(*allowance_m));
-        return format!(
-            "{first} may touch the face of {second} that carries it in {segment}: {depth} deep, at most {allowance}"
-        );
-    }
-    match reason {
-        NotCheckedReason::NeverMoves => {
-            format!("{first} stands still, {depth} deep in {second}")
-        }
-        _ => format!(
-            "{first} and {second} touched in every sample, at least {depth} deep \
-             (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
-        ),
-    }
-}
+/// The heading of what is not compared.
+const NOT_CHECKED: &str = "not checked";

@@ -187,8 +187,8 @@ fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     for deviation in deviations {
         let _ = writeln!(page, "  note        {deviation}");
     }
-    for pair in &audit.not_checked {
-        let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
+    for (name, pairs) in text::not_checked(&audit.not_checked) {
+        let _ = writeln!(page, "  {name:<12}{pairs}");
     }
     if let Some(clearance) = audit.clearance_m.filter(|clearance_m| audit.valid || *clearance_m > 0.0) {
         let clearance = text::at_least_mm(clearance);

@@ -32,7 +32,7 @@ pub struct Cell {
     pub(crate) bodies: Arc<[LinkBody]>,
     pub(crate) pairs: Arc<Pairs>,
     pub(crate) unchecked: Arc<[Unchecked]>,
-    /// Pairs of links that are checked though they touch in every sample.
+    /// Pairs of links that are checked though nothing new can come of it.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
 }
@@ -84,12 +84,12 @@ impl Cell {
         let CellParts { robot, body, around, margins, grasp_bodies, asked_for, held } = question;
         let bodies = body.links.clone();
         let Surroundings { parts, tree, lanes, .. } = &*around;
-        let (checked, always_touching) = body.self_pairs.split(&bodies, &asked_for);
+        let (checked, left_out) = body.self_pairs.split(&bodies, &asked_for);
         let held_link = held.as_ref().zip(robot.held_link());
         let of_held = held_link.map(|(held, link)| Held { link, body: held.body, spared: &held.spared });
         let pairs = Pairs::new(&robot, &bodies, checked, (parts, tree), &grasp_bodies, of_held, margins);
         let lanes = Lanes::new(&robot, &body, lanes.clone(), tree, &pairs);
-        let mut unchecked = Unchecked::always_touching(&bodies, &always_touching);
+        let mut unchecked = Unchecked::of_links(&bodies, &left_out);
         unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, parts));
         if let Some(held) = of_held {
             unchecked.extend(Unchecked::resting(held.link, held.spared, parts));
@@ -122,9 +122,9 @@ impl Cell {
         }
     }
 
-    /// The same cell with these pairs of links checked too.
+    /// The same cell with these pairs of links checked too, by index, the lower first.
     #[must_use]
-    pub fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
+    pub(crate) fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
         let asked_for = [&self.asked_for[..], pairs].concat().into();
         Self::of(CellParts { asked_for, ..self.parts_of() })
     }

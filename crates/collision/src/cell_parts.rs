@@ -17,7 +17,7 @@ pub(crate) struct CellParts {
     pub around: Arc<Surroundings>,
     pub margins: Margins,
     pub grasp_bodies: Arc<[usize]>,
-    /// Pairs of links that are checked though they touch in every sample.
+    /// Pairs of links that are checked though nothing new can come of it.
     pub asked_for: Arc<[(usize, usize)]>,
     pub held: Option<HeldBody>,
 }

@@ -34,6 +34,7 @@ mod measured_motion;
 mod motion;
 mod pair_choice;
 mod pair_group;
+mod pair_range;
 mod pairs;
 mod part_tree;
 mod path_clearance;

@@ -5,11 +5,12 @@ use cranny_spatial::CONTACT_M;
 use crate::contact::Collider;
 use crate::held_body::Spared;
 use crate::link_body::{LinkBody, group_separation};
+use crate::self_pairs::Exempt;
 use crate::world::Part;
 
-/// Two things that touch, and that no check and no proof compares, or only as far as an allowance: each answer names them.
+/// Two things that no check and no proof compares, or only as far as an allowance: each answer names them.
 ///
-/// Pairs that are exempt by declaration (adjacent links, those of an SRDF) are not among them.
+/// Pairs that are exempt by declaration (those of an SRDF, or of whoever loads the robot) are not among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unchecked {
     /// A link.
@@ -22,12 +23,21 @@ pub struct Unchecked {
     pub reason: UncheckedReason,
 }
 
-/// Why two things that touch are not compared.
+/// Why two things are not compared. Links are adjacent if no third one with geometry is between them, and one joint moves
+/// them against each other ([`Robot::adjacent_pairs`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UncheckedReason {
-    /// Two links that touch in every configuration that was checked: a robot without a list of the pairs that may
-    /// touch could not start otherwise.
+    /// Two links, proven to touch at every value of the joints between them: no motion changes that.
     AlwaysTouching,
+    /// Two adjacent links, proven to touch at every value of their joint.
+    AdjacentTouching,
+    /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all values that were looked at.
+    AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
+    /// it was looked at.
+    AdjacentAtJoint,
+    /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
+    AdjacentFree,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
     /// What is held, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper in it
@@ -35,13 +45,20 @@ pub enum UncheckedReason {
     Resting,
 }
 
+impl UncheckedReason {
+    /// Whether the pair was seen free at no value of its joint: to compare it would make every configuration unfree.
+    pub(crate) fn is_never_free(self) -> bool {
+        matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
+    }
+}
+
 impl Unchecked {
-    pub(crate) fn always_touching(bodies: &[LinkBody], pairs: &[((usize, usize), f64)]) -> Vec<Self> {
-        let of_pair = |&((first, second), depth_m): &((usize, usize), f64)| Self {
+    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[((usize, usize), Exempt)]) -> Vec<Self> {
+        let of_pair = |&((first, second), exempt): &((usize, usize), Exempt)| Self {
             first: Collider::Link(bodies[first].link),
             second: Collider::Link(bodies[second].link),
-            depth_m,
-            reason: UncheckedReason::AlwaysTouching,
+            depth_m: exempt.depth_m,
+            reason: exempt.reason,
         };
         pairs.iter().map(of_pair).collect()
     }

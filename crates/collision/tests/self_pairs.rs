@@ -1,9 +1,7 @@
 //! Which links are checked against each other.
 
-use std::sync::Arc;
-
 use crate::fixture::{FOLDED, arm, cell, robot};
-use cranny_collision::{Cell, Collider, UncheckedReason};
+use cranny_collision::{Cell, Collider, Unchecked, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
 
 /// A base with a bare hub that carries two arms; the left one has a forearm of the given radius.
@@ -55,9 +53,18 @@ fn names(cell: &Cell) -> Vec<[&str; 2]> {
 
 /// The two arms on the hub were left out, though two joints move them against each other.
 #[test]
-fn neighbours_over_a_bare_hub_are_left_out_and_arms_on_it_are_not() {
+fn neighbours_over_a_bare_hub_are_checked_where_they_can_touch_and_arms_on_it_always_are() {
     let cell = two_arms(0.05, r#"<robot name="two_arms"/>"#);
+    // The upper arms swing down to the base; the forearm never meets the upper arm.
     assert_eq!(names(&cell), [["base", "forearm"], ["forearm", "right"], ["left", "right"]]);
+    // The upper arms swing down to the base, near their joint; the forearm never meets the upper arm.
+    let adjacent =
+        cell.unchecked().iter().map(|pair| (cell.name(pair.first), cell.name(pair.second), pair.reason));
+    let (at_joint, free) = (UncheckedReason::AdjacentAtJoint, UncheckedReason::AdjacentFree);
+    let expected = [("base", "left", at_joint), ("left", "forearm", free), ("base", "right", at_joint)];
+    assert_eq!(adjacent.collect::<Vec<_>>(), expected);
+    let (strict, down) = (cell.with_all_pairs(), [3.0, 0.0, 0.0]);
+    assert!(cell.is_free(&down, &mut cell.scratch()) && !strict.is_free(&down, &mut strict.scratch()));
 }
 
 #[test]
@@ -68,13 +75,15 @@ fn a_pair_that_the_srdf_disables_is_left_out() {
 
 #[test]
 fn pairs_that_are_always_in_contact_are_left_out_and_named() {
-    // The forearm hangs at most 0.5 m from the hub, so that it always reaches base and right arm.
+    // The forearm hangs at most 0.5 m from the hub, so that it always reaches base, right arm and left arm.
     let cell = two_arms(1.0, UPPER_ARMS_PASS);
     assert!(names(&cell).is_empty());
-    let named: Vec<_> = cell.unchecked().iter().map(|u| [u.first, u.second].map(|c| cell.name(c))).collect();
-    assert_eq!(named, [["base", "forearm"], ["forearm", "right"]].map(|pair| pair));
-    assert!(cell.unchecked().iter().all(|u| u.depth_m > 0.3 && u.reason == UncheckedReason::AlwaysTouching));
-    assert!(two_arms(0.05, UPPER_ARMS_PASS).unchecked().is_empty());
+    let named = |reason| -> Vec<_> {
+        let pairs = cell.unchecked().iter().filter(|pair| pair.reason == reason && pair.depth_m > 0.3);
+        pairs.map(|pair| [pair.first, pair.second].map(|c| cell.name(c))).collect()
+    };
+    assert_eq!(named(UncheckedReason::AlwaysTouching), [["base", "forearm"], ["forearm", "right"]]);
+    assert_eq!(named(UncheckedReason::AdjacentTouching), [["left", "forearm"]]);
 }
 
 #[test]
@@ -84,13 +93,18 @@ fn a_pair_that_was_left_out_is_checked_where_that_is_asked_for() {
     let q = [0.0, 0.0, 0.0];
     assert!(cell.is_free(&q, &mut scratch));
     let strict = cell.with_all_pairs();
-    assert_eq!(names(&strict), [["base", "forearm"], ["forearm", "right"]]);
-    assert!(strict.unchecked().is_empty() && !strict.is_free(&q, &mut strict.scratch()));
+    assert_eq!(
+        names(&strict),
+        [["base", "forearm"], ["base", "left"], ["base", "right"], ["forearm", "right"]]
+    );
+    // What touches at its joint wherever that stands is named all the same.
+    assert!(unchecked(&strict).iter().all(|pair| pair.reason == UncheckedReason::AdjacentTouching));
+    assert!(!strict.is_free(&q, &mut strict.scratch()));
 }
 
 /// A slot that is all but never met by chance: one configuration of some ten thousand is free.
 #[test]
-fn a_pair_is_checked_once_it_was_seen_free() {
+fn a_pair_that_is_free_in_a_slot_is_checked_from_the_start() {
     let urdf = r#"<robot name="slot"><link name="root"/>
   <link name="base">
     <collision><origin xyz="1 0 0"/><geometry><box size="1.8 3 0.2"/></geometry></collision>
@@ -103,18 +117,61 @@ fn a_pair_is_checked_once_it_was_seen_free() {
   <joint name="post" type="fixed"><parent link="base"/><child link="between"/></joint>
   <joint name="turn" type="revolute"><parent link="between"/><child link="blade"/><axis xyz="0 0 1"/>
     <limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>"#;
-    let cell = Arc::new(cell(&robot(urdf, &RobotOptions::default()), Vec::new(), 0.0));
-    assert_eq!(cell.unchecked().len(), 1);
+    let cell = cell(&robot(urdf, &RobotOptions::default()), Vec::new(), 0.0);
+    assert!(unchecked(&cell).is_empty());
     let (free, touching) = ([0.0, 0.0], [0.0, 1.0]);
     let mut scratch = cell.scratch();
-    assert!(cell.is_free(&touching, &mut scratch));
-    assert_eq!(cell.unchecked_but_free_at(&touching, &mut scratch), []);
-    assert_eq!(cell.with_pairs_free_at([&touching[..]]).unchecked().len(), 1);
-    let extended = cell.with_pairs_free_at([&touching[..], &free[..]]);
-    assert!(extended.unchecked().is_empty());
-    let mut scratch = extended.scratch();
-    assert!(extended.is_free(&free, &mut scratch) && !extended.is_free(&touching, &mut scratch));
-    assert!(!extended.motion_is_free(&free, &touching, &mut scratch).is_proven());
+    assert!(cell.is_free(&free, &mut scratch) && !cell.is_free(&touching, &mut scratch));
+    assert!(!cell.motion_is_free(&free, &touching, &mut scratch).is_proven());
+}
+
+/// A fin that turns in a ring of blocks, with nothing but a window of that share of the turn between them; a ball between
+/// fin and ring keeps them from being adjacent.
+fn ring(window: f64, is_adjacent: bool) -> Cell {
+    const BLOCKS: u32 = 400;
+    let turn = std::f64::consts::TAU;
+    // The fin's corners take 1 mm either side of it, the corners of the blocks less.
+    let open_rad = window * turn + 2.0 * 0.001 / 0.3;
+    let mut blocks = String::new();
+    for block in 0..BLOCKS {
+        let angle = 1.0 + 0.5 * open_rad + (turn - open_rad) * (f64::from(block) + 0.5) / f64::from(BLOCKS);
+        let (x, y) = (0.3 * angle.cos(), 0.3 * angle.sin());
+        let width = 0.3 * (turn - open_rad) / f64::from(BLOCKS);
+        blocks += &format!(
+            r#"<collision><origin xyz="{x} {y} 0" rpy="0 0 {angle}"/><geometry><box size="0.02 {width} 0.02"/></geometry></collision>"#
+        );
+    }
+    let ball = r#"<collision><geometry><sphere radius="0.01"/></geometry></collision>"#;
+    let ball = if is_adjacent { "" } else { ball };
+    let urdf = format!(
+        r#"<robot name="ring"><link name="ring">{blocks}</link><link name="hub">{ball}</link>
+  <link name="fin"><collision><origin xyz="0.3 0 0"/><geometry><box size="0.05 0.002 0.01"/></geometry></collision></link>
+  <joint name="post" type="fixed"><parent link="ring"/><child link="hub"/></joint>
+  <joint name="turn" type="revolute"><parent link="hub"/><child link="fin"/><axis xyz="0 0 1"/>
+    <limit lower="-3.1" upper="3.1" velocity="1" effort="1"/></joint></robot>"#
+    );
+    cell(&robot(&urdf, &RobotOptions::default()), Vec::new(), 0.0)
+}
+
+#[test]
+fn links_that_are_free_in_a_window_of_their_joint_alone_are_checked() {
+    for is_adjacent in [false, true] {
+        for window in [0.05, 0.01, 0.005] {
+            let cell = ring(window, is_adjacent);
+            assert!(names(&cell).contains(&["fin", "ring"]), "{window} {is_adjacent} {:?}", cell.unchecked());
+            let mut scratch = cell.scratch();
+            assert!(cell.is_free(&[1.0], &mut scratch) && !cell.is_free(&[0.5], &mut scratch));
+        }
+        let closed = ring(-2.0 * 0.001 / 0.3 / std::f64::consts::TAU, is_adjacent);
+        let is_named = !unchecked(&closed).is_empty();
+        assert_eq!(is_named, !names(&closed).contains(&["fin", "ring"]));
+    }
+}
+
+/// What an answer names as an exception.
+fn unchecked(cell: &Cell) -> Vec<Unchecked> {
+    let exceptions = cell.unchecked().iter().filter(|pair| pair.reason != UncheckedReason::AdjacentFree);
+    exceptions.copied().collect()
 }
 
 /// Where a fixed base stands in something nothing can be done by planning; but it is said.
@@ -127,9 +184,9 @@ fn a_link_that_stands_still_in_a_body_is_named() {
     ];
     let cell = cell(&robot, bodies, 0.0);
     let still = robot.ancestors(0).is_empty() && !robot.links()[0].collisions.is_empty();
-    let named: Vec<_> = cell.unchecked().iter().map(|u| [u.first, u.second].map(|c| cell.name(c))).collect();
-    assert_eq!(named.len(), usize::from(still), "{named:?}");
-    assert!(cell.unchecked().iter().all(|u| u.reason == UncheckedReason::NeverMoves && u.depth_m > 0.0));
+    let named = cell.unchecked().iter().filter(|pair| pair.reason == UncheckedReason::NeverMoves);
+    let named: Vec<_> = named.map(|u| (cell.name(u.first), cell.name(u.second), u.depth_m > 0.0)).collect();
+    assert_eq!(named, if still { vec![("rail", "table", true)] } else { vec![] });
 }
 
 #[test]

@@ -90,7 +90,7 @@ pub struct Optimised {
 /// Those of the planner and of [`better`].
 pub fn optimise(
     planner: &dyn Planner,
-    problem: &mut Problem,
+    problem: &Problem,
     budget: &Budget,
     settings: OptimiseSettings,
     seed: u64,

@@ -17,7 +17,6 @@ pub(crate) mod jacobian_search;
 pub(crate) mod near_set;
 pub(crate) mod nearest;
 pub(crate) mod no_grasp;
-pub(crate) mod pair_watch;
 pub(crate) mod planner;
 pub(crate) mod ranges;
 pub(crate) mod roadmap;

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use cranny_collision::{Body, Cell, Margins, World};
+use cranny_collision::{Body, Cell, Margins, UncheckedReason, World};
 use cranny_file::counted;
 use cranny_robot::Robot;
 use serde::Serialize;
@@ -50,7 +50,7 @@ impl RobotFindings {
             )
         };
         let joints = robot.joint_names().iter().zip(robot.limits()).map(joint).collect();
-        let contacts = SelfContact::sample(robot);
+        let contacts = SelfContact::sample(robot)?;
         let mut findings = vec![tip(robot), hand(robot)];
         findings.extend(cranny_scenario::wide_opening(robot).map(|doubt| {
             let consequence =
@@ -150,31 +150,43 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let is_disabled = |contact: &SelfContact| robot.disabled_pairs().binary_search(&contact.links).is_ok();
     let pair = |c: &SelfContact| format!("{} and {}", name(robot, c.links.0), name(robot, c.links.1));
-    let unchecked = contacts.iter().filter(|contact| is_disabled(contact) && !contact.is_adjacent);
-    for contact in unchecked {
+    for contact in contacts.iter().filter(|contact| is_disabled(contact)) {
         let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
         let depth = if contact.touching > 0 {
             format!(", at least {:.1} mm deep", contact.least_depth_m * 1000.0)
         } else {
             String::new()
         };
-        let found = format!("{}: they touch in {touched} % of drawn configurations{depth}", pair(contact));
+        let adjacent = if contact.is_adjacent { "adjacent, " } else { "" };
+        let found =
+            format!("{}: {adjacent}they touch in {touched} % of drawn configurations{depth}", pair(contact));
         findings.push(finding("unchecked pair", found, "not checked, as its SRDF says", false));
     }
-    for contact in contacts.iter().filter(|c| !is_disabled(c) && !c.is_adjacent && c.is_always()) {
-        let depth_mm = contact.least_depth_m * 1000.0;
-        let found = format!(
-            "{}: they touch in nearly every drawn configuration, at least {depth_mm:.1} mm deep",
-            pair(contact)
-        );
-        let consequence =
-            "not checked, and named with every plan; an SRDF that disables the pair says that it is meant";
-        findings.push(finding("touching pair", found, consequence, false));
+    for (contact, reason) in contacts.iter().filter_map(|c| Some((c, c.unchecked?))) {
+        let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
+        let found = format!("{}: they touch in {touched} % of drawn configurations", pair(contact));
+        let consequence = match reason {
+            UncheckedReason::AdjacentFree => {
+                "adjacent, proven to touch at no value of their joint; their distance counts for no clearance"
+            }
+            UncheckedReason::AdjacentAtJoint => {
+                "adjacent, not checked, and named with every plan: near their joint they touch at some of its values \
+                 (--strict-pairs checks them)"
+            }
+            UncheckedReason::AdjacentUnproven => {
+                "adjacent, not checked, and named with every plan: too close to prove anything of them"
+            }
+            _ => {
+                "proven to touch wherever the joints between them stand; not checked, and named with every plan; an SRDF that \
+                 disables the pair says that it is meant"
+            }
+        };
+        findings.push(finding("not compared", found, consequence, false));
     }
     /// Pairs that touch in more of them, in per cent, take much of what a robot can do.
     const OFTEN: usize = 60;
     let often = |c: &&SelfContact| {
-        !is_disabled(c) && !c.is_adjacent && !c.is_always() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
+        !is_disabled(c) && c.unchecked.is_none() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
     };
     for contact in contacts.iter().filter(often) {
         let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;

@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod choice;
+mod contact_search;
 mod draft;
 mod error;
 mod findings;
@@ -20,6 +21,7 @@ mod start_choice;
 mod xacro;
 
 pub use choice::Choice;
+pub use contact_search::SEARCH_SAMPLES;
 pub use error::SetupError;
 pub use findings::{Finding, RobotFindings};
 pub use self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};

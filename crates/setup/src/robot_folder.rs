@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cranny_collision::UncheckedReason;
 use cranny_file::counted;
 use cranny_robot::{HandDescription, Robot};
 use cranny_scenario::ScenarioError;
 
 use crate::choice::Choice;
+use crate::contact_search::SEARCH_SAMPLES;
 use crate::limits::yaml_key;
 use crate::self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
 
@@ -101,23 +103,20 @@ impl Written {
     }
 }
 
-/// An SRDF with the pairs of links that touch by design.
+/// An SRDF with the pairs of links that need not be compared, and those that touch wherever it was looked.
 pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[String; 2]]) -> String {
     let name = |link: usize| robot.links()[link].name.as_str();
     let mut text = format!(
-        "<?xml version=\"1.0\"?>\n<!-- Pairs of links that are not checked against each other, from {SELF_CONTACT_SAMPLES} \
-         drawn configurations. Look at them: what\n     touches always in the model may not in truth. Pairs that never touched \
-         are checked all the same: samples are no proof. -->\n<robot name=\"{}\">\n",
+        "<?xml version=\"1.0\"?>\n<!-- Pairs of links that are not checked against each other. Of most it is proven that they \
+         touch wherever the joints between\n     them stand, or nowhere. Others touched in {SEARCH_SAMPLES} configurations and at \
+         the start, which is no proof: look at those,\n     and take out what does not touch in truth. -->\n<robot name=\"{}\">\n",
         escaped(robot.name())
     );
     for contact in contacts {
-        let reason = match (contact.is_adjacent, contact.is_always()) {
-            (true, _) => "Adjacent".to_owned(),
-            (false, true) => always(contact),
-            (false, false) => continue,
-        };
-        let (a, b) = contact.links;
-        text.push_str(&disabled(name(a), name(b), &reason));
+        if let Some(reason) = reason(contact) {
+            let (a, b) = contact.links;
+            text.push_str(&disabled(name(a), name(b), &reason));
+        }
     }
     for [a, b] in extra {
         text.push_str(&disabled(a, b, "By design"));
@@ -125,24 +124,29 @@ pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[Strin
     text + "</robot>\n"
 }
 
-/// An SRDF with the pairs besides that touch nearly always and that it checks.
+/// An SRDF with the pairs besides that it checks, and that need not be compared or touch wherever it was looked.
 pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContact]) -> String {
-    let checked = |contact: &&SelfContact| {
-        !contact.is_adjacent
-            && contact.is_always()
-            && robot.disabled_pairs().binary_search(&contact.links).is_err()
-    };
+    let checked = |contact: &&SelfContact| robot.disabled_pairs().binary_search(&contact.links).is_err();
     let name = |link: usize| robot.links()[link].name.as_str();
-    let pairs = contacts.iter().filter(checked);
-    let lines: String = pairs.map(|c| disabled(name(c.links.0), name(c.links.1), &always(c))).collect();
+    let line = |c: &SelfContact| Some(disabled(name(c.links.0), name(c.links.1), &reason(c)?));
+    let lines: String = contacts.iter().filter(checked).filter_map(line).collect();
     match own.rfind("</robot>") {
         Some(end) => [&own[..end], &lines, &own[end..]].concat(),
         None => own.to_owned(),
     }
 }
 
-fn always(contact: &SelfContact) -> String {
-    format!("Always: at least {:.1} mm deep", contact.least_depth_m * 1000.0)
+/// Why a pair is written into the SRDF, if it is.
+fn reason(contact: &SelfContact) -> Option<String> {
+    let depth_mm = contact.least_depth_m * 1000.0;
+    match contact.unchecked {
+        Some(UncheckedReason::AlwaysTouching) => {
+            Some(format!("Always, proven: at least {depth_mm:.1} mm deep"))
+        }
+        Some(UncheckedReason::AdjacentTouching) => Some("Adjacent: always, proven".to_owned()),
+        Some(UncheckedReason::AdjacentFree) => Some("Adjacent: never, proven".to_owned()),
+        _ => contact.is_always().then(|| format!("Always in samples: at least {depth_mm:.1} mm deep")),
+    }
 }
 
 /// A line of an SRDF.
@@ -154,32 +158,38 @@ fn disabled(a: &str, b: &str, reason: &str) -> String {
 pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool, stem: &str) -> Choice {
     let name = |link: usize| robot.links()[link].name.as_str();
     let count = |is: &dyn Fn(&SelfContact) -> bool| contacts.iter().filter(|contact| is(contact)).count();
-    let adjacent = count(&|contact| contact.is_adjacent);
-    let never = count(&|contact| contact.touching == 0);
-    let always: Vec<String> = contacts
-        .iter()
-        .filter(|contact| !contact.is_adjacent && contact.is_always())
-        .map(|c| format!("{} and {} ({:.1} mm)", name(c.links.0), name(c.links.1), c.least_depth_m * 1000.0))
-        .collect();
-    let mut chosen = if is_own {
-        format!("{}, as its SRDF says", counted(robot.disabled_pairs().len(), "pair"))
-    } else {
-        counted(adjacent, "adjacent pair")
+    let pair = |c: &SelfContact| {
+        format!(
+            "{} and {}, {:.1} mm deep at the least",
+            name(c.links.0),
+            name(c.links.1),
+            c.least_depth_m * 1000.0
+        )
     };
-    if !always.is_empty() {
-        let _ = write!(
-            chosen,
-            ", {} that touch in nearly every drawn configuration: {}",
-            always.len(),
-            always.join(", ")
-        );
+    let mut parts = Vec::new();
+    if is_own {
+        parts.push(format!("{}, as its SRDF says", counted(robot.disabled_pairs().len(), "pair")));
     }
-    let _ = write!(chosen, "; {never} never touched and are checked all the same");
+    let adjacent = count(&|contact| contact.is_adjacent && contact.is_proven());
+    parts.push(format!("{} proven to touch always or never", counted(adjacent, "adjacent pair")));
+    let proven = contacts.iter().filter(|c| c.unchecked == Some(UncheckedReason::AlwaysTouching)).map(pair);
+    parts.extend(proven.map(|pair| format!("{pair}, wherever the joints between them stand, proven")));
+    let sampled = contacts.iter().filter(|contact| contact.is_always());
+    parts.extend(sampled.map(|c| {
+        format!(
+            "{}, in all of {SEARCH_SAMPLES} configurations and at the start, which is no proof: {} in which they are free may \
+             have been missed, and there no check will see them touch",
+            pair(c),
+            c.missed
+        )
+    }));
+    let never = count(&|contact| contact.touching == 0);
+    parts.push(format!("{never} never touched and are checked all the same"));
     Choice {
         what: "unchecked pairs",
-        chosen,
-        why: format!("{SELF_CONTACT_SAMPLES} drawn configurations"),
-        otherwise: format!("{stem}.srdf"),
+        chosen: parts.join("; "),
+        why: format!("proofs, and {SELF_CONTACT_SAMPLES} drawn configurations"),
+        otherwise: format!("take lines out of {stem}.srdf"),
     }
 }
 

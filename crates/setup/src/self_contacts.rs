@@ -1,18 +1,29 @@
-use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Solid, overlap, quick_lower_bound, separation};
-use cranny_spatial::{CONTACT_M, Pose, Stream};
+use std::sync::Arc;
 
-/// How two links of a robot were found in many drawn configurations.
+use cranny_collision::{Cell, Collider, CollisionError, Margins, UncheckedReason, World};
+use cranny_robot::Robot;
+use cranny_spatial::Stream;
+use rayon::prelude::*;
+
+use crate::contact_search::PairSearch;
+
+/// Two links of a robot over what the joints between them can do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfContact {
     /// The links, by index.
     pub links: (usize, usize),
-    /// In how many of the configurations they touched.
+    /// In how many of [`SELF_CONTACT_SAMPLES`] configurations they touched.
     pub touching: usize,
-    /// Whether no third link with geometry is between them.
+    /// Whether no third link with geometry is between them, and one joint.
     pub is_adjacent: bool,
     /// How deep they were in each other at the least, of those where they touched, in metres.
     pub least_depth_m: f64,
+    /// Why no check compares them, though no file says so.
+    pub unchecked: Option<UncheckedReason>,
+    /// A configuration in which they are free of each other (m, rad), of pairs that touched in nine of ten or more.
+    pub free_at: Option<Vec<f64>>,
+    /// How large a window the search for it can have missed.
+    pub missed: &'static str,
 }
 
 /// As many configurations are drawn.
@@ -22,14 +33,37 @@ pub const SELF_CONTACT_SAMPLES: usize = 1000;
 const DEPTH_SAMPLES: usize = 10;
 
 impl SelfContact {
-    /// Whether they touched in nearly every configuration: 95 of 100, as `MoveIt`'s setup assistant has it.
+    /// Whether they touched wherever it was looked, which proves nothing.
     pub fn is_always(&self) -> bool {
-        self.touching * 100 >= 95 * SELF_CONTACT_SAMPLES
+        self.touching == SELF_CONTACT_SAMPLES && self.free_at.is_none() && !self.is_proven()
     }
 
-    /// All pairs of links with geometry that move against each other, from drawn configurations: as `MoveIt`'s setup
-    /// assistant does (Coleman et al. 2014).
-    pub fn sample(robot: &Robot) -> Vec<Self> {
+    /// Whether to compare them is proven to show nothing new.
+    pub fn is_proven(&self) -> bool {
+        use UncheckedReason::{AdjacentFree, AdjacentTouching, AlwaysTouching};
+        matches!(self.unchecked, Some(AlwaysTouching | AdjacentTouching | AdjacentFree))
+    }
+
+    /// Whether they touch so often that a configuration in which they do not is seldom drawn.
+    fn is_often(&self) -> bool {
+        self.touching * 10 >= 9 * SELF_CONTACT_SAMPLES
+    }
+
+    /// All pairs of links with geometry that move against each other, from [`SELF_CONTACT_SAMPLES`] drawn configurations.
+    /// For pairs that touched in nearly all, and are not declared or proven to, a free one is searched for among
+    /// [`SEARCH_SAMPLES`](crate::SEARCH_SAMPLES) others.
+    ///
+    /// # Errors
+    /// [`CollisionError`] for a body that cannot be checked.
+    pub fn sample(robot: &Arc<Robot>) -> Result<Vec<Self>, CollisionError> {
+        let cell = Cell::new(robot.clone(), World::new(Vec::new())?, Margins::default())?;
+        let unchecked = |links: (usize, usize)| {
+            let is_of = |pair: &&cranny_collision::Unchecked| match (pair.first, pair.second) {
+                (Collider::Link(a), Collider::Link(b)) => (a.min(b), a.max(b)) == links,
+                _ => false,
+            };
+            cell.unchecked().iter().find(is_of).map(|pair| pair.reason)
+        };
         let links: Vec<usize> =
             (0..robot.links().len()).filter(|&link| !robot.links()[link].collisions.is_empty()).collect();
         let pairs = links.iter().flat_map(|&a| links.iter().filter(move |b| a < **b).map(move |&b| (a, b)));
@@ -41,45 +75,35 @@ impl SelfContact {
                 touching: 0,
                 is_adjacent: robot.adjacent_pairs().binary_search(&links).is_ok(),
                 least_depth_m: f64::INFINITY,
+                unchecked: unchecked(links),
+                free_at: None,
+                missed: "",
             })
             .collect();
-        let (mut random, mut frames) = (Stream::new(0, 0), robot.frames());
-        for _ in 0..SELF_CONTACT_SAMPLES {
-            robot.forward_kinematics(&robot.random_configuration(&mut random), &mut frames);
-            for contact in &mut contacts {
-                let (a, b) =
-                    (placed(robot, &frames, contact.links.0), placed(robot, &frames, contact.links.1));
-                if !touch(&a, &b) {
+        let mut random = Stream::new(0, 0);
+        let drawn: Vec<Vec<f64>> =
+            (0..SELF_CONTACT_SAMPLES).map(|_| robot.random_configuration(&mut random)).collect();
+        contacts.par_iter_mut().for_each(|contact| {
+            let mut search = PairSearch::new(robot, contact.links);
+            contact.missed = search.missed();
+            for q in &drawn {
+                if search.is_free(q) {
+                    contact.free_at.get_or_insert_with(|| q.clone());
                     continue;
                 }
                 contact.touching += 1;
                 if contact.touching <= DEPTH_SAMPLES {
-                    contact.least_depth_m = contact.least_depth_m.min(depth_m(&a, &b));
+                    contact.least_depth_m = contact.least_depth_m.min(search.depth_m(q));
                 }
             }
-        }
-        contacts
+            let is_disabled = robot.disabled_pairs().binary_search(&contact.links).is_ok();
+            if contact.free_at.is_none() && !is_disabled && !contact.is_proven() {
+                contact.free_at = search.free_configuration();
+            }
+            if !contact.is_often() {
+                contact.free_at = None;
+            }
+        });
+        Ok(contacts)
     }
-}
-
-fn placed<'r>(robot: &'r Robot, frames: &LinkFrames, link: usize) -> Vec<(Pose, &'r Solid)> {
-    let root_from_link = *frames.link(link);
-    let shapes = robot.links()[link].collisions.iter();
-    shapes.map(|shape| (root_from_link * shape.link_from_shape, &shape.solid)).collect()
-}
-
-fn touch(first: &[(Pose, &Solid)], second: &[(Pose, &Solid)]) -> bool {
-    first.iter().any(|(pose_a, a)| {
-        second.iter().any(|(pose_b, b)| {
-            quick_lower_bound(a, pose_a, b, pose_b, CONTACT_M) < CONTACT_M
-                && separation(a, pose_a, b, pose_b, CONTACT_M).lower_m < CONTACT_M
-        })
-    })
-}
-
-fn depth_m(first: &[(Pose, &Solid)], second: &[(Pose, &Solid)]) -> f64 {
-    let overlaps = first
-        .iter()
-        .flat_map(|(pose_a, a)| second.iter().filter_map(move |(pose_b, b)| overlap(a, pose_a, b, pose_b)));
-    overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
 }

@@ -7,6 +7,7 @@ use cranny_scenario::write_whole_folder;
 
 use crate::anatomy::{by_name, extent_m};
 use crate::choice::Choice;
+use crate::contact_search::PairSearch;
 use crate::draft::{Draft, read_text};
 use crate::robot_folder::{self, Written};
 use crate::self_contacts::SelfContact;
@@ -68,18 +69,18 @@ impl RobotSetup {
             notes: Vec::new(),
         };
         let robot = draft.robot(&written)?;
-        let contacts = SelfContact::sample(&robot);
-        written.srdf = Some(if let Some(own) = &own_srdf {
-            robot_folder::with_always_pairs(own, &robot, &contacts)
-        } else {
-            let mut extra = mounted.as_ref().map_or_else(Vec::new, |gripper| gripper.touching.clone());
-            if let Some(near) = &near_srdf {
-                extra.extend(near.pairs(&robot));
-                draft.choices.push(near.choice());
-            }
-            robot_folder::srdf_text(&robot, &contacts, &extra)
-        });
-        draft.choices.push(robot_folder::pairs_choice(&robot, &contacts, own_srdf.is_some(), &stem));
+        let mut contacts = SelfContact::sample(&robot)?;
+        let mut extra = mounted.as_ref().map_or_else(Vec::new, |gripper| gripper.touching.clone());
+        if let Some(near) = near_srdf.as_ref().filter(|_| own_srdf.is_none()) {
+            extra.extend(near.pairs(&robot));
+            draft.choices.push(near.choice());
+        }
+        let srdf_of = |robot: &Robot, contacts: &[SelfContact]| match &own_srdf {
+            Some(own) => robot_folder::with_always_pairs(own, robot, contacts),
+            None => robot_folder::srdf_text(robot, contacts, &extra),
+        };
+        let as_given = robot.clone();
+        written.srdf = Some(srdf_of(&as_given, &contacts));
         // 4.
         written.floor_m = floor_m(&robot, base);
         let robot = draft.robot(&written)?;
@@ -87,8 +88,17 @@ impl RobotSetup {
             Some(srdf) => states(&robot, &Srdf::parse(srdf, &stem)?),
             None => near_srdf.map_or_else(Vec::new, |near| states(&robot, &near.srdf)),
         };
-        let start = StartChoice::of(&robot, written.floor_m, &states)?
+        let seldom_free: Vec<&[f64]> = contacts.iter().filter_map(|c| c.free_at.as_deref()).collect();
+        let start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?
             .ok_or_else(|| never_free(&draft.file, &robot, &contacts))?;
+        // What is free at the start is free somewhere.
+        for contact in contacts.iter_mut().filter(|contact| contact.is_always()) {
+            if PairSearch::new(&robot, contact.links).is_free(&start.q) {
+                contact.free_at = Some(start.q.clone());
+            }
+        }
+        written.srdf = Some(srdf_of(&as_given, &contacts));
+        draft.choices.push(robot_folder::pairs_choice(&as_given, &contacts, own_srdf.is_some(), &stem));
         written.start = by_name(&robot, &start.q);
         draft.choices.push(Choice::new(
             "start",
@@ -115,7 +125,8 @@ impl RobotSetup {
 
 /// What is told of a robot of which no drawn configuration is free.
 fn never_free(file: &str, robot: &Robot, contacts: &[SelfContact]) -> SetupError {
-    let worst = contacts.iter().filter(|c| !c.is_adjacent && !c.is_always()).max_by_key(|c| c.touching);
+    let worst =
+        contacts.iter().filter(|c| c.unchecked.is_none() && !c.is_always()).max_by_key(|c| c.touching);
     let name = |link: usize| robot.links()[link].name.clone();
     let pair = worst.map_or_else(
         || "the ground".to_owned(),

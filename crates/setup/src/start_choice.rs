@@ -20,10 +20,14 @@ const AHEAD: f64 = 0.22;
 impl StartChoice {
     /// A start free of the robot itself and of the ground: a named state that keeps the arm in front of its base, else the
     /// drawn configuration that does so best. None if no drawn one is free.
+    ///
+    /// Where pairs of links are seldom free of each other, `seldom_free` has a configuration for each in which they are: if
+    /// none of those drawn is free, others are drawn with some joints as they stand there.
     pub fn of(
         robot: &Arc<Robot>,
         floor_m: f64,
         states: &[(String, Vec<f64>)],
+        seldom_free: &[&[f64]],
     ) -> Result<Option<Self>, CollisionError> {
         let world = World::new(vec![Body::floor(floor_m)])?;
         let cell = Cell::new(robot.clone(), world, Margins::default())?;
@@ -42,6 +46,18 @@ impl StartChoice {
         let mut best: Option<(f64, Vec<f64>)> = None;
         for _ in 0..DRAWS {
             let q = judge.draw(robot, &mut random);
+            let cost = judge.cost(robot, &q);
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) && is_free(&q) {
+                best = Some((cost, q));
+            }
+        }
+        for draw in 0..if best.is_none() { DRAWS * seldom_free.len() } else { 0 } {
+            let mut q = judge.draw(robot, &mut random);
+            for (joint, value) in q.iter_mut().enumerate() {
+                if random.uniform_between(0.0, 1.0) < 0.5 {
+                    *value = seldom_free[draw % seldom_free.len()][joint];
+                }
+            }
             let cost = judge.cost(robot, &q);
             if best.as_ref().is_none_or(|(least, _)| cost < *least) && is_free(&q) {
                 best = Some((cost, q));

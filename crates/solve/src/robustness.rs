@@ -105,7 +105,6 @@ impl Robustness {
             let standing = [first.clone(), first.clone()];
             let path = if waypoints.len() > 1 { &waypoints[..] } else { &standing };
             let cell = in_mode(*mode).unwrap_or(reach);
-            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             let mut rooms = vec![Rooms::along(cell, path, 0.0)];
             rooms.extend(cut_corners.iter().map(|corner| {
                 Rooms::along(cell, &corner.chords, corner.deviation_m)

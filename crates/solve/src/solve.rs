@@ -82,7 +82,7 @@ fn solve_once(
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let mut problem = request.asked(problem)?;
+    let problem = request.asked(problem)?;
     let planner = request.planner_for(&problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
@@ -98,7 +98,7 @@ fn solve_once(
     let mut optimisation = None;
     let report = match request.optimise {
         Some(settings) => {
-            let optimised = optimise(planner.as_ref(), &mut problem, budget, settings, seed, observer)?;
+            let optimised = optimise(planner.as_ref(), &problem, budget, settings, seed, observer)?;
             optimisation = Some(Optimisation {
                 settings,
                 time_s: optimised.time_s,
@@ -107,7 +107,7 @@ fn solve_once(
             });
             optimised.report
         }
-        None => search(planner.as_ref(), &mut problem, budget, seed, observer)?,
+        None => search(planner.as_ref(), &problem, budget, seed, observer)?,
     };
     observer.search_ended();
     // 2.

@@ -104,7 +104,7 @@ impl WaysOut {
     /// A way that solves a problem, if a search finds it that is as long as is worth it here.
     pub fn search(
         &mut self,
-        mut problem: Problem,
+        problem: Problem,
         observer: &dyn Observer,
     ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
         let planner = cranny_plan::default_planner(&problem);
@@ -113,7 +113,7 @@ impl WaysOut {
             _ => FIRST_ITERATIONS << (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2),
         };
         let budget = Budget { iterations, time: self.left() };
-        let report = search(planner.as_ref(), &mut problem, &budget, self.seed, &mut Stop(observer))?;
+        let report = search(planner.as_ref(), &problem, &budget, self.seed, &mut Stop(observer))?;
         self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
     }

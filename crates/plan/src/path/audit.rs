@@ -149,7 +149,6 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     let mut not_checked = Vec::new();
     match problem.validity() {
         Validity::Exact(cell) => {
-            let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             not_checked = NotChecked::of(cell);
             violations.extend(cell.standing_contact().map(|contact| {
                 let Contact { clearance_m, required_m, .. } = contact;

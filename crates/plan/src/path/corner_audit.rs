@@ -21,8 +21,6 @@ pub fn audit_cut_corners(
     audit: &mut Audit,
 ) {
     let Some(cell) = problem.cell().filter(|_| !corners.is_empty()) else { return };
-    let executed = path.iter().chain(corners.iter().flat_map(|corner| &corner.chords));
-    let cell: &Cell = &Arc::clone(cell).with_pairs_free_at(executed.map(Vec::as_slice));
     let scratch = &mut cell.scratch();
     for corner in corners {
         let fault = corner.chords.windows(2).find_map(|chord| fault_of(cell, chord, corner, scratch));

@@ -4,6 +4,7 @@ use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
+use crate::search::no_grasp::all_excluded;
 use crate::{GraspFailure, PlanError, Problem};
 
 /// How much a planner may spend.
@@ -195,4 +196,24 @@ pub trait Planner: Send + Sync {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError>;
+}
+
+/// Runs a planner whose settings are good ([`Planner::check`]). Where every grasp is excluded beforehand, by its width or as
+/// beyond reach, no search is begun.
+///
+/// # Errors
+/// Those of the planner.
+pub fn search(
+    planner: &dyn Planner,
+    problem: &Problem,
+    budget: &Budget,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<PlanReport, PlanError> {
+    planner.check()?;
+    if let Some(failures) = all_excluded(problem).filter(|_| problem.start_is_free()) {
+        let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
+        return Ok(PlanReport { failures, ..report });
+    }
+    planner.plan(problem, budget, seed, observer)
 }

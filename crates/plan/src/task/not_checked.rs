@@ -2,8 +2,7 @@ use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-/// Two things that touch and are compared by no check and no proof, or only as far as an allowance, by name: a path is proven
-/// but for these.
+/// Two things that are compared by no check and no proof, or only as far as an allowance, by name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotChecked {
@@ -45,8 +44,17 @@ pub enum ContactSegment {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum NotCheckedReason {
-    /// Two links that touch in every configuration that was checked.
+    /// Two links, proven to touch at every value of the joints between them.
     AlwaysTouching,
+    /// Two adjacent links, proven to touch at every value of their joint.
+    AdjacentTouching,
+    /// Two adjacent links that touch, or nearly do, at all values of their joint that were looked at.
+    AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
+    /// it was looked at.
+    AdjacentAtJoint,
+    /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
+    AdjacentFree,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
     /// A held object, by the faces of a body below it that carry it.
@@ -54,6 +62,11 @@ pub enum NotCheckedReason {
 }
 
 impl NotChecked {
+    /// Whether "free" and "proven" hold but for this pair. They hold for adjacent links that are proven never to touch.
+    pub fn is_exception(&self) -> bool {
+        self.reason != NotCheckedReason::AdjacentFree
+    }
+
     pub(crate) fn of(cell: &Cell) -> Vec<Self> {
         let named = cell.unchecked().iter().map(|unchecked| Self {
             first: cell.name(unchecked.first).to_owned(),
@@ -61,6 +74,10 @@ impl NotChecked {
             depth_m: unchecked.depth_m,
             reason: match unchecked.reason {
                 UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
+                UncheckedReason::AdjacentTouching => NotCheckedReason::AdjacentTouching,
+                UncheckedReason::AdjacentUnproven => NotCheckedReason::AdjacentUnproven,
+                UncheckedReason::AdjacentAtJoint => NotCheckedReason::AdjacentAtJoint,
+                UncheckedReason::AdjacentFree => NotCheckedReason::AdjacentFree,
                 UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
                 UncheckedReason::Resting => NotCheckedReason::Resting,
             },
@@ -78,7 +95,7 @@ impl NotChecked {
             1 => Some(format!("1 {one}")),
             _ => Some(format!("{count} {more}")),
         };
-        let pairs = not_checked.len() - contacts;
+        let pairs = not_checked.iter().filter(|pair| pair.is_exception()).count() - contacts;
         let pairs = counted(pairs, "pair that is not checked", "pairs that are not checked");
         let contacts = counted(contacts, "allowed contact", "allowed contacts");
         pairs.into_iter().chain(contacts).reduce(|pairs, contacts| format!("{pairs} and {contacts}"))

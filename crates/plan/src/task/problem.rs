@@ -88,14 +88,7 @@ impl Problem {
             None => Cell::new(robot.clone(), world, margins)?,
         };
         let validity = Validity::Exact(Arc::new(cell));
-        let mut problem =
-            Self { robot, target, start, goal, grasp_measure: None, places: Arc::default(), validity }
-                .checked()?;
-        if let Validity::Exact(cell) = &problem.validity {
-            let known = std::iter::once(&problem.start).chain(problem.goal_configurations());
-            problem.validity = Validity::Exact(cell.with_pairs_free_at(known.map(Vec::as_slice)));
-        }
-        Ok(problem)
+        Self { robot, target, start, goal, grasp_measure: None, places: Arc::default(), validity }.checked()
     }
 
     /// A problem under the `exact` criterion in a cell that there is already.
@@ -240,7 +233,7 @@ impl Problem {
         self
     }
 
-    /// The same problem with all pairs of links checked but those that are exempt by declaration.
+    /// The same problem with all pairs of links checked that can be ([`Cell::with_all_pairs`]).
     #[must_use]
     pub fn checking_all_pairs(mut self) -> Self {
         if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
@@ -295,14 +288,6 @@ impl Problem {
     pub(crate) fn own_grasp_measure(&self, planner: &'static str) -> Result<&GraspMeasure, PlanError> {
         self.exact_cell(planner)?;
         self.grasp_measure().ok_or(PlanError::GraspSet { planner })
-    }
-
-    /// The same problem with these pairs of links checked too (under `exact`).
-    pub(crate) fn checking_pairs(&mut self, pairs: &[(usize, usize)]) {
-        if let Validity::Exact(cell) = &mut self.validity {
-            *cell = Arc::new(cell.with_pairs(pairs));
-            self.renew_grasp_measure();
-        }
     }
 
     pub(crate) fn validity(&self) -> &Validity {

@@ -64,7 +64,6 @@ impl Trajectory {
         }
         // Refuses what is no path.
         let stopping = Self::along(path, limits)?;
-        let cell = &*Arc::new(cell.clone()).with_pairs_free_at(path.iter().map(Vec::as_slice));
         let reach = LinkReach::new(cell.robot());
         let mut scratch = cell.scratch();
         let blends = PathCurve::blends(path, &limits.velocity, |corner, slopes, greatest| {

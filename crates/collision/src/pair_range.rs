@@ -1,0 +1,230 @@
+use std::collections::VecDeque;
+
+use cranny_robot::{JointKind, LinkFrames, Robot};
+use cranny_shape::{Overlap, Solid, overlap};
+use cranny_spatial::{CONTACT_M, ROUNDING_M, Vector};
+
+use crate::link_body::{LinkBody, group_separation};
+use crate::travel::{Travel, shared_joints};
+
+/// What is proven of two links for all values of the joints between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PairRange {
+    /// They touch at every value, at the least that deep where it was measured (m).
+    AlwaysTouching { depth_m: f64 },
+    /// They touch at none.
+    NeverTouching,
+    /// They are free at one value, and touch at another: only near their joint, or elsewhere too.
+    Both { is_at_joint: bool },
+    /// They are free at one value; the others were not asked about.
+    SomewhereFree,
+    /// Nothing, before as many boxes were used up as are looked at: they touched in the middle of every box, at the least that deep (m), or
+    /// in none.
+    Unproven { depth_m: f64 },
+}
+
+/// What is to be proven of two links.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Question {
+    /// Whether they touch at every value: the first at which they are free answers it.
+    DoTheyAlwaysTouch,
+    /// Whether they touch at every value, or at none.
+    DoTheyEverChange,
+}
+
+/// Proofs about pairs of links over the whole range of the joints between them.
+///
+/// 1. A box of joint values is looked at in its middle. No point of either link moves farther against the other within the
+///    box than the travel `t` ([`Travel::between`]).
+/// 2. Links farther apart than `t` touch nowhere in the box. Convex solids deeper than `t` in each other touch everywhere in
+///    it: were they apart, the plane between them would have to be passed by `t` at most.
+/// 3. Any other box is cut in halves across the joint that moves the links most.
+///
+/// Boxes are looked at from the widest on, so that a window in which the links are free is found if it is wider than the
+/// boxes in the end: for a single joint a thousandth of its range.
+pub(crate) struct PairRanges<'a> {
+    robot: &'a Robot,
+    bodies: &'a [LinkBody],
+    frames: LinkFrames,
+    travel: Travel,
+    q: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+/// More boxes are not looked at for one pair: each takes some 10 to 200 µs.
+const MOST_BOXES: usize = 20_000;
+
+/// Nor more pieces of the range of a single joint: in the end they are less than a thousandth of it.
+const MOST_PIECES: usize = 4095;
+
+/// Steps of a sweep over the range of a joint.
+const SWEEP: u32 = 512;
+
+/// The search for the depth of two convex bodies ends within a thousandth of it; of each depth so much is believed.
+const BELIEVED: f64 = 0.9;
+
+/// Values of the joints between two links, each from the first to the second.
+type JointBox = Vec<[f64; 2]>;
+
+impl<'a> PairRanges<'a> {
+    pub fn new(robot: &'a Robot, bodies: &'a [LinkBody]) -> Self {
+        Self {
+            robot,
+            bodies,
+            frames: robot.frames(),
+            travel: Travel::new(robot, bodies),
+            q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
+            slope: vec![0.0; robot.dof()],
+        }
+    }
+
+    /// What is proven of a pair of link bodies.
+    pub fn of(&mut self, pair: (usize, usize), question: Question) -> PairRange {
+        let shared = shared_joints(self.robot, self.bodies[pair.0].link, self.bodies[pair.1].link);
+        let joints = self.joints_between(pair, shared);
+        let whole: JointBox =
+            joints.iter().map(|&joint| self.robot.limits()[joint]).map(|l| [l.lower, l.upper]).collect();
+        let (mut boxes, mut is_free, mut least_depth_m) =
+            (VecDeque::from([whole.clone()]), false, None::<f64>);
+        for _ in 0..if joints.len() == 1 { MOST_PIECES } else { MOST_BOXES } {
+            let Some(values) = boxes.pop_front() else {
+                return match least_depth_m {
+                    Some(depth_m) => PairRange::AlwaysTouching { depth_m },
+                    None => PairRange::NeverTouching,
+                };
+            };
+            let travel_m = self.travel_m(pair, shared, &joints, &values);
+            let [first, second] = [pair.0, pair.1].map(|body| &self.bodies[body]);
+            let enough_m = CONTACT_M + travel_m;
+            let others = second.placed(&self.frames);
+            let gap = group_separation(first.placed(&self.frames), &others, enough_m);
+            if gap.lower_m > CONTACT_M {
+                if question == Question::DoTheyAlwaysTouch {
+                    return PairRange::SomewhereFree;
+                }
+                is_free = true;
+            } else {
+                let (depth_m, _) = self.deepest(pair, shared);
+                least_depth_m = Some(least_depth_m.map_or(depth_m, |least| least.min(depth_m)));
+                if BELIEVED * depth_m > travel_m {
+                    continue;
+                }
+            }
+            if is_free && least_depth_m.is_some() {
+                return PairRange::Both {
+                    is_at_joint: self.touch_at_joint_alone(pair, shared, &joints, &whole),
+                };
+            }
+            if gap.lower_m < enough_m {
+                boxes.extend(self.halves(pair, shared, &joints, values).into_iter().flatten());
+            }
+        }
+        PairRange::Unproven { depth_m: least_depth_m.unwrap_or(0.0) }
+    }
+
+    /// The joints that the pair's pose against each other depends on, as indices into `q`.
+    fn joints_between(&self, pair: (usize, usize), shared: usize) -> Vec<usize> {
+        let chain = |body: usize| self.robot.ancestors(self.bodies[body].link).iter().skip(shared);
+        let mut joints: Vec<usize> = chain(pair.0).chain(chain(pair.1)).map(|mover| mover.joint).collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
+    }
+
+    /// Puts the links where they are in the middle of a box, and bounds how far they move against each other within it (m).
+    fn travel_m(&mut self, pair: (usize, usize), shared: usize, joints: &[usize], values: &JointBox) -> f64 {
+        self.slope.fill(0.0);
+        for (&joint, [lower, upper]) in joints.iter().zip(values) {
+            self.q[joint] = 0.5 * (lower + upper);
+            self.slope[joint] = 0.5 * (upper - lower) * (1.0 + f64::EPSILON);
+        }
+        self.robot.forward_kinematics(&self.q, &mut self.frames);
+        self.slope_travel_m(pair, shared) + ROUNDING_M
+    }
+
+    fn slope_travel_m(&mut self, pair: (usize, usize), shared: usize) -> f64 {
+        self.travel.forget();
+        for body in [pair.0, pair.1] {
+            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
+        }
+        self.travel.between(pair.0, pair.1, shared)
+    }
+
+    /// A box cut across the joint that moves the links most; none if it is as small as numbers are.
+    fn halves(
+        &mut self,
+        pair: (usize, usize),
+        shared: usize,
+        joints: &[usize],
+        values: JointBox,
+    ) -> Option<[JointBox; 2]> {
+        let mut most = (0.0, None);
+        for (place, (&joint, [lower, upper])) in joints.iter().zip(&values).enumerate() {
+            self.slope.fill(0.0);
+            self.slope[joint] = 0.5 * (upper - lower);
+            let travel_m = self.slope_travel_m(pair, shared);
+            if travel_m > most.0 {
+                most = (travel_m, Some(place));
+            }
+        }
+        let place = most.1.filter(|_| most.0 > ROUNDING_M)?;
+        let middle = 0.5 * (values[place][0] + values[place][1]);
+        let mut halves = [values.clone(), values];
+        halves[0][place][1] = middle;
+        halves[1][place][0] = middle;
+        Some(halves)
+    }
+
+    /// The greatest depth of two convex solids of the links in each other, and how far the deepest place of any two is from
+    /// the axis of the last joint between them, in metres: endlessly far from one that slides.
+    fn deepest(&self, pair: (usize, usize), shared: usize) -> (f64, f64) {
+        let [first, second] = [pair.0, pair.1].map(|body| &self.bodies[body]);
+        let others: Vec<_> = second.placed(&self.frames).collect();
+        let is_convex = |solid: &Solid| solid.support_point(&Vector::x()).is_some();
+        let (mut depth_m, mut deepest) = (0.0_f64, None::<Overlap>);
+        for (pose_a, a) in first.placed(&self.frames) {
+            for (pose_b, b) in &others {
+                let Some(found) = overlap(a, &pose_a, b, pose_b) else { continue };
+                if is_convex(a) && is_convex(b) {
+                    depth_m = depth_m.max(found.depth_m);
+                }
+                deepest = deepest.filter(|known| known.depth_m >= found.depth_m).or(Some(found));
+            }
+        }
+        let movers =
+            [second, first].map(|body| self.robot.ancestors(body.link).get(shared..).unwrap_or_default());
+        let from_axis_m =
+            movers.iter().find_map(|movers| movers.last()).zip(deepest).map(|(mover, deepest)| {
+                if mover.kind == JointKind::Prismatic {
+                    return f64::INFINITY;
+                }
+                let frame = self.frames.link(mover.child_link);
+                let axis = frame.rotation * mover.axis_in_child;
+                axis.cross(&(deepest.point.coords - frame.translation.vector)).norm()
+            });
+        (depth_m, from_axis_m.unwrap_or(0.0))
+    }
+
+    /// Whether two links that one joint moves touch near its axis alone, wherever they touch in a sweep over its range.
+    fn touch_at_joint_alone(
+        &mut self,
+        pair: (usize, usize),
+        shared: usize,
+        joints: &[usize],
+        range: &JointBox,
+    ) -> bool {
+        let (&[joint], &[[lower, upper]]) = (joints, &range[..]) else { return false };
+        let joint_m = self.joint_neighbourhood_m(pair);
+        (0..=SWEEP).all(|step| {
+            let value = lower + (upper - lower) * f64::from(step) / f64::from(SWEEP);
+            self.travel_m(pair, shared, &[joint], &vec![[value; 2]]);
+            self.deepest(pair, shared).1 <= joint_m
+        })
+    }
+
+    /// How far from the axis of their joint two links count as being at the joint, in metres: as far as both are thick.
+    fn joint_neighbourhood_m(&self, pair: (usize, usize)) -> f64 {
+        let thickness_m = |body: usize| 2.0 * self.bodies[body].bounds.aabb.half_extents.min();
+        thickness_m(pair.0) + thickness_m(pair.1)
+    }
+}
