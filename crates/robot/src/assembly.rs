@@ -12,11 +12,11 @@ use crate::joint_reach::joint_reaches;
 use crate::joint_step::{Motion, Step, Value};
 use crate::kinematics::LinkFrames;
 use crate::link_pairs::{adjacent_pairs, disabled_pairs};
-use crate::rate_limits::{RateLimits, parse_rate_limits};
+use crate::rate_limits::parse_rate_limits;
 use crate::robot_description::{DESCRIPTION, LIMITS};
 use crate::text_source::{parsed, read};
 use crate::tree::Tree;
-use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
+use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink};
 use crate::{
     GroupJoint, JointKind, JointLimits, JointUnit, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover,
     Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
@@ -78,7 +78,7 @@ impl Robot {
         let limits: Vec<JointLimits> = resolved
             .group
             .iter()
-            .map(|&joint| joint_limits(&urdf.joints[joint], rates.get(&urdf.joints[joint].name)))
+            .map(|&joint| joint_limits(&urdf.joints[joint]))
             .collect::<Result<_, _>>()?;
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
@@ -90,6 +90,7 @@ impl Robot {
         let start = description.as_ref().and_then(|description| description.start_of(&joint_names));
         let robot = Self {
             name: urdf.name.clone(),
+            notes: urdf.notes.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links, &movers),
             disabled_pairs: disabled_pairs(&urdf, &tree, &srdf, &options.unchecked_pairs)?,
@@ -223,7 +224,7 @@ fn joint_motion(
     Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
 }
 
-fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLimits, RobotError> {
+fn joint_limits(joint: &UrdfJoint) -> Result<JointLimits, RobotError> {
     let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
     let motion = joint.motion.as_ref().ok_or_else(missing)?;
     let velocity = motion.limits.velocity.ok_or_else(missing)?;
@@ -240,7 +241,7 @@ fn joint_limits(joint: &UrdfJoint, rates: Option<&RateLimits>) -> Result<JointLi
         UrdfJointKind::Prismatic => JointUnit::Metre,
         UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
     };
-    let (acceleration, jerk) = rates.map_or((None, None), |rates| (rates.acceleration, rates.jerk));
+    let UrdfLimits { acceleration, jerk, .. } = motion.limits;
     Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
 }
 

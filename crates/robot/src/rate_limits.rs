@@ -14,8 +14,8 @@ pub(crate) struct RateLimits {
     joint: String,
     range: [Option<f64>; 2],
     velocity: Option<f64>,
-    pub(crate) acceleration: Option<f64>,
-    pub(crate) jerk: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
 }
 
 impl RateLimits {
@@ -23,7 +23,7 @@ impl RateLimits {
         &self.at
     }
 
-    /// Gives the joint the range and the velocity that are said here. A continuous joint gets any range; what has one
+    /// Gives the joint the range and the rates that stand here. A continuous joint gets any range; what has one
     /// already can only lose of it.
     pub(crate) fn narrow(&self, joint: &mut UrdfJoint) -> Result<(), RobotError> {
         let given = self.range.iter().chain([&self.velocity]).flatten().next();
@@ -55,6 +55,8 @@ impl RateLimits {
             return Err(RobotError::LimitsReversed { at, joint, lower, upper });
         }
         limits.velocity = self.velocity.or(limits.velocity);
+        limits.acceleration = self.acceleration.or(limits.acceleration);
+        limits.jerk = self.jerk.or(limits.jerk);
         Ok(())
     }
 }

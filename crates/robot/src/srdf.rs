@@ -73,7 +73,7 @@ impl Srdf {
         let robot = xml.robot()?;
         let mut srdf = Self::default();
         for element in robot.children() {
-            match element.tag() {
+            match &*element.tag() {
                 "group" => srdf.groups.push(parse_group(element)?),
                 "group_state" => srdf.group_states.push(parse_state(element)?),
                 "end_effector" => srdf.end_effectors.push(parse_end_effector(element)?),
