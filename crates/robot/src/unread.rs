@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
 
 use cranny_file::counted;
@@ -113,7 +114,7 @@ fn walk(element: Element<'_>, counts: bool, notes: &mut Notes) -> Result<(), Rob
         }
         notes.add(&what, element, element);
     }
-    let read_tags: HashSet<_> =
+    let read_tags: HashSet<Cow<'_, str>> =
         element.children_and_use().filter(|(_, is_read)| *is_read).map(|(child, _)| child.tag()).collect();
     for (child, is_read) in element.children_and_use() {
         let child_tag = &*child.tag();
@@ -121,8 +122,7 @@ fn walk(element: Element<'_>, counts: bool, notes: &mut Notes) -> Result<(), Rob
             let begins = matches!((tag, child_tag), ("link", "collision") | ("robot", "joint"));
             walk(child, counts || begins, notes)?;
         } else if !is_known_element(element, child_tag) {
-            let is_second =
-                element.children_and_use().any(|(other, is_read)| is_read && other.tag() == child_tag);
+            let is_second = read_tags.contains(child_tag);
             let what = match (is_second, tag) {
                 (_, "geometry") => format!("a second shape, <{child_tag}>,"),
                 (true, _) => format!("a second <{child_tag}>"),
