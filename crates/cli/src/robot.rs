@@ -44,6 +44,7 @@ pub enum RobotCommand {
 #[command(after_help = "Examples:
   cranny robot add ur5.urdf
   cranny robot add arm.urdf.xacro --package ~/ros/share -o my_arm     (expanded by Python's xacro)
+  cranny robot add arm.urdf.xacro --xacro side=left --xacro reach=0.4
   cranny robot add rover.urdf --base planar                           let it drive
   cranny robot add arm.urdf --palm tool0 --tip gripper_frame
 
@@ -62,9 +63,13 @@ pub struct AddArguments {
     /// Its SRDF [default: the file beside the URDF with its name, else what fits of the one in ../srdf, if there is one]
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<PathBuf>,
-    /// Folder in which package:// names of the URDF are looked for; may be given more than once
+    /// Folder in which package:// names of the URDF, and $(find …) of xacro, are looked for before the folders above the
+    /// URDF; may be given more than once
     #[arg(long = "package", value_name = "FOLDER")]
     pub packages: Vec<PathBuf>,
+    /// An argument of a xacro file; may be given more than once
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub xacro: Vec<String>,
     /// The gripper frame: between the pads, y the axis on which they close, z the approach direction [default: found]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
@@ -195,6 +200,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
     let options = SetupOptions {
         srdf: arguments.srdf.clone(),
         packages: arguments.packages.clone(),
+        xacro: arguments.xacro.clone(),
         tip: arguments.tip.clone(),
         palm: arguments.palm.clone(),
         base: arguments.base.map(|base| match base {

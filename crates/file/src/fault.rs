@@ -43,6 +43,9 @@ pub enum FileFault {
         /// The limit, in bytes.
         most: u64,
     },
+    /// Git has put a pointer in the file's place, because its content lies in Git LFS.
+    #[error("it is a Git LFS pointer, not the file itself: `git lfs pull` in its repository fetches that")]
+    LfsPointer,
     /// The bytes are no text.
     #[error("line {line} is no text (UTF-8): is it the right file?")]
     NotText {

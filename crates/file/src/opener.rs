@@ -33,6 +33,9 @@ pub const PROGRAM: Readable = Readable::new("a program", 1 << 30);
 /// A packed scenario, as it lies on the disk.
 pub const ARCHIVE: Readable = Readable::new("an archive", 256 << 20);
 
+/// The beginning of the text that stands for a file whose content lies in Git LFS (its specification, version 1).
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 /// Set at the start of a program, if at all: `--large-files`. A process-wide setting, because files are named in
 /// files that are named in files, and every reader on that way, in every crate, would have to carry it otherwise.
 static LIFTED: OnceLock<()> = OnceLock::new();
@@ -72,6 +75,9 @@ impl Readable {
             .map_err(|fault| FileFault::of(path, fault))?;
         if bytes.len() as u64 > most {
             return Err(FileFault::TooLarge { what: self.what, size: None, most }.into());
+        }
+        if bytes.starts_with(LFS_POINTER) {
+            return Err(FileFault::LfsPointer.into());
         }
         Ok(bytes)
     }

@@ -3,7 +3,8 @@
 //! 1. A first contact, uniform over the surface's area.
 //! 2. Rays from it, uniform over the solid angle of the friction cone about the inward normal.
 //! 3. A second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray
-//!    lies inside that contact's friction cone too.
+//!    lies inside that contact's friction cone too, and both contacts are the first that the pads meet as they close:
+//!    faces inside other bodies of the object, or in its sealed cavities, are none.
 //! 4. Approach directions, evenly about the closing axis, or some of them.
 //! 5. What the caller does not accept (a hand that collides) goes.
 //! 6. Grasps that an earlier one equals, or its twin, go.
@@ -170,6 +171,9 @@ const CHUNKS_PER_WAVE: u64 = 32;
 /// Contacts closer than this are one, in metres: no finger closes on less than an export's noise.
 const LEAST_WIDTH_M: f64 = 1e-4;
 
+/// Layers of a surface closer together are one, in metres, for the pad that meets the outer one.
+const LEAST_GAP_M: f64 = 1e-5;
+
 impl SamplerSettings {
     fn check(&self) -> Result<(), GraspError> {
         let fault = |setting: &'static str, value: f64, range: &'static str| {
@@ -266,7 +270,7 @@ impl<'a> GraspSampler<'a> {
         for _ in 0..first_contacts {
             let first = self.area.point([random.uniform(), random.uniform(), random.uniform()]);
             let ray = direction_in_cone(&-first.normal, settings.friction, &mut random);
-            for [one, other] in pairs_along(self.surface, &first, &ray, &settings) {
+            for [one, other] in pairs_along(self.surface, &first, &ray, &settings, self.settings.opening_m) {
                 narrowest_m = narrowest_m.min((one.point_in_object - other.point_in_object).norm());
             }
             if narrowest_m <= self.settings.opening_m {
@@ -287,7 +291,7 @@ impl<'a> GraspSampler<'a> {
             // 2.
             let ray = direction_in_cone(&-first.normal, settings.friction, random);
             // 3.
-            for contacts in pairs_along(surface, &first, &ray, settings) {
+            for contacts in pairs_along(surface, &first, &ray, settings, settings.opening_m) {
                 pairs += 1;
                 // 4.
                 let has_room = |pose: &Pose| palm_has_room(surface, pose, settings.finger_depth_m);
@@ -311,13 +315,15 @@ fn direction_in_cone(axis: &Vector, friction: f64, random: &mut Stream) -> Vecto
     axis * cosine + (across * cos_turn + beside * sin_turn) * sine
 }
 
-/// The pairs of contacts in force closure along a ray. The contact that comes first is the one on the side
-/// of −y, and y is one and the same for a pair and its twin.
+/// The pairs of contacts in force closure along a ray that pads meet first as they close from `opening_m` apart, straight
+/// towards each other. The contact that comes first is the one on the side of −y, and y is one and the same for a pair
+/// and its twin.
 fn pairs_along(
     surface: &Surface,
     first: &SurfacePoint,
     ray: &Vector,
     settings: &SamplerSettings,
+    opening_m: f64,
 ) -> Vec<[Contact; 2]> {
     let contact = |point: Point, normal: Vector| Contact { point_in_object: point, normal_in_object: normal };
     let begin = contact(first.point, first.normal);
@@ -325,7 +331,17 @@ fn pairs_along(
     for hit in surface.ray_hits(&first.point, ray, settings.opening_m) {
         let end = contact(first.point + ray * hit.distance_m, hit.normal);
         let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M;
-        if leaves && friction_needed(&begin, &end) <= settings.friction {
+        let travel_m = 0.5 * (opening_m - hit.distance_m);
+        // The surface that the pad ends at lies within rounding of where its line begins.
+        let is_met_first = |contact: &Contact, outwards: Vector| {
+            let before = contact.point_in_object + outwards * LEAST_GAP_M;
+            travel_m <= LEAST_GAP_M || surface.ray_hits(&before, &outwards, travel_m - LEAST_GAP_M).is_empty()
+        };
+        if leaves
+            && friction_needed(&begin, &end) <= settings.friction
+            && is_met_first(&begin, -ray)
+            && is_met_first(&end, *ray)
+        {
             let is_turned = ray[ray.iamax()] < 0.0;
             pairs.push(if is_turned { [end, begin] } else { [begin, end] });
         }

@@ -5,7 +5,7 @@ use cranny_grasp::{
     grasp_distance, sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 fn sampled(surface: &Surface, settings: &SamplerSettings) -> Sampling {
     sample_grasps(surface, settings, &|_| true, &mut |_| true).unwrap()
@@ -99,6 +99,58 @@ fn nothing_wider_than_the_opening_is_grasped() {
 }
 
 /// A search for what cannot be found went on to its end and said nothing.
+/// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second body, as a cavity, and as a room
+/// between six plates. A pad that closes from outside never comes to the inner faces.
+#[test]
+fn nothing_inside_an_object_is_grasped() {
+    let outer = Surface::cuboid_soup(&Vector::new(0.03, 0.025, 0.035));
+    let inner = Surface::cuboid_soup(&Vector::repeat(0.01));
+    let at = Pose::translation(0.01, 0.0, 0.01);
+    let mut body = outer.clone();
+    body.append(&inner, &at);
+    let mut cavity = body.clone();
+    cavity.triangles[12..].iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    let mut room = TriangleSoup::default();
+    for axis in 0..3 {
+        let mut half = Vector::new(0.03, 0.025, 0.035);
+        let place = half[axis] - 0.002;
+        half[axis] = 0.002;
+        for side in [-place, place] {
+            let mut shift = Vector::zeros();
+            shift[axis] = side;
+            room.append(&Surface::cuboid_soup(&half), &Pose::from_parts(shift.into(), Rotation::identity()));
+        }
+    }
+    for (name, soup) in [("body", body), ("cavity", cavity), ("room", room)] {
+        let surface = Surface::new(&soup).unwrap();
+        let found = sampled(&surface, &settings(300));
+        assert!(found.grasps.len() > 200, "{name}: {}", found.grasps.len());
+        let to_outside = |point: &Point| {
+            (0..12).map(|t| distance_to_triangle(point, &outer.corners(t))).fold(f64::INFINITY, f64::min)
+        };
+        for grasp in &found.grasps {
+            let within = grasp.contacts.map(|contact| to_outside(&contact.point_in_object));
+            assert!(within.iter().all(|distance| *distance < 1e-9), "{name}: {grasp:?}");
+        }
+    }
+}
+
+/// The wall of a pipe is grasped where the inner pad has room inside.
+#[test]
+fn a_wall_is_grasped_where_there_is_room_behind_it() {
+    let mut pipe = Surface::cuboid_soup(&Vector::new(0.002, 0.1, 0.05));
+    let opposite = Surface::cuboid_soup(&Vector::new(0.002, 0.1, 0.05));
+    pipe.append(&opposite, &Pose::translation(0.06, 0.0, 0.0));
+    let thin = |opening_m: f64| {
+        let surface = Surface::new(&pipe).unwrap();
+        let found = sampled(&surface, &SamplerSettings { opening_m, ..settings(100) });
+        found.grasps.iter().filter(|grasp| grasp.grasp.width_m.unwrap() < 0.01).count()
+    };
+    assert!(thin(0.05) > 50);
+    // From 160 mm apart the inner pad would have to pass the other wall.
+    assert_eq!(thin(0.16), 0);
+}
+
 #[test]
 fn what_is_too_wide_everywhere_is_known_by_how_wide_it_is() {
     let surface = Surface::new(&cuboid()).unwrap();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
-use crate::coupled_limits::{Rates, coupled_limits};
+use crate::coupled_limits::coupled_limits;
 use crate::derived::Derived;
 use crate::full_turn::{endless, full_turns};
 use crate::hand::hand_links;
@@ -82,7 +82,7 @@ impl Robot {
                 inertial: link.inertial,
             });
         }
-        let limits = coupled_limits(&urdf, &resolved, &Rates { own: &rates, planning: &planning.joints, scales })?;
+        let limits = coupled_limits(&urdf, &resolved, scales)?;
         let full_turns = full_turns(&limits, &movers);
         let on_way: Vec<usize> =
             std::iter::successors(Some(resolved.tip), |&node| tree.nodes[node].above.map(|(above, _)| above))
@@ -97,6 +97,7 @@ impl Robot {
         let values = urdf.joints.iter().map(|joint| joint.name.clone()).zip(resolved.values).collect();
         let robot = Self {
             name: urdf.name.clone(),
+            notes: urdf.notes.clone(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links, &movers, &pairs.checked),
             disabled_pairs: pairs.disabled,

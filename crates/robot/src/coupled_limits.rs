@@ -1,35 +1,8 @@
-use std::collections::BTreeMap;
-
 use crate::error::RobotError;
 use crate::joint_group::{Resolved, range};
 use crate::limits::CONTINUOUS_LIMIT_RAD;
-use crate::rate_limits::RateLimits;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind};
 use crate::{JointLimits, JointUnit, RateScales};
-
-/// Rates of joints that files beside the URDF give.
-pub(crate) struct Rates<'a> {
-    /// Of a robot's own `limits.yaml`, which goes before the other.
-    pub own: &'a BTreeMap<String, RateLimits>,
-    /// Of a `joint_limits.yaml` of `MoveIt`.
-    pub planning: &'a BTreeMap<String, RateLimits>,
-    /// Shares of velocity and acceleration that are used.
-    pub scales: RateScales,
-}
-
-impl Rates<'_> {
-    /// Velocity (from that of the URDF, m/s or rad/s), acceleration and jerk of a joint.
-    fn of(&self, joint: &UrdfJoint, velocity: Option<f64>) -> [Option<f64>; 3] {
-        let given = [self.own, self.planning].map(|rates| rates.get(&joint.name));
-        let first = |rate: fn(&RateLimits) -> Option<f64>| given.iter().flatten().find_map(|rates| rate(rates));
-        let scaled = |rate: Option<f64>, scale: Option<f64>| rate.map(|rate| rate * scale.unwrap_or(1.0));
-        [
-            scaled(velocity, self.scales.velocity),
-            scaled(first(|rates| rates.acceleration), self.scales.acceleration),
-            first(|rates| rates.jerk),
-        ]
-    }
-}
 
 /// The limits of each joint of the group within which it and all joints that mimic it keep their own.
 ///
@@ -42,12 +15,12 @@ impl Rates<'_> {
 pub(crate) fn coupled_limits(
     urdf: &Urdf,
     resolved: &Resolved,
-    rates: &Rates<'_>,
+    scales: RateScales,
 ) -> Result<Vec<JointLimits>, RobotError> {
     let mut limits = Vec::with_capacity(resolved.group.len());
     for (index, &member) in resolved.group.iter().enumerate() {
         let master = &urdf.joints[member];
-        let mut own = joint_limits(master, rates)?;
+        let mut own = joint_limits(master, scales)?;
         for (joint, value) in urdf.joints.iter().zip(&resolved.values) {
             let Some((_, multiplier)) = value.follows.filter(|(followed, _)| *followed == index) else {
                 continue;
@@ -55,7 +28,7 @@ pub(crate) fn coupled_limits(
             if joint.name == master.name {
                 continue;
             }
-            narrow(&mut own, joint, (multiplier, value.offset), rates);
+            narrow(&mut own, joint, (multiplier, value.offset), scales);
             if own.lower > own.upper || (own.lower >= own.upper && is_movable(master)) {
                 return Err(RobotError::CoupledLimits {
                     at: joint.at.clone(),
@@ -78,7 +51,7 @@ fn narrow(
     limits: &mut JointLimits,
     mimic: &UrdfJoint,
     (multiplier, offset): (f64, f64),
-    rates: &Rates<'_>,
+    scales: RateScales,
 ) {
     let Some(motion) = &mimic.motion else { return };
     let (lower, upper) = range(motion);
@@ -94,13 +67,18 @@ fn narrow(
     };
     // A velocity of zero is none that a joint could have: many files have it where nobody knows better.
     let own_velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
-    let [velocity, acceleration, jerk] = rates.of(mimic, own_velocity);
-    limits.velocity = slower(Some(limits.velocity), velocity).unwrap_or(limits.velocity);
-    limits.acceleration = slower(limits.acceleration, acceleration);
-    limits.jerk = slower(limits.jerk, jerk);
+    let own_velocity = scaled(own_velocity, scales.velocity);
+    limits.velocity = slower(Some(limits.velocity), own_velocity).unwrap_or(limits.velocity);
+    limits.acceleration = slower(limits.acceleration, scaled(motion.limits.acceleration, scales.acceleration));
+    limits.jerk = slower(limits.jerk, motion.limits.jerk);
 }
 
-fn joint_limits(joint: &UrdfJoint, rates: &Rates<'_>) -> Result<JointLimits, RobotError> {
+/// A rate of which a share is used.
+fn scaled(rate: Option<f64>, share: Option<f64>) -> Option<f64> {
+    rate.map(|rate| rate * share.unwrap_or(1.0))
+}
+
+fn joint_limits(joint: &UrdfJoint, scales: RateScales) -> Result<JointLimits, RobotError> {
     let missing = || RobotError::MissingVelocity { at: joint.at.clone(), joint: joint.name.clone() };
     let motion = joint.motion.as_ref().ok_or_else(missing)?;
     let velocity = motion.limits.velocity.ok_or_else(missing)?;
@@ -117,8 +95,9 @@ fn joint_limits(joint: &UrdfJoint, rates: &Rates<'_>) -> Result<JointLimits, Rob
         UrdfJointKind::Prismatic => JointUnit::Metre,
         UrdfJointKind::Revolute | UrdfJointKind::Continuous => JointUnit::Radian,
     };
-    let [scaled, acceleration, jerk] = rates.of(joint, Some(velocity));
-    let velocity = scaled.unwrap_or(velocity);
+    let velocity = velocity * scales.velocity.unwrap_or(1.0);
+    let acceleration = scaled(motion.limits.acceleration, scales.acceleration);
+    let jerk = motion.limits.jerk;
     Ok(JointLimits { lower, upper, velocity, acceleration, jerk, unit })
 }
 

@@ -139,6 +139,39 @@ pub enum RobotError {
         /// The greatest value of its own joint, either way (m, rad).
         greatest: f64,
     },
+    /// A file holds something that no reader here understands where it could change geometry or motion.
+    #[error(
+        "{at}: {what} in {owner} is not understood, and may change where things are or how they move{}",
+        known_there(known)
+    )]
+    NotUnderstood {
+        /// Where it stands.
+        at: Location,
+        /// The element, attribute or text.
+        what: String,
+        /// The element that it is in.
+        owner: String,
+        /// What is understood there.
+        known: Vec<String>,
+    },
+    /// An `<origin>` has roll, pitch and yaw, and a quaternion.
+    #[error("{at}: the <origin> in {owner} has both `rpy` and `quat_xyzw`; leave out one")]
+    TwoRotations {
+        /// Where it stands.
+        at: Location,
+        /// The element that it is in.
+        owner: String,
+    },
+    /// A quaternion is not of length 1.
+    #[error("{at}: `quat_xyzw` of {element} has the length {norm}, but that of a rotation is 1")]
+    NoRotation {
+        /// Where the element stands.
+        at: Location,
+        /// The element.
+        element: String,
+        /// Its length.
+        norm: f64,
+    },
     /// A quantity that must be greater than zero is not.
     #[error("{at}: {attribute} of {element} must be greater than 0, but is {value}")]
     NotPositive {
@@ -454,6 +487,10 @@ pub enum Hindrance {
 
 fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn known_there(known: &[String]) -> String {
+    if known.is_empty() { String::new() } else { format!(" (known there: {})", known.join(", ")) }
 }
 
 fn meant(nearest: &[String]) -> String {

@@ -53,9 +53,10 @@ impl Urdf {
         let limit = element.first("limit");
         for (index, (suffix, kind, axis)) in freedoms.iter().enumerate() {
             let joint_name = format!("{name}/{suffix}");
-            let velocity = limit.map(|limit| parse_limits(limit, UrdfJointKind::Continuous, name));
-            let velocity = velocity.transpose()?.and_then(|limits| limits.velocity);
-            let mut limits = UrdfLimits { lower: -PI, upper: PI, velocity, effort: None };
+            let rates =
+                limit.map(|limit| parse_limits(limit, UrdfJointKind::Continuous, name)).transpose()?;
+            let mut limits = rates.unwrap_or_else(UrdfLimits::of_continuous);
+            limits.effort = None;
             match kind {
                 UrdfJointKind::Prismatic => {
                     (limits.lower, limits.upper) = (-FREE_JOINT_LIMIT_M, FREE_JOINT_LIMIT_M);
@@ -68,7 +69,7 @@ impl Urdf {
                     }
                 }
                 UrdfJointKind::Revolute => (limits.lower, limits.upper) = (-0.5 * PI, 0.5 * PI),
-                UrdfJointKind::Continuous => limits = UrdfLimits::of_continuous(velocity, None),
+                UrdfJointKind::Continuous => {}
             }
             let is_last = index + 1 == freedoms.len();
             let below = if is_last { child.clone() } else { joint_name.clone() };

@@ -19,11 +19,16 @@ impl Inertial {
     /// a simulation asks for them, and many files that people plan with have zeros there.
     pub(crate) fn of(link: Element<'_>) -> Option<Self> {
         let inertial = link.first("inertial")?;
-        let link_from_inertial: Pose = inertial.origin().ok()?;
-        let mass_kg = inertial.first("mass")?.positive("value").ok()?;
-        let element = inertial.first("inertia")?;
-        let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
-            .map(|name| element.number_or(name, 0.0).unwrap_or(f64::NAN));
+        // Everything is read before anything is judged.
+        let (link_from_inertial, mass, inertia) =
+            (inertial.origin(), inertial.first("mass"), inertial.first("inertia"));
+        let mass_kg = mass.map(|mass| mass.positive("value"));
+        let moments = inertia.map(|inertia| {
+            ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
+                .map(|name| inertia.number_or(name, 0.0).unwrap_or(f64::NAN))
+        });
+        let (link_from_inertial, mass_kg): (Pose, f64) = (link_from_inertial.ok()?, mass_kg?.ok()?);
+        let [xx, xy, xz, yy, yz, zz] = moments?;
         let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let turn = link_from_inertial.rotation.to_rotation_matrix();
         let inertia_kg_m2 = turn.matrix() * own * turn.matrix().transpose();

@@ -42,6 +42,7 @@ mod srdf;
 mod steadiness;
 mod text_source;
 mod tree;
+mod unread;
 mod urdf;
 mod urdf_model;
 mod urdf_text;

@@ -2,13 +2,22 @@ use std::path::{Path, PathBuf};
 
 /// The files that a mesh name of a URDF may mean, in the order in which they are tried.
 ///
-/// - `package://P/rest`: in every folder of `packages`, then in every folder above the URDF, `P/rest`, and
-///   `rest` where the folder itself is called `P`.
+/// - `package://P/rest`, `model://P/rest` or xacro's `$(find P)/rest`: in every folder of `packages`, then in every folder
+///   above the URDF, `P/rest`, and `rest` where the folder itself is called `P`.
 /// - `file:///path`, or an absolute path: that file.
 /// - anything else: relative to the URDF's folder.
+///
+/// After the name as it is written comes what it stands for if it is a URI (`%20` is a blank), and if it was written on
+/// Windows.
 pub fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<PathBuf> {
-    if let Some(name) = filename.strip_prefix("package://") {
-        let (package, rest) = name.split_once('/').unwrap_or((name, ""));
+    let mut names = vec![filename.to_owned()];
+    names.extend(percent_decoded(filename));
+    names.extend(filename.contains('\\').then(|| filename.replace('\\', "/")));
+    names.iter().flat_map(|name| places(name, base_dir, packages)).collect()
+}
+
+fn places(name: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<PathBuf> {
+    if let Some((package, rest)) = in_package(name) {
         let base_dir = base_dir.map(absolute);
         let above = base_dir.iter().flat_map(|base| base.ancestors());
         let mut found: Vec<PathBuf> = Vec::new();
@@ -20,12 +29,36 @@ pub fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[PathBuf])
         }
         return found;
     }
-    let path = Path::new(filename.strip_prefix("file://").unwrap_or(filename));
+    let path = Path::new(name.strip_prefix("file://").or_else(|| name.strip_prefix("file:")).unwrap_or(name));
     match base_dir {
         _ if path.is_absolute() => vec![path.to_owned()],
         Some(base) => vec![base.join(path)],
         None => Vec::new(),
     }
+}
+
+/// The package that a name begins with, and the path inside.
+fn in_package(name: &str) -> Option<(&str, &str)> {
+    let found = ["package://", "model://"].iter().find_map(|scheme| name.strip_prefix(scheme));
+    let (package, rest) = match found {
+        Some(inside) => inside.trim_start_matches('/').split_once('/').unwrap_or((inside, "")),
+        None => name.strip_prefix("$(find ")?.split_once(')')?,
+    };
+    // With a slash in front it would be a path from the root.
+    Some((package.trim(), rest.trim_start_matches('/')))
+}
+
+/// The name without its percent-encoding (RFC 3986, §2.1), if it has one.
+fn percent_decoded(name: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(name.len());
+    let mut parts = name.split('%');
+    bytes.extend(parts.next()?.as_bytes());
+    for part in parts {
+        let (digits, rest) = part.split_at_checked(2)?;
+        bytes.push(u8::from_str_radix(digits, 16).ok()?);
+        bytes.extend(rest.as_bytes());
+    }
+    String::from_utf8(bytes).ok().filter(|decoded| decoded != name)
 }
 
 /// Whether something is there that is no folder: what cannot be read of it, the opener says.
@@ -35,6 +68,8 @@ pub(crate) fn is_file_like(path: &Path) -> bool {
 
 /// So that the folders above `.` can be named; a path that cannot be made absolute stays as it is.
 fn absolute(path: &Path) -> PathBuf {
+    // The folder of a file that is named without one.
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
@@ -53,6 +88,26 @@ mod tests {
         assert_eq!(tried[0], "/given/arm/meshes/a.stl");
         assert!(tried.contains(&"/robots/arm/meshes/a.stl"), "{tried:?}");
         assert!(tried.iter().position(|path| *path == "/robots/arm/urdf/arm/meshes/a.stl") == Some(1));
+    }
+
+    #[test]
+    fn a_package_is_found_from_its_own_folder_in_every_spelling() {
+        let here = std::env::current_dir().unwrap();
+        let own = here.file_name().unwrap().to_str().unwrap();
+        for spelling in [
+            format!("package://{own}/meshes/a b.stl"),
+            format!("package://{own}//meshes//a b.stl"),
+            format!("model://{own}/meshes/a%20b.stl"),
+            format!("$(find {own})/meshes/a b.stl"),
+            format!("package://{own}\\meshes\\a b.stl"),
+        ] {
+            // The folder of `arm.urdf` is the empty path.
+            for base in ["", ".", "./"] {
+                let tried = candidates(&spelling, Some(Path::new(base)), &[]);
+                assert!(tried.contains(&here.join("meshes/a b.stl")), "{spelling} from {base:?}: {tried:?}");
+            }
+        }
+        assert_eq!(percent_decoded("100%"), None);
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub struct Robot {
     pub(crate) hand: Option<RobotHand>,
     pub(crate) start: Option<Vec<f64>>,
     pub(crate) floor_m: Option<f64>,
+    pub(crate) notes: Vec<String>,
     /// Per link.
     pub(crate) movers: Vec<Vec<Mover>>,
     pub(crate) disabled_pairs: Vec<(usize, usize)>,
@@ -58,6 +59,12 @@ impl Robot {
     /// The name in the URDF.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Content of the URDF that was not read, a line for each kind with its place. It changes neither geometry nor motion:
+    /// what could is refused.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// All links, parents before children; the root is the first.

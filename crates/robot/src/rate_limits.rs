@@ -38,8 +38,8 @@ impl RateLimits {
         Ok(())
     }
 
-    /// Gives the joint the range and the velocity that are said here. A continuous joint gets any range; what has one
-    /// already can only lose of it, unless the range [replaces](Self::replaces) it.
+    /// Gives the joint the range and the rates that stand here. A continuous joint gets any range; what has one already can
+    /// only lose of it, unless the range [replaces](Self::replaces) it.
     pub(crate) fn narrow(&self, joint: &mut UrdfJoint) -> Result<(), RobotError> {
         let given = self.range.iter().chain([&self.velocity]).flatten().next();
         let Some(motion) = &mut joint.motion else {
@@ -72,6 +72,8 @@ impl RateLimits {
             return Err(RobotError::LimitsReversed { at, joint, lower, upper });
         }
         limits.velocity = self.velocity.or(limits.velocity);
+        limits.acceleration = self.acceleration.or(limits.acceleration);
+        limits.jerk = self.jerk.or(limits.jerk);
         Ok(())
     }
 }

@@ -120,7 +120,7 @@ impl Srdf {
             Ok((element.text("link1")?.to_owned(), element.text("link2")?.to_owned()))
         };
         for element in robot.children() {
-            match element.tag() {
+            match &*element.tag() {
                 "group" => srdf.groups.push(parse_group(element)?),
                 "group_state" => srdf.group_states.push(parse_state(element)?),
                 "end_effector" => srdf.end_effectors.push(parse_end_effector(element)?),

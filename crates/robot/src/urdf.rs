@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use cranny_spatial::Vector;
 
 use crate::free_joint::{FLOATING, PLANAR};
+use crate::unread::unread;
 use crate::urdf_model::{
     Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMimic, UrdfMotion, parse_limits,
 };
@@ -26,7 +27,7 @@ impl Urdf {
         let colours = named_colours(robot);
         let links =
             robot.all("link").map(|link| parse_link(link, &colours)).collect::<Result<Vec<_>, _>>()?;
-        let mut urdf = Self { name, file: file.to_owned(), links, joints: Vec::new() };
+        let mut urdf = Self { name, file: file.to_owned(), links, joints: Vec::new(), notes: Vec::new() };
         for joint in robot.all("joint") {
             match joint.text("type")? {
                 "planar" => urdf.add_free_joint(joint, &PLANAR)?,
@@ -34,6 +35,7 @@ impl Urdf {
                 _ => urdf.joints.push(parse_joint(joint)?),
             }
         }
+        urdf.notes = unread(&xml)?;
         Ok(urdf)
     }
 }
@@ -102,11 +104,11 @@ fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, LinkFor
         RobotError::MissingElement { at: element.at(), owner: owner(), element: "geometry" }
     })?;
     let (length_m, radius_m) = (|| shape.positive("length"), || shape.positive("radius"));
-    let form = match shape.tag() {
+    let form = match &*shape.tag() {
         "box" => LinkForm::Cuboid { size: parse_size(shape)? },
         "sphere" => LinkForm::Sphere { radius_m: radius_m()? },
         "cylinder" => LinkForm::Cylinder { length_m: length_m()?, radius_m: radius_m()? },
-        "capsule" => LinkForm::Capsule { length_m: length_m()?, radius_m: radius_m()? },
+        "capsule" | "drake:capsule" => LinkForm::Capsule { length_m: length_m()?, radius_m: radius_m()? },
         "mesh" => {
             let name = shape.text("filename")?.to_owned();
             LinkForm::Mesh { name, candidates: Vec::new(), scale: parse_scale(shape)? }
@@ -170,7 +172,7 @@ fn parse_motion(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Resul
         .try_normalize(1e-9)
         .ok_or_else(|| RobotError::ZeroAxis { at: axis_at, joint: joint.to_owned() })?;
     let limits = match element.first("limit") {
-        None if kind == UrdfJointKind::Continuous => UrdfLimits::of_continuous(None, None),
+        None if kind == UrdfJointKind::Continuous => UrdfLimits::of_continuous(),
         _ => parse_limits(element.needed("limit", &format!("joint `{joint}`"))?, kind, joint)?,
     };
     let mimic = element.first("mimic").map(parse_mimic).transpose()?;

@@ -12,6 +12,8 @@ pub(crate) struct Urdf {
     pub(crate) file: String,
     pub(crate) links: Vec<UrdfLink>,
     pub(crate) joints: Vec<UrdfJoint>,
+    /// What was not read and changes neither geometry nor motion, a line for each kind.
+    pub(crate) notes: Vec<String>,
 }
 
 pub(crate) struct UrdfLink {
@@ -59,11 +61,21 @@ pub(crate) struct UrdfLimits {
     pub(crate) upper: f64,
     pub(crate) velocity: Option<f64>,
     pub(crate) effort: Option<f64>,
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) jerk: Option<f64>,
 }
 
 impl UrdfLimits {
-    pub(crate) fn of_continuous(velocity: Option<f64>, effort: Option<f64>) -> Self {
-        Self { lower: -CONTINUOUS_LIMIT_RAD, upper: CONTINUOUS_LIMIT_RAD, velocity, effort }
+    /// Those of a continuous joint of which nothing else is known.
+    pub(crate) fn of_continuous() -> Self {
+        Self {
+            lower: -CONTINUOUS_LIMIT_RAD,
+            upper: CONTINUOUS_LIMIT_RAD,
+            velocity: None,
+            effort: None,
+            acceleration: None,
+            jerk: None,
+        }
     }
 }
 
@@ -79,17 +91,24 @@ pub(crate) fn parse_limits(
     kind: UrdfJointKind,
     joint: &str,
 ) -> Result<UrdfLimits, RobotError> {
-    // Left out, both are zero (URDF specification).
-    let (lower, upper) = (element.number_or("lower", 0.0)?, element.number_or("upper", 0.0)?);
+    let optional =
+        |attribute| element.optional_text(attribute).map(|_| element.positive(attribute)).transpose();
     let velocity = element.optional_text("velocity").map(|_| element.number("velocity")).transpose()?;
     // Many files have a zero where nobody knows it.
     let effort = element.positive("effort").ok();
+    let (faster, slower) = (optional("acceleration")?, optional("deceleration")?);
+    let (foreign, jerk) = (optional("drake:acceleration")?, optional("jerk")?);
+    // One figure holds for both directions: the least.
+    let acceleration = [faster, slower, foreign].into_iter().flatten().reduce(f64::min);
+    let limits = UrdfLimits { velocity, effort, acceleration, jerk, ..UrdfLimits::of_continuous() };
     if kind == UrdfJointKind::Continuous {
-        return Ok(UrdfLimits::of_continuous(velocity, effort));
+        return Ok(limits);
     }
+    // Left out, both are zero (URDF specification).
+    let (lower, upper) = (element.number_or("lower", 0.0)?, element.number_or("upper", 0.0)?);
     if lower > upper {
         let (at, joint) = (element.at(), joint.to_owned());
         return Err(RobotError::LimitsReversed { at, joint, lower, upper });
     }
-    Ok(UrdfLimits { lower, upper, velocity, effort })
+    Ok(UrdfLimits { lower, upper, ..limits })
 }

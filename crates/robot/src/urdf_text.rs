@@ -136,6 +136,8 @@ impl UrdfText {
                 range: [motion.limits.lower, motion.limits.upper],
                 velocity: motion.limits.velocity,
                 effort: motion.limits.effort,
+                acceleration: motion.limits.acceleration,
+                jerk: motion.limits.jerk,
             });
             JointFacts { name: joint.name, parent: joint.parent, child: joint.child, motion }
         };
@@ -171,6 +173,10 @@ pub struct JointMotion {
     pub velocity: Option<f64>,
     /// The greatest force or torque of its drive (N, N m), if a number above 0 is written.
     pub effort: Option<f64>,
+    /// Its greatest acceleration (m/s², rad/s²), if URDF 1.2 gives one.
+    pub acceleration: Option<f64>,
+    /// Its greatest jerk (m/s³, rad/s³), likewise.
+    pub jerk: Option<f64>,
 }
 
 /// Text as XML reads it back.

@@ -1,8 +1,11 @@
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::ops::Range;
 
+use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
-use roxmltree::{Document, Node};
+use roxmltree::{Attribute, Document, Node};
 
 use crate::{Location, RobotError};
 
@@ -12,13 +15,24 @@ pub(crate) struct XmlText<'a> {
     file: &'a str,
     /// Where each line begins: an element would count the lines before it anew each time it is asked for its own.
     line_starts: Vec<usize>,
+    asked: Asked,
+}
+
+/// The part of a document that its reader asked for.
+#[derive(Default)]
+struct Asked {
+    /// Where the elements and attributes begin that were there.
+    read: RefCell<HashSet<usize>>,
+    /// Names that were asked for, by where the element begins.
+    attributes: RefCell<HashSet<(usize, &'static str)>>,
+    children: RefCell<HashSet<(usize, &'static str)>>,
 }
 
 /// An element with more is no link or joint, and to see that no two are alike takes a while.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// The text with every namespace prefix that nobody declares made part of the names that it stands before, as programs
-/// write them that read XML without namespaces (`<drake:acceleration …>`). All places in the text stay as they are.
+/// The text with every namespace prefix that nobody declares made part of the names that it stands before, with a dot, as
+/// programs write them that read XML without namespaces (`<drake:acceleration …>`). All places in the text stay as they are.
 /// `xacro` stays what it is: its file is not yet a URDF.
 pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
     /// More kinds of them has no file.
@@ -31,7 +45,7 @@ pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
         };
         let mut named = known.into_owned();
         for before in ["<", "</", " ", "\t", "\n"] {
-            named = named.replace(&format!("{before}{prefix}:"), &format!("{before}{prefix}_"));
+            named = named.replace(&format!("{before}{prefix}:"), &format!("{before}{prefix}."));
         }
         known = Cow::Owned(named);
     }
@@ -64,7 +78,7 @@ impl<'a> XmlText<'a> {
             }
             RobotError::Xml { at, reason: Box::new(reason) }
         })?;
-        let xml = Self { document, file, line_starts };
+        let xml = Self { document, file, line_starts, asked: Asked::default() };
         let is_xacro = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|n| n.contains("xacro"));
         match xml.document.descendants().find(is_xacro) {
             Some(node) => Err(RobotError::Xacro { at: xml.element(node).at(), file: file.to_owned() }),
@@ -73,14 +87,14 @@ impl<'a> XmlText<'a> {
     }
 
     fn element<'x>(&'x self, node: Node<'x, 'x>) -> Element<'x> {
-        Element { node, file: self.file, line_starts: &self.line_starts }
+        Element { node, file: self.file, line_starts: &self.line_starts, asked: &self.asked }
     }
 
     /// The outermost element, which must be `<robot>`.
     pub(crate) fn robot(&self) -> Result<Element<'_>, RobotError> {
         let robot = self.element(self.document.root_element());
         if robot.tag() != "robot" {
-            return Err(RobotError::NotARobot { at: robot.at(), found: robot.tag().to_owned() });
+            return Err(RobotError::NotARobot { at: robot.at(), found: robot.tag().into_owned() });
         }
         Ok(robot)
     }
@@ -92,11 +106,32 @@ pub(crate) struct Element<'a> {
     node: Node<'a, 'a>,
     file: &'a str,
     line_starts: &'a [usize],
+    asked: &'a Asked,
 }
 
 impl<'a> Element<'a> {
-    pub(crate) fn tag(&self) -> &'a str {
-        self.node.tag_name().name()
+    /// Its name; with its prefix if that stands for another namespace than the outermost element's.
+    pub(crate) fn tag(&self) -> Cow<'a, str> {
+        let name = self.node.tag_name();
+        if name.namespace() == self.own_namespace() {
+            return with_colon(name.name());
+        }
+        let text = &self.node.document().input_text()[self.node.range().start + 1..];
+        let end = text.find(|c: char| c.is_ascii_whitespace() || c == '/' || c == '>');
+        Cow::Borrowed(&text[..end.unwrap_or(text.len())])
+    }
+
+    fn own_namespace(&self) -> Option<&'a str> {
+        self.node.document().root_element().tag_name().namespace()
+    }
+
+    fn attribute_name(&self, attribute: Attribute<'a, 'a>) -> Cow<'a, str> {
+        match attribute.namespace() {
+            Some(namespace) if Some(namespace) != self.own_namespace() => {
+                Cow::Borrowed(&self.node.document().input_text()[attribute.range_qname()])
+            }
+            _ => with_colon(attribute.name()),
+        }
     }
 
     pub(crate) fn at(&self) -> Location {
@@ -129,14 +164,70 @@ impl<'a> Element<'a> {
             .map(|attribute| attribute.name())
     }
 
+    /// The elements directly inside, whether or not they are read.
+    fn inner(self) -> impl Iterator<Item = Element<'a>> {
+        self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })
+    }
+
     /// The elements directly inside.
     pub(crate) fn children(self) -> impl Iterator<Item = Element<'a>> {
-        self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })
+        self.inner().inspect(Self::mark_read)
+    }
+
+    /// It and all elements inside, at any depth.
+    pub(crate) fn within(self) -> impl Iterator<Item = Element<'a>> {
+        self.node.descendants().filter(Node::is_element).map(move |node| Element { node, ..self })
+    }
+
+    fn mark_read(&self) {
+        self.asked.read.borrow_mut().insert(self.node.range().start);
     }
 
     /// The elements directly inside that bear `tag`.
     pub(crate) fn all(self, tag: &'static str) -> impl Iterator<Item = Element<'a>> {
-        self.children().filter(move |child| child.tag() == tag)
+        self.asked.children.borrow_mut().insert((self.node.range().start, tag));
+        self.inner().filter(move |child| child.tag() == tag).inspect(Self::mark_read)
+    }
+
+    /// The elements directly inside, and whether each was read.
+    pub(crate) fn children_and_use(self) -> impl Iterator<Item = (Element<'a>, bool)> {
+        let is_read = move |child: &Self| self.asked.read.borrow().contains(&child.node.range().start);
+        self.inner().map(move |child| (child, is_read(&child)))
+    }
+
+    /// The names of the attributes that were not read.
+    pub(crate) fn unread_attributes(self) -> Vec<Cow<'a, str>> {
+        let read = self.asked.read.borrow();
+        let unread = self.node.attributes().filter(|attribute| !read.contains(&attribute.range().start));
+        unread.map(|attribute| self.attribute_name(attribute)).collect()
+    }
+
+    /// The attributes that the reader knows in this element, sorted.
+    pub(crate) fn asked_attributes(&self) -> Vec<&'static str> {
+        names_of(&self.asked.attributes, self.node.range().start)
+    }
+
+    /// The elements that the reader knows in this one, sorted.
+    pub(crate) fn asked_children(&self) -> Vec<&'static str> {
+        names_of(&self.asked.children, self.node.range().start)
+    }
+
+    /// The first text directly inside that is more than blanks.
+    pub(crate) fn own_text(&self) -> Option<&'a str> {
+        let texts = self.node.children().filter(Node::is_text).filter_map(|node| node.text());
+        texts.map(str::trim).find(|text| !text.is_empty())
+    }
+
+    /// Its name and, where it has none of its own, the nearest around it that has one: ``<origin> of link `bar` ``.
+    pub(crate) fn title(&self) -> String {
+        let named = |node: &Node<'a, 'a>| Some((node.tag_name().name(), node.attribute("name")?));
+        match self.node.ancestors().skip(1).find_map(|node| named(&node)) {
+            _ if named(&self.node).is_some_and(|(tag, _)| tag == "link" || tag == "joint") => {
+                format!("{} `{}`", self.tag(), self.node.attribute("name").unwrap_or_default())
+            }
+            Some((tag, name)) if tag != "robot" => format!("<{}> of {tag} `{name}`", self.tag()),
+            _ => format!("<{}>", self.tag()),
+        }
     }
 
     pub(crate) fn first(self, tag: &'static str) -> Option<Element<'a>> {
@@ -153,18 +244,21 @@ impl<'a> Element<'a> {
     }
 
     pub(crate) fn optional_text(&self, attribute: &'static str) -> Option<&'a str> {
-        self.node.attribute(attribute)
+        self.text_and_place(attribute).map(|(text, _)| text)
     }
 
     /// The text of an attribute, and where it stands in the document.
     pub(crate) fn text_and_place(&self, attribute: &'static str) -> Option<(&'a str, Range<usize>)> {
-        self.node.attribute_node(attribute).map(|found| (found.value(), found.range_value()))
+        self.asked.attributes.borrow_mut().insert((self.node.range().start, attribute));
+        let found = self.node.attributes().find(|found| self.attribute_name(*found) == attribute)?;
+        self.asked.read.borrow_mut().insert(found.range().start);
+        Some((found.value(), found.range_value()))
     }
 
     pub(crate) fn text(&self, attribute: &'static str) -> Result<&'a str, RobotError> {
         self.optional_text(attribute).ok_or_else(|| RobotError::MissingAttribute {
             at: self.at(),
-            element: self.tag().to_owned(),
+            element: self.tag().into_owned(),
             attribute,
         })
     }
@@ -199,12 +293,22 @@ impl<'a> Element<'a> {
     pub(crate) fn origin(self) -> Result<Pose, RobotError> {
         let Some(origin) = self.first("origin") else { return Ok(Pose::identity()) };
         let translation = origin.vector("xyz")?.unwrap_or_default();
-        let [roll, pitch, yaw] = origin.numbers("rpy")?.unwrap_or_default();
-        let turn = |axis, angle: f64| {
-            let (sine, cosine) = sin_cos(0.5 * angle);
-            Rotation::new_unchecked(cranny_spatial::nalgebra::Quaternion::from_parts(cosine, axis * sine))
+        let angles = origin.numbers("rpy")?;
+        let rotation = match origin.numbers("quat_xyzw")? {
+            None => rotation_of(angles.unwrap_or_default()),
+            Some(_) if angles.is_some() => {
+                return Err(RobotError::TwoRotations { at: origin.at(), owner: self.title() });
+            }
+            Some([x, y, z, w]) => {
+                let given = Quaternion::new(w, x, y, z);
+                // Further off, it is no rotation that was rounded.
+                if (given.norm() - 1.0).abs() > LONGEST_ROUNDING {
+                    let (at, element) = (origin.at(), "<origin>".to_owned());
+                    return Err(RobotError::NoRotation { at, element, norm: given.norm() });
+                }
+                Rotation::new_normalize(given)
+            }
         };
-        let rotation = turn(Vector::z(), yaw) * turn(Vector::y(), pitch) * turn(Vector::x(), roll);
         Ok(Pose::from_parts(Point::from(translation).into(), rotation))
     }
 
@@ -215,7 +319,7 @@ impl<'a> Element<'a> {
         let Some(text) = self.optional_text(attribute) else { return Ok(None) };
         let wrong = || RobotError::NotNumbers {
             at: self.at(),
-            element: self.tag().to_owned(),
+            element: self.tag().into_owned(),
             attribute,
             expected: N,
             text: cranny_file::excerpt(text),
@@ -230,6 +334,30 @@ impl<'a> Element<'a> {
         }
         if words.next().is_some() { Err(wrong()) } else { Ok(Some(numbers)) }
     }
+}
+
+/// By how much the length of a written quaternion may differ from 1: two decimals are written at least.
+const LONGEST_ROUNDING: f64 = 0.02;
+
+/// Roll about x, then pitch about y, then yaw about z, all of the parent (URDF specification).
+fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Rotation {
+    let turn = |axis, angle: f64| {
+        let (sine, cosine) = sin_cos(0.5 * angle);
+        Rotation::new_unchecked(Quaternion::from_parts(cosine, axis * sine))
+    };
+    turn(Vector::z(), yaw) * turn(Vector::y(), pitch) * turn(Vector::x(), roll)
+}
+
+/// A name with the prefix that [`known_prefixes`] made part of it.
+fn with_colon(name: &str) -> Cow<'_, str> {
+    if name.contains('.') { Cow::Owned(name.replacen('.', ":", 1)) } else { Cow::Borrowed(name) }
+}
+
+fn names_of(asked: &RefCell<HashSet<(usize, &'static str)>>, element: usize) -> Vec<&'static str> {
+    let asked = asked.borrow();
+    let mut names: Vec<_> = asked.iter().filter(|(at, _)| *at == element).map(|(_, name)| *name).collect();
+    names.sort_unstable();
+    names
 }
 
 /// The line of a place in the text, from 1.

@@ -15,3 +15,4 @@ mod jacobian;
 mod lane_kinematics;
 mod linkage;
 mod reach_bound;
+mod urdf_content;

@@ -17,13 +17,14 @@ pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
     robot.links().iter().filter(is_seen_only).map(|link| link.name.as_str())
 }
 
-/// What whoever opens a robot among bodies should know of them: meshes that had to be repaired, and
+/// Notes on a robot and the bodies around it: content of the URDF that was not read, meshes that had to be repaired,
 /// [`seen_only_links`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let unseen = seen_only_links(robot).map(|link| {
         format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
     });
-    mesh_repairs(robot, world).into_iter().chain(unseen).chain(wide_opening(robot)).collect()
+    let unread = robot.notes().iter().cloned();
+    unread.chain(mesh_repairs(robot, world)).chain(unseen).chain(wide_opening(robot)).collect()
 }
 
 /// What an opening may be said to be wider than measured, in metres: meshes are that rough.

@@ -38,7 +38,7 @@ pub(crate) struct Draft<'a> {
 impl<'a> Draft<'a> {
     pub fn read(urdf: &Path, options: &'a SetupOptions) -> Result<Self, SetupError> {
         let mut choices = Vec::new();
-        let (text, file) = read(urdf, &mut choices)?;
+        let (text, file) = read(urdf, options, &mut choices)?;
         let folder = urdf.parent().map_or_else(|| PathBuf::from("."), Path::to_owned);
         if text.joints()?.iter().all(|joint| joint.motion.is_none()) {
             return Err(SetupError::NoArm { file, joints: "nothing moves".to_owned() });
@@ -187,16 +187,24 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
 }
 
 /// The text of a URDF, expanded if it is a xacro file, and what errors call it.
-fn read(urdf: &Path, choices: &mut Vec<Choice>) -> Result<(UrdfText, String), SetupError> {
+fn read(
+    urdf: &Path,
+    options: &SetupOptions,
+    choices: &mut Vec<Choice>,
+) -> Result<(UrdfText, String), SetupError> {
     let file = urdf.display().to_string();
     let is_xacro = urdf.extension().is_some_and(|ending| ending == "xacro");
     let plain = if is_xacro { None } else { Some(UrdfText::new(read_text(urdf)?, &file)) };
     match plain {
         Some(Err(RobotError::Xacro { .. })) | None => {
-            let text = UrdfText::new(xacro::expand(urdf)?, &file)?;
+            let text = UrdfText::new(xacro::expand(urdf, options)?, &file)?;
             choices.push(Choice::new("file", "a xacro file", "expanded by Python's xacro", "give a URDF"));
             Ok((text, file))
         }
+        Some(_) if !options.xacro.is_empty() => Err(SetupError::NotThere {
+            file,
+            what: "arguments are given for xacro, but this is no xacro file".to_owned(),
+        }),
         Some(text) => Ok((text?, file)),
     }
 }

@@ -58,6 +58,11 @@ impl RobotFindings {
             finding("opening", doubt, consequence, false)
         }));
         findings.push(rates(robot));
+        findings.extend(
+            robot.notes().iter().map(|note| {
+                finding("not read", note.clone(), "nothing planned or proven depends on it", false)
+            }),
+        );
         findings.extend(geometry(robot));
         findings.extend(pairs(robot, &contacts));
         findings.push(start(robot)?);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use cranny_robot::{JointFacts, JointKind};
+use cranny_robot::{JointFacts, JointKind, JointMotion};
 
 use crate::choice::Choice;
 
@@ -19,7 +19,7 @@ pub(crate) type Ranges = Vec<(String, [f64; 2])>;
 
 /// A `limits.yaml` with just what a robot cannot be built without.
 pub(crate) fn needed_text(joints: &[JointFacts]) -> String {
-    text_of(joints, |text, name, speed| {
+    text_of(joints, |text, name, speed, _| {
         if let Some(speed) = speed {
             let _ = writeln!(text, "  {name}: {{velocity: {speed}}}");
         }
@@ -34,12 +34,23 @@ pub(crate) fn text(joints: &[JointFacts], ranges: &Ranges) -> String {
          # MoveIt assumes where it is told nothing, jerks {JERK} rad/s^3 and m/s^3. Put the maker's figures in their place:\n\
          # a trajectory is as quick as they allow. `lower` and `upper` narrow a joint's range, `velocity` its speed.\n"
     );
-    let body = text_of(joints, |text, name, speed| {
-        let speed = speed.map_or_else(String::new, |speed| format!("velocity: {speed}, "));
+    let body = text_of(joints, |text, name, speed, motion| {
         let range = ranges.iter().find(|(joint, _)| yaml_key(joint) == name);
-        let range =
-            range.map_or_else(String::new, |(_, [lower, upper])| format!("lower: {lower}, upper: {upper}, "));
-        let _ = writeln!(text, "  {name}: {{{range}{speed}acceleration: {ACCELERATION}, jerk: {JERK}}}");
+        let [lower, upper] = range.map_or([None; 2], |(_, range)| range.map(Some));
+        let acceleration = motion.acceleration.is_none().then_some(ACCELERATION);
+        let jerk = motion.jerk.is_none().then_some(JERK);
+        let figures = [
+            ("lower", lower),
+            ("upper", upper),
+            ("velocity", speed),
+            ("acceleration", acceleration),
+            ("jerk", jerk),
+        ];
+        let figures: Vec<String> =
+            figures.iter().filter_map(|(key, value)| value.map(|value| format!("{key}: {value}"))).collect();
+        if !figures.is_empty() {
+            let _ = writeln!(text, "  {name}: {{{}}}", figures.join(", "));
+        }
     });
     header + &body
 }
@@ -59,11 +70,11 @@ pub(crate) fn choice(joints: &[JointFacts]) -> Choice {
             slow.join(", ")
         );
     }
-    Choice::new("limits", chosen, "defaults: no URDF says them", "the maker's figures in limits.yaml")
+    Choice::new("limits", chosen, "defaults, where the URDF has none", "the maker's figures in limits.yaml")
 }
 
-/// Calls `line` for each joint that moves by itself, with a speed if it has none.
-fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>)) -> String {
+/// Calls `line` for each joint that moves by itself, with a speed if it has none, and with what the URDF has of it.
+fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>, &JointMotion)) -> String {
     let mut text = String::from("joints:\n");
     let mut is_empty = true;
     for joint in joints {
@@ -74,7 +85,7 @@ fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>))
         };
         let speed = motion.velocity.is_none_or(|speed| speed <= 0.0).then_some(needed);
         let before = text.len();
-        line(&mut text, &yaml_key(&joint.name), speed);
+        line(&mut text, &yaml_key(&joint.name), speed, motion);
         is_empty &= text.len() == before;
     }
     if is_empty { "joints: {}\n".to_owned() } else { text }

@@ -10,8 +10,10 @@ pub(crate) const BASE_JOINT: &str = "base";
 pub struct SetupOptions {
     /// Its SRDF. Default: the one beside the URDF; else what fits of one in `../srdf`, if there is one.
     pub srdf: Option<PathBuf>,
-    /// Folders in which `package://` names are looked for.
+    /// Folders in which `package://` names, and xacro's `$(find …)`, are looked for.
     pub packages: Vec<PathBuf>,
+    /// Arguments of a xacro file, `NAME=VALUE`.
+    pub xacro: Vec<String>,
     /// The gripper frame, a link. Default: found with the hand.
     pub tip: Option<String>,
     /// The link that carries the fingers. Default: found.

@@ -1,10 +1,44 @@
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::SetupError;
+use crate::{SetupError, SetupOptions};
 
-/// How it is called.
-const TOOLS: [(&str, &[&str]); 2] = [("xacro", &[]), ("python3", &["-m", "xacro"])];
+/// Runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` is asked of a module of ROS, which most who have
+/// xacro do not have. That module is asked for what is not in these folders.
+const RUN: &str = "
+import importlib.machinery, importlib.util, os, sys, types
+NAME = 'ament_index_python.packages'
+def share(name):
+    for folder in os.environ['CRANNY_XACRO_PACKAGES'].split(os.pathsep):
+        if os.path.isdir(os.path.join(folder, name)):
+            return os.path.join(folder, name)
+        if os.path.basename(folder) == name:
+            return folder
+    for module in (NAME, 'ament_index_python'):
+        del sys.modules[module]
+    try:
+        from ament_index_python.packages import get_package_share_directory
+        return get_package_share_directory(name)
+    except ImportError:
+        raise LookupError('package ' + name + ' is in no folder above the file, and in none given by --package')
+    finally:
+        stand_in()
+def stand_in():
+    sys.modules['ament_index_python'] = types.ModuleType('ament_index_python')
+    sys.modules[NAME] = types.ModuleType(NAME)
+    sys.modules[NAME].get_package_share_directory = share
+stand_in()
+import xacro
+sys.argv[0] = 'xacro'
+xacro.main()
+";
+
+/// The variable with the folders in which [`RUN`] looks for packages.
+const PACKAGES: &str = "CRANNY_XACRO_PACKAGES";
+
+/// Its calls: the first finds packages, the second has xacro where it is installed for itself.
+const TOOLS: [(&str, &[&str]); 2] = [("python3", &["-c", RUN]), ("xacro", &[])];
 
 /// Whether Python's `xacro` is installed, which robots in `.xacro` files need.
 pub fn has_xacro() -> bool {
@@ -16,29 +50,53 @@ pub fn has_xacro() -> bool {
     TOOLS.iter().any(answers)
 }
 
-/// What Python's `xacro` makes of a file.
+/// The URDF that Python's `xacro` makes of a file, with the arguments and packages of the options.
 ///
 /// # Errors
-/// [`SetupError::Xacro`] where it is not installed, or fails.
-pub(crate) fn expand(path: &Path) -> Result<String, SetupError> {
+/// [`SetupError::Xacro`] where it is not installed, or fails, and for an argument that is no `NAME=VALUE`.
+pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<String, SetupError> {
     let failed = |reason: String| SetupError::Xacro { path: path.to_owned(), reason };
+    let mut values = Vec::new();
+    for argument in &options.xacro {
+        let (name, value) = argument
+            .split_once('=')
+            .filter(|(name, _)| !name.is_empty())
+            .ok_or_else(|| failed(format!("the argument `{argument}` is not of the form NAME=VALUE")))?;
+        values.push(format!("{}:={value}", name.trim_end_matches(':')));
+    }
+    let packages = packages(path, &options.packages);
     for (program, arguments) in TOOLS {
-        let run = Command::new(program).args(arguments).arg(path).stdin(Stdio::null()).output();
-        let Ok(output) = run else { continue };
+        let mut command = Command::new(program);
+        command.args(arguments).arg(path).args(&values).env(PACKAGES, &packages).stdin(Stdio::null());
+        let Ok(output) = command.output() else { continue };
         let said = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
             return String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()));
         }
-        if !said.contains("No module named xacro") {
-            // What is wrong stands before the files that it was met in.
-            let is_reason = |line: &&str| {
-                let line = line.trim();
-                !line.is_empty()
-                    && !["when ", "included ", "in file"].iter().any(|begin| line.starts_with(begin))
-            };
-            let last = said.lines().rev().find(is_reason).unwrap_or("it fails");
-            return Err(failed(cranny_file::excerpt(last)));
+        if !said.contains("No module named 'xacro'") {
+            return Err(failed(whole(&said)));
         }
     }
     Err(failed("xacro is not installed (`pip install xacro`)".to_owned()))
+}
+
+/// The given folders, then those above the file, in the form of a search path.
+fn packages(path: &Path, given: &[PathBuf]) -> OsString {
+    let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let given = given.iter().map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.clone()));
+    let above = file.ancestors().skip(1).map(Path::to_owned);
+    // A folder with the separator in its name cannot be named so.
+    let separable = given.chain(above).filter(|folder| std::env::join_paths([folder]).is_ok());
+    std::env::join_paths(separable).unwrap_or_default()
+}
+
+/// All that xacro wrote of a fault, in one line, each line of it once.
+fn whole(said: &str) -> String {
+    let mut lines: Vec<&str> = Vec::new();
+    for line in said.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    if lines.is_empty() { "it fails without a word".to_owned() } else { lines.join("; ") }
 }

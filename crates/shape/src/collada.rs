@@ -10,6 +10,8 @@ use cranny_spatial::nalgebra::{Matrix4, Rotation3, Unit, Vector4};
 use cranny_spatial::{Point, Vector};
 use roxmltree::{Document, Node};
 
+use crate::polygon::triangulate;
+
 /// The corners of the triangles, three at a time.
 ///
 /// # Errors
@@ -155,6 +157,9 @@ impl<'a> Reader<'a> {
                 }
             }
             let Some(positions) = positions else { continue };
+            if let Some(holed) = child(primitive, "ph") {
+                return Err(fault(holed, "a polygon with holes (<ph>) is not read"));
+            }
             let lists = primitive.children().filter(|node| node.has_tag_name_of("p"));
             let mut polygons: Vec<Vec<usize>> = Vec::new();
             for list in lists {
@@ -178,17 +183,21 @@ impl<'a> Reader<'a> {
         positions: &[Point],
         placed: &Matrix4<f64>,
     ) -> Result<(), String> {
-        for i in 2..polygon.len() {
-            for vertex in [polygon[0], polygon[i - 1], polygon[i]] {
-                let position = positions.get(vertex).ok_or_else(|| {
-                    fault(primitive, &format!("vertex {vertex} is named, but there are {}", positions.len()))
-                })?;
-                let point = placed * position.to_homogeneous();
-                if let Some(piece) = self.pieces.last_mut() {
-                    piece.corners.push(Point::new(point.x, point.y, point.z));
-                }
-                self.corners += 1;
+        let position = |&vertex: &usize| {
+            positions.get(vertex).copied().ok_or_else(|| {
+                fault(primitive, &format!("vertex {vertex} is named, but there are {}", positions.len()))
+            })
+        };
+        let polygon = polygon.iter().map(position).collect::<Result<Vec<_>, _>>()?;
+        let triangles = triangulate(&polygon).ok_or_else(|| {
+            fault(primitive, &format!("a polygon of {} corners crosses itself", polygon.len()))
+        })?;
+        for corner in triangles.into_iter().flatten() {
+            let point = placed * polygon[corner].to_homogeneous();
+            if let Some(piece) = self.pieces.last_mut() {
+                piece.corners.push(Point::new(point.x, point.y, point.z));
             }
+            self.corners += 1;
         }
         if self.corners > MOST_CORNERS {
             return Err(fault(primitive, &format!("the file shows more than {MOST_CORNERS} corners")));
@@ -265,7 +274,10 @@ impl Primitive {
     fn polygons(&self, element: Node, vertices: &[usize]) -> Result<Vec<Vec<usize>>, String> {
         Ok(match self {
             Self::Triangles => vertices.chunks_exact(3).map(<[usize]>::to_vec).collect(),
-            Self::Polygon | Self::Fan => vec![vertices.to_vec()],
+            Self::Polygon => vec![vertices.to_vec()],
+            Self::Fan => {
+                (2..vertices.len()).map(|at| vec![vertices[0], vertices[at - 1], vertices[at]]).collect()
+            }
             Self::Strip => {
                 // Every second triangle of a strip runs the other way round.
                 let turned = |(at, t): (usize, &[usize])| {

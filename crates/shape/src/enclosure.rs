@@ -174,7 +174,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
 }
 
 /// For each shell in which other it is a cavity, if in any.
-fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
+pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
     let all = |shell: &Shell, is_inward: bool| {
         shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
     };

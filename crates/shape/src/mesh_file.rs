@@ -6,7 +6,7 @@ use std::path::Path;
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::error::usable;
-use crate::{ShapeError, collada, ply, stl};
+use crate::{ShapeError, collada, obj, ply, stl};
 
 /// Triangles as a file gives them: no promise of a closed or connected surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,20 +19,21 @@ pub struct TriangleSoup {
 
 impl TriangleSoup {
     /// The triangles of a mesh file (OBJ, STL, DAE, PLY), its coordinates multiplied by `scale`. Equal
-    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles. A scale that
+    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles that cover no more than
+    /// they do; a polygon that is not flat is cut as seen along the axis nearest to its normal. A scale that
     /// mirrors turns the triangles round, so that they still face outwards.
     ///
     /// # Errors
     /// [`ShapeError`] with the file's path (and line, where the format has lines) if it cannot be read, is
-    /// no mesh, holds numbers that are not finite, or has no triangles.
+    /// no mesh, holds numbers that are not finite or a polygon that crosses itself, or has no triangles.
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
         let broken = |message| unreadable(Error::new(ErrorKind::InvalidData, message));
         let bytes = || cranny_file::MESH.bytes(path).map_err(unreadable);
         let corners = match extension.as_str() {
-            "obj" => read_obj(path, bytes()?)?,
-            "stl" => stl::corners(&bytes()?).map_err(unreadable)?,
+            "obj" => obj::corners(&bytes()?).map_err(broken)?,
+            "stl" => stl::corners(&bytes()?).map_err(broken)?,
             "dae" => collada::corners(&cranny_file::MESH.text(path).map_err(unreadable)?).map_err(broken)?,
             "ply" => ply::corners(&bytes()?).map_err(broken)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
@@ -101,31 +102,3 @@ impl TriangleSoup {
 
 /// Each takes some 500 bytes as part of a solid: 4 GB for these.
 const MOST_TRIANGLES: usize = 8_000_000;
-
-fn read_obj(path: &Path, bytes: Vec<u8>) -> Result<Vec<Point>, ShapeError> {
-    let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
-    // Cut off, a face has fewer corners; the reader passes over what is a point or a line then.
-    for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        if words.next() == Some(b"f") && words.count() < 3 && !line.ends_with(b"\\") {
-            let message = format!("line {}: a face has fewer than three corners", index + 1);
-            return Err(unreadable(Error::new(ErrorKind::InvalidData, message)));
-        }
-    }
-    // Materials do not matter.
-    let no_material = |_: &Path| Err::<Vec<u8>, _>(ErrorKind::NotFound.into());
-    let scene = mesh_loader::obj::from_slice(&bytes, Some(path), no_material).map_err(unreadable)?;
-    drop(bytes);
-    let mut corners = Vec::with_capacity(scene.meshes.iter().map(|mesh| 3 * mesh.faces.len()).sum());
-    for mesh in &scene.meshes {
-        for (triangle, face) in mesh.faces.iter().enumerate() {
-            for &vertex in face {
-                let [x, y, z] = *mesh.vertices.get(vertex as usize).ok_or_else(|| {
-                    ShapeError::VertexIndex { triangle, vertex, vertices: mesh.vertices.len() }.in_file(path)
-                })?;
-                corners.push(Point::new(x.into(), y.into(), z.into()));
-            }
-        }
-    }
-    Ok(corners)
-}

@@ -1,11 +1,13 @@
 use cranny_spatial::Point;
 
-/// The corners of the triangles of a PLY file (Turk 1994), three at a time; polygons are cut into fans. Text and
+use crate::polygon::triangulate;
+
+/// The corners of the triangles of a PLY file (Turk 1994), three at a time. Text and
 /// both binary forms; elements other than `vertex` and `face` are passed over.
 ///
 /// # Errors
 /// What is wrong, with the line of a header or a text: a type or a form that is none, a count for which the file
-/// is too short, an index without a vertex.
+/// is too short, an index without a vertex, a face that crosses itself.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     let (header, body) = Header::read(bytes)?;
     let mut body = Body { form: header.form, rest: body, line: header.lines };
@@ -309,16 +311,17 @@ impl Polygons {
         let mut corners = Vec::with_capacity(self.indices.len());
         let mut begin = 0;
         for (face, &end) in self.ends.iter().enumerate() {
-            let polygon = &self.indices[begin..end];
+            let place = |number: &f64| {
+                let vertex = as_index(*number)? as usize;
+                vertices.get(vertex).copied().ok_or_else(|| {
+                    format!("face {face} names vertex {vertex}, but there are only {}", vertices.len())
+                })
+            };
+            let polygon = self.indices[begin..end].iter().map(place).collect::<Result<Vec<_>, _>>()?;
             begin = end;
-            for i in 2..polygon.len() {
-                for number in [polygon[0], polygon[i - 1], polygon[i]] {
-                    let vertex = as_index(number)? as usize;
-                    corners.push(*vertices.get(vertex).ok_or_else(|| {
-                        format!("face {face} names vertex {vertex}, but there are only {}", vertices.len())
-                    })?);
-                }
-            }
+            let triangles = triangulate(&polygon)
+                .ok_or_else(|| format!("face {face}, of {} corners, crosses itself", polygon.len()))?;
+            corners.extend(triangles.into_iter().flatten().map(|corner| polygon[corner]));
         }
         Ok(corners)
     }

@@ -173,15 +173,21 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
     let path = folder.path().join("whole.stl");
     std::fs::write(&path, &whole).unwrap();
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
-    // Some programs end it like a text.
-    std::fs::write(&path, [whole.as_slice(), b"\n"].concat()).unwrap();
-    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+    // Some programs end it like a text or fill it up, and some do not count.
+    let uncounted = binary_stl(&tetrahedron(), 0);
+    for rest in [&b"\n"[..], b"\0", &[0; 100], b"made by a program"] {
+        for start in [&whole, &uncounted] {
+            std::fs::write(&path, [start, rest].concat()).unwrap();
+            let read = TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap();
+            assert!(read == tetrahedron() || start == &uncounted && rest.len() == 100, "{rest:?}");
+        }
+    }
 
     for cut in [1, 50, 100, 201, 270] {
         let fault = fault_of_bytes("cut.stl", &whole[..whole.len() - cut]);
         assert!(fault.contains("cut off"), "{cut}: {fault}");
     }
-    for count in [0, 3, 5, u32::MAX] {
+    for count in [1, 3, 5, u32::MAX] {
         let fault = fault_of_bytes("lie.stl", &binary_stl(&tetrahedron(), count));
         assert!(fault.contains(&format!("of {count} triangles")), "{fault}");
     }
@@ -196,6 +202,108 @@ fn a_text_stl_that_is_cut_off_is_refused() {
     for end in 6..whole {
         let fault = fault("cut.stl", &text[..end]);
         assert!(fault.contains("no 'endsolid'"), "{fault}");
+    }
+}
+
+/// A cuboid of 0.1 m by 0.02 m by 0.03 m with its faces as quads, in the forms that other programs write and read.
+#[test]
+fn an_obj_is_read_in_all_its_forms() {
+    let plain = "v 0 0 0\nv 0.1 0 0\nv 0 0.02 0\nv 0.1 0.02 0\nv 0 0 0.03\nv 0.1 0 0.03\nv 0 0.02 0.03\n\
+                 v 0.1 0.02 0.03\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    let indented: String = plain.lines().map(|line| format!("  {line}\n")).collect();
+    let weighted = plain.lines().map(|line| match line.strip_prefix("v ") {
+        Some(numbers) => format!("v {numbers} 2.0\n"),
+        None => format!("{line}\n"),
+    });
+    let forms = [
+        plain.to_owned(),
+        indented,
+        weighted.collect(),
+        plain.replace('\n', "\r"),
+        plain.replace('\n', "\r\n"),
+        plain.replace(' ', "\t"),
+        plain.replace("f 1 3 4 2", "f 1 3 \\\n 4 2"),
+        plain.replace("f 1 3 4 2", "f -8/1/1 -6//2 -5/3 -7"),
+        plain.replace("0.02", "2.0E-2"),
+        format!("\u{feff}# a remark \\\no box\ng one\nusemtl red\ns off\nvn 0 0 1\nvt 0 0\n{plain}l 1 2\n"),
+        plain.trim_end().to_owned(),
+    ];
+    for form in forms {
+        let (_folder, path) = write("box.obj", &form);
+        let soup = TriangleSoup::load(&path, Vector::repeat(1.0)).expect(&form);
+        assert_eq!(soup.triangles.len(), 12, "{form}");
+        assert!((soup.signed_volume_m3() - 6e-5).abs() < 1e-11, "{form}");
+    }
+    for (old, new, message) in [
+        ("v 0.1 0 0", "v 0,1 0 0", "line 2: '0,1' is no number"),
+        ("v 0.1 0 0", "v 0.1 0", "line 2: a vertex of 2 numbers"),
+        ("f 1 3 4 2", "surf 0 1 0 1 1 2 3 4", "line 9: 'surf 0 1 0 1 1 2 3 4' is not read here"),
+        ("f 1 3 4 2", "f 1 4 3 2", "line 9: the face of 4 corners crosses itself"),
+    ] {
+        let fault = fault("box.obj", &plain.replacen(old, new, 1));
+        assert!(fault.contains(message), "{fault}");
+    }
+}
+
+#[test]
+fn a_text_stl_is_read_in_all_its_forms() {
+    let facet = |x: u32| {
+        format!(
+            "facet normal 0 0 1\n outer loop\n  vertex {x} 0 0\n  vertex {} 0 0\n  vertex {x} 1 0\n endloop\nendfacet\n",
+            x + 1
+        )
+    };
+    let plain = format!("solid a b\n{}{}endsolid a b\n", facet(0), facet(2));
+    let several = format!("solid\n{}endsolid\n\nsolid two\n{}endsolid two", facet(0), facet(2));
+    for form in
+        [plain.clone(), several, plain.to_uppercase(), plain.replace('\n', "\r\n"), plain.replace(' ', "\t")]
+    {
+        let (_folder, path) = write("facets.STL", &form);
+        let soup = TriangleSoup::load(&path, Vector::repeat(1.0)).expect(&form);
+        assert_eq!((soup.vertices.len(), soup.triangles.len()), (6, 2), "{form}");
+    }
+    let second_cut = format!("{plain}solid b\n{}", facet(4));
+    assert!(fault("cut.stl", &second_cut).contains("the last solid has no 'endsolid'"));
+    assert!(
+        fault("odd.stl", &plain.replacen(" outer loop", " inner loop", 1)).contains("line 3: 'inner loop'")
+    );
+}
+
+/// A U of 3 m by 3 m with a slot of 1 m by 2 m, as one polygon: cut as a fan from its first corner it filled the slot.
+#[test]
+fn no_format_fills_a_concave_polygon() {
+    let outline = [(2, 3), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0), (3, 0), (3, 3)];
+    let lines = |begin: &str| outline.map(|(x, y)| format!("{begin}{x} {y} 0\n")).concat();
+    let obj = format!("{}f 1 2 3 4 5 6 7 8\n", lines("v "));
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n{}8 0 1 2 3 4 5 6 7\n",
+        lines("")
+    );
+    let dae = collada(
+        "<polylist count='1'><input semantic='VERTEX' source='#v' offset='0'/><vcount>8</vcount><p>0 1 2 3 4 5 6 7</p></polylist>",
+        NODE,
+    )
+    .replace("9 0 0 0 1 0 0 0 1 0 0 0 1", &format!("9 {}", lines("")))
+    .replace("count='4' stride", "count='8' stride")
+    .replace("0.5", "1");
+    for (name, text) in [("u.obj", obj), ("u.ply", ply), ("u.dae", dae)] {
+        let (_folder, path) = write(name, &text);
+        let soup = TriangleSoup::load(&path, Vector::repeat(1.0)).expect(name);
+        let doubled_areas = (0..soup.triangles.len()).map(|index| {
+            let [a, b, c] = soup.corners(index);
+            (b - a).cross(&(c - a)).norm()
+        });
+        let area = 0.5 * doubled_areas.sum::<f64>();
+        assert!((area - 7.0).abs() < 1e-9, "{name}: {area}");
+    }
+}
+
+#[test]
+fn a_pointer_of_git_lfs_is_named_in_every_format() {
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:3e2f605cf4fb\nsize 11056\n";
+    for name in ["table.obj", "table.stl", "table.ply", "table.dae"] {
+        assert!(fault(name, pointer).contains("it is a Git LFS pointer"));
     }
 }
 

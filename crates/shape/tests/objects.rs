@@ -67,18 +67,29 @@ fn flipped_and_doubled_faces_are_repaired() {
     assert!((volume_m3 - 0.006).abs() < 1e-15, "{volume_m3}");
 }
 
+/// A box within another is a cavity if its faces look inwards, as collision checks have it too; else it is in what is full.
 #[test]
-fn an_inside_out_mesh_is_turned_and_a_cavity_kept() {
+fn a_cavity_is_kept_and_a_body_within_another_is_part_of_it() {
     let outer = cuboid(0.3, 0.3, 0.3);
-    let mut inner = cuboid(0.1, 0.1, 0.1);
-    for inside_out in [false, true] {
-        // Whichever way the inner box faces, it is the wall of a cavity.
-        let hollow = RepairedMesh::of(&together(&outer, &inner)).unwrap();
-        let volume_m3 = hollow.soup.signed_volume_m3();
-        assert!((volume_m3 - (0.027 - 0.001)).abs() < 1e-12, "{inside_out}: {volume_m3}");
-        for triangle in &mut inner.triangles {
-            triangle.swap(1, 2);
-        }
+    let inside_out = |soup: &TriangleSoup| {
+        let mut soup = soup.clone();
+        soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        soup
+    };
+    let inner = cuboid(0.1, 0.1, 0.1);
+    let full = cuboid(0.04, 0.04, 0.04);
+    for (soup, volume_m3, triangles) in [
+        (inside_out(&outer), 0.027, 12),
+        (together(&outer, &inner), 0.027, 12),
+        (together(&inner, &outer), 0.027, 12),
+        (together(&outer, &inside_out(&inner)), 0.026, 24),
+        (together(&together(&outer, &inside_out(&inner)), &full), 0.026_064, 36),
+        (together(&together(&outer, &inner), &full), 0.027, 12),
+    ] {
+        let repaired = RepairedMesh::of(&soup).unwrap();
+        assert!((repaired.soup.signed_volume_m3() - volume_m3).abs() < 1e-12, "{volume_m3}");
+        assert_eq!(repaired.soup.triangles.len(), triangles);
+        assert_eq!(repaired.dropped_triangles, soup.triangles.len() - triangles);
     }
 }
 
