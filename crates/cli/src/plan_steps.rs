@@ -66,6 +66,9 @@ fn page(planned: &Planned, count: usize) -> String {
     let mut page = format!("{}: {word}, {} of {count} steps\n", plans.scenario, plans.steps.len());
     for (index, plan) in plans.steps.iter().enumerate() {
         let _ = writeln!(page, "  step {:<7}{}", index + 1, step(plan));
+        for pair in &plan.not_checked {
+            let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
+        }
     }
     if let Some(duration_s) = plans.duration_s {
         let _ = writeln!(page, "  trajectory  {duration_s:.3} s over all steps");
@@ -82,7 +85,7 @@ fn step(plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
-        format!(", {} clear or more, proven", millimetres(clearance_m))
+        format!(", {} clear or more, proven{}", millimetres(clearance_m), text::but_for(&plan.not_checked))
     });
     format!("{object} to '{place}': {} by {} in {took}{clearance}", plan.outcome.name(), plan.planner)
 }
@@ -129,6 +132,9 @@ fn judgement(judged: &Judged, count: usize) -> String {
         let _ = writeln!(page, "  step {:<7}clearance {clearance} or more along the whole path", index + 1);
         for violation in &audit.violations {
             let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
+        }
+        for pair in &audit.not_checked {
+            let _ = writeln!(page, "  {:<12}{}", text::exemption(pair), text::not_checked(pair));
         }
     }
     page
