@@ -64,6 +64,9 @@ fn page(planned: &Planned, count: usize) -> String {
     for (index, plan) in plans.steps.iter().enumerate() {
         let _ = writeln!(page, "  step {:<7}{}", index + 1, step(plan));
         page.push_str(&causes(plan));
+        for (name, pairs) in text::not_checked(&plan.not_checked) {
+            let _ = writeln!(page, "  {name:<12}{pairs}");
+        }
     }
     if let Some(duration_s) = plans.duration_s {
         let _ = writeln!(page, "  trajectory  {duration_s:.3} s over all steps");
@@ -80,7 +83,7 @@ fn step(plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
-        format!(", {} clear or more, proven", text::at_least_mm(clearance_m))
+        format!(", {} clear or more, proven{}", text::at_least_mm(clearance_m), text::but_for(&plan.not_checked))
     });
     format!("{object} to '{place}': {} by {} in {took}{clearance}", plan.outcome.name(), plan.planner)
 }

@@ -10,7 +10,7 @@ pub(crate) struct Across {
     axes: [Vector; 2],
 }
 
-/// Polygons of the supporting surface that are smaller are edges or sides of it, in square metres.
+/// Polygons of the supporting surface of less than this, twice their area (m²), are edges or sides of it.
 const LEAST_AREA_M2: f64 = 1e-14;
 
 impl Across {
@@ -57,14 +57,38 @@ fn clipped(polygon: &[Point], height: impl Fn(&Point) -> f64) -> Vec<Point> {
     kept
 }
 
-/// The corners of what two convex polygons share (Sutherland & Hodgman 1974); empty where the second has no area, seen
+/// The corners of all that any of some convex polygons shares with any of others, which count if they have an area, seen
 /// anticlockwise.
-pub(crate) fn shared(first: &[PlanePoint], second: &[PlanePoint]) -> Vec<PlanePoint> {
-    let corner = |index: usize| second[index % second.len()];
-    let area_m2: f64 = (2..second.len()).map(|last| turn(second[0], corner(last - 1), corner(last))).sum();
-    if area_m2 < LEAST_AREA_M2 {
-        return Vec::new();
+pub(crate) fn all_shared(first: &[Vec<PlanePoint>], second: &[Vec<PlanePoint>]) -> Vec<PlanePoint> {
+    let second: Vec<_> = second.iter().filter(|polygon| area_m2(polygon) >= LEAST_AREA_M2).collect();
+    let boxes: Vec<_> = second.iter().map(|polygon| corners_of_box(polygon)).collect();
+    let mut corners = Vec::new();
+    for polygon in first {
+        let [low, high] = corners_of_box(polygon);
+        for (other, [other_low, other_high]) in second.iter().zip(&boxes) {
+            if (0..2).all(|axis| low[axis] <= other_high[axis] && other_low[axis] <= high[axis]) {
+                corners.extend(shared(polygon, other));
+            }
+        }
     }
+    corners
+}
+
+fn corners_of_box(polygon: &[PlanePoint]) -> [PlanePoint; 2] {
+    let bound = |start: f64, of: fn(f64, f64) -> f64| {
+        [0, 1].map(|axis| polygon.iter().map(|point| point[axis]).fold(start, of))
+    };
+    [bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max)]
+}
+
+/// Twice the area of a convex polygon, positive if it is anticlockwise.
+fn area_m2(polygon: &[PlanePoint]) -> f64 {
+    (2..polygon.len()).map(|last| turn(polygon[0], polygon[last - 1], polygon[last])).sum()
+}
+
+/// The corners of what two convex polygons share (Sutherland & Hodgman 1974), the second anticlockwise.
+fn shared(first: &[PlanePoint], second: &[PlanePoint]) -> Vec<PlanePoint> {
+    let corner = |index: usize| second[index % second.len()];
     let mut rest = first.to_vec();
     for index in 0..second.len() {
         let (from, to) = (corner(index), corner(index + 1));

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use cranny_shape::{Aabb, Solid, TriangleSoup, VolumeMoments};
+use cranny_shape::{Solid, TriangleSoup, VolumeMoments};
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::CollisionError;
@@ -37,12 +37,13 @@ impl Extent {
                 let (points, _) = part.solid.bounding_points().ok_or_else(unusable)?;
                 corners.extend(points.iter().map(|point| held_from_part * point));
             }
-            surface.append(&part.solid.tessellation().ok_or_else(unusable)?, &held_from_part);
+            surface.append(&part.solid.tessellation().unwrap_or_default(), &held_from_part);
         }
         let triangles = (0..surface.triangles.len()).map(|triangle| surface.corners(triangle)).collect();
-        // What encloses no volume has the middle of its box.
-        let center_of_mass = VolumeMoments::of_mesh(&surface)
-            .map_or_else(|_| Aabb::around(&surface.vertices, 0.0).center, |moments| moments.center);
+        // Of what encloses no volume, the middle.
+        let middle = || body.ball().map_or_else(Point::origin, |ball| held_from_world * ball.center);
+        let center_of_mass =
+            VolumeMoments::of_mesh(&surface).map_or_else(|_| middle(), |moments| moments.center);
         Ok(Self { solids, corners: corners.into(), triangles, center_of_mass })
     }
 

@@ -3,7 +3,7 @@ use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::CollisionError;
 use crate::cell::{Cell, Scratch};
-use crate::contact_patch::{Across, PlanePoint, distance_to_hull, shared};
+use crate::contact_patch::{Across, PlanePoint, all_shared, distance_to_hull};
 use crate::extent::Extent;
 use crate::link_body::group_separation;
 use crate::world::{Body, Part};
@@ -207,15 +207,14 @@ impl Cell {
             }
             let feet = extent.lower_triangles(world_from_held, &direction, low_m + FOOT_M);
             let across = Across::new(&direction);
-            let feet = feet.iter().map(|corners| across.slice(corners, [f64::NEG_INFINITY, low_m + FOOT_M]));
-            let patch: Vec<PlanePoint> = if part.solid.is_half_space() {
-                feet.flatten().collect()
+            let slices = |triangles: &[[Point; 3]], heights_m: [f64; 2]| -> Vec<Vec<PlanePoint>> {
+                triangles.iter().map(|corners| across.slice(corners, heights_m)).collect()
+            };
+            let feet = slices(&feet, [f64::NEG_INFINITY, low_m + FOOT_M]);
+            let patch = if part.solid.is_half_space() {
+                feet.concat()
             } else {
-                let heights_m = [top_m - FOOT_M, top_m + CONTACT_ALLOWANCE_M];
-                let tops: Vec<Vec<PlanePoint>> =
-                    surface.iter().map(|corners| across.slice(corners, heights_m)).collect();
-                feet.flat_map(|foot| tops.iter().flat_map(move |top| shared(&foot, top)).collect::<Vec<_>>())
-                    .collect()
+                all_shared(&feet, &slices(&surface, [top_m - FOOT_M, top_m + CONTACT_ALLOWANCE_M]))
             };
             let along_gravity = Across::new(&up);
             let patch: Vec<_> =

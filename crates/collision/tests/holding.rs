@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cranny_collision::{Body, Cell, CollisionError, Margins, World};
+use cranny_collision::{Body, Cell, CollisionError, Extent, Margins, World};
 use cranny_robot::{HandDescription, Hold, Robot, RobotDescription, RobotOptions};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
@@ -185,7 +185,9 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
         .take(100_000)
         .find(|q| names(q, &mut scratch) == [["thing", "floor"]])
         .unwrap();
-    let spared = held.sparing(&[0]);
+    // As it rests on the floor.
+    let on_floor = Pose::translation(0.0, 0.0, -0.3 + 0.5 * THING[2]);
+    let spared = held.sparing(&held.resting_at(1, &Extent::of(&thing()).unwrap(), &on_floor));
     assert!(spared.is_free(&q, &mut spared.scratch()));
     let shorter = held.with_hold(hold([0.0, 0.0, 0.1], [0.0; 3], 0.5)).unwrap();
     assert!(shorter.is_free(&q, &mut shorter.scratch()));

@@ -8,7 +8,7 @@ use cranny_collision::{
 };
 use cranny_robot::{Hold, Robot, RobotOptions};
 use cranny_shape::{Solid, TriangleSoup};
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 
 const HALF_M: [f64; 3] = [0.03, 0.02, 0.04];
 
@@ -253,11 +253,11 @@ fn uneven_ground_carries_by_what_is_under_the_object() {
     let mut soup = TriangleSoup::default();
     for index in 0..(side + 1) * (side + 1) {
         let [x, y] = [index % (side + 1), index / (side + 1)].map(|at| (f64::from(at) / f64::from(side) - 0.5) * 0.4);
-        soup.vertices.push([x, y, height(x, y)].into());
+        soup.vertices.push(Point::new(x, y, height(x, y)));
     }
     let top = soup.vertices.len() as u32;
-    let below: Vec<_> = soup.vertices.iter().map(|vertex| [vertex.x, vertex.y, -0.1].into()).collect();
-    soup.vertices.extend::<Vec<_>>(below);
+    let below: Vec<Point> = soup.vertices.iter().map(|vertex| Point::new(vertex.x, vertex.y, -0.1)).collect();
+    soup.vertices.extend(below);
     let at = |x: u32, y: u32| y * (side + 1) + x;
     for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
         let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];

@@ -1,6 +1,6 @@
 use cranny_collision::Cell;
 use cranny_file::at_least;
-use cranny_plan::{Audit, GraspFailure, Outcome, Trajectory, path_length};
+use cranny_plan::{Audit, GraspFailure, NotChecked, Outcome, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use cranny_solve::TaskTrajectory;
@@ -174,7 +174,10 @@ impl PagePlan {
         let clearance = clearances_m.reduce(f64::min).map_or_else(String::new, |clearance_m| {
             format!(", {} mm or more from everything, proven", at_least(clearance_m, 1e3, 2))
         });
-        format!("valid{clearance}")
+        let not_checked: Vec<NotChecked> =
+            self.verifications.iter().flat_map(|verification| verification.not_checked.clone()).collect();
+        let but_for = NotChecked::summary(&not_checked).map_or_else(String::new, |pairs| format!(", but for {pairs}"));
+        format!("valid{clearance}{but_for}")
     }
 
     pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
