@@ -29,7 +29,7 @@ const LINK_TINT = 0.8;
 const BODY_TINT = 0.4;
 
 /** Obstacles between the eye and what matters. */
-const GLASS_OPACITY = 0.2;
+const GLASS_OPACITY = 0.32;
 
 /** Corners flatter than this, in degrees, get no line. */
 const EDGE_DEG = 35;

@@ -56,6 +56,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
   const movers = { nodes: data.nodes, plans, kinematics, recording };
   const scene = new SceneView(data, movers, { stage, view, reasons });
   theme.on((palette, name) => scene.setTheme(palette, name));
+  scene.onSeenThrough = (names) => shell.captionSeenThrough(names);
   const player = new Player(view, stage, plans, recording);
   const flight = new CameraFlight(stage, view);
   const live = new LiveVerdict(data.is_live);

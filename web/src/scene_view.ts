@@ -111,6 +111,10 @@ export class SceneView {
     }
   }
 
+  /** Is called with the names of the obstacles that are shown as glass, whenever these change. */
+  onSeenThrough: (names: string[]) => void = () => {};
+  private seenThrough: string[] = [];
+
   setTheme(palette: Palette, name: ThemeName): void {
     this.palette = palette;
     this.light.setTheme(name === "dark");
@@ -214,5 +218,10 @@ export class SceneView {
       ? hidingNodes(this.nodes, [position.x, position.y, position.z], this.bounds.wanted, this.carried)
       : new Set<number>();
     this.nodes.setGlass(hiding);
+    const names = [...new Set([...hiding].map((index) => this.nodes.nodes[index].name))].sort();
+    if (names.join() !== this.seenThrough.join()) {
+      this.seenThrough = names;
+      this.onSeenThrough(names);
+    }
   }
 }

@@ -22,6 +22,7 @@ export class Shell {
   private readonly tools = element("nav", { class: "tools", "aria-label": "Tools" });
   private readonly said = element("div", { class: "said-over", role: "status" });
   private readonly searching = element("span", { class: "searching", role: "status" });
+  private readonly caption = element("p", { class: "caption", role: "note" });
   private readonly title: HTMLElement;
   private readonly toggle: HTMLButtonElement;
   private isPanelOpen = !NARROW.matches;
@@ -44,6 +45,7 @@ export class Shell {
       this.viewport,
       this.title,
       this.tools,
+      this.caption,
       this.panel,
       this.dock,
       this.said,
@@ -58,6 +60,11 @@ export class Shell {
   /** Says that a search is going on, and how many nodes it has. */
   tellSearch(nodes: number): void {
     this.searching.textContent = `searching: ${count(nodes)} ${nodes === 1 ? "node" : "nodes"}`;
+  }
+
+  /** Names what is shown as glass. */
+  captionSeenThrough(names: string[]): void {
+    this.caption.textContent = names.length > 0 ? `seen through: ${names.join(", ")}` : "";
   }
 
   /** Calls `listener` now and whenever panels cover more or less of the scene. */

@@ -333,6 +333,21 @@ test("a screen of the size of a hand has room for all", () =>
     { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
   ));
 
+test("what is seen through is named, until nothing is", () => {
+  const data = twoJointPage({ plans: 0 });
+  const target = data.nodes.find(({ role }) => role === "target")!;
+  const table = data.nodes.find(({ name }) => name === "table")!;
+  // The target lies inside it: whatever the eye does, it is in the way.
+  const [x, y, z, ...turn] = target.parent_from_node;
+  const crate = { ...table, name: "crate", parent_from_node: [x, y, z + 0.02, ...turn] as typeof target.parent_from_node };
+  return withPage({ ...data, nodes: [...data.nodes, crate] }, async ({ page }) => {
+    const caption = page.getByRole("note");
+    await caption.filter({ hasText: /seen through: .*crate/ }).waitFor();
+    await page.keyboard.press("w");
+    await caption.filter({ hasText: /^$/ }).waitFor({ state: "attached" });
+  });
+});
+
 test("on a telephone the title lies beside the tools or below them, never under them", async () => {
   const name = "a_kitchen_with_a_name_that_is_long_enough_for_any_screen";
   for (const width of [360, 400, 530, 760]) {
