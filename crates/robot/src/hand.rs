@@ -10,7 +10,7 @@ use crate::urdf_model::Urdf;
 use crate::{JointKind, Link, Mover, RobotOptions};
 
 /// The hand of a robot, as it is described.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RobotHand {
     /// What the robot's files do not say themselves.
     pub description: HandDescription,

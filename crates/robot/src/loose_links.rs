@@ -32,7 +32,7 @@ impl LooseLinks {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LooseJoint {
     pub joint: HandJoint,
     /// While the hand is open, in the tip, or in the link of the joint above.

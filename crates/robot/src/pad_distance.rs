@@ -10,7 +10,7 @@ use crate::{HandDescription, HandJoint, Link};
 /// open. With `y_f(c)` the place of that of finger f on the axis, once all joints of the hand have gone the share c of their
 /// strokes, the distance is `opening + Σ_f sign_f·(y_f(c) − y_f(0))`: for fingers that slide along the axis a linear function,
 /// for jaws that turn not.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PadDistance {
     opening_m: f64,
     joints: Vec<LooseJoint>,
@@ -21,7 +21,7 @@ pub struct PadDistance {
 }
 
 /// A point that goes with a finger.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Pad {
     /// The joint of the hand that moves it last, by its number.
     joint: usize,

@@ -150,7 +150,7 @@ impl Srdf {
                 | "kinematics_plugin_config"
                 | "contact_managers_plugin_config"
                 | "calibration_config" => {}
-                _ => return Err(unknown(element, "element", element.tag(), &ELEMENTS)),
+                _ => return Err(unknown(element, "element", &element.tag(), &ELEMENTS)),
             }
         }
         // Groups may hold groups, and are looked up by their name.
@@ -221,8 +221,8 @@ fn known(
     if let Some(name) = element.attribute_names().find(|name| !attributes.contains(name)) {
         return Err(unknown(element, "attribute", name, attributes));
     }
-    match element.children().find(|child| !elements.contains(&child.tag())) {
-        Some(child) => Err(unknown(child, "element", child.tag(), elements)),
+    match element.children().find(|child| !elements.contains(&&*child.tag())) {
+        Some(child) => Err(unknown(child, "element", &child.tag(), elements)),
         None => Ok(()),
     }
 }

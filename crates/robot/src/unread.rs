@@ -1,10 +1,10 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
 
-use cranny_file::counted;
+use cranny_file::{counted, nearest_names};
 
 use crate::xml::{Element, XmlText};
-use crate::{RobotError, spelling};
+use crate::RobotError;
 
 /// Elements of a URDF that no plan depends on, by the element that holds them (`*` for any).
 const KNOWN_ELEMENTS: [(&str, &[&str]); 5] = [
@@ -158,7 +158,7 @@ fn resembles_structure(element: Element<'_>) -> bool {
         // Only which pairs are compared depends on these, and without them more are.
         let is_filter = tag.contains("disable_collision") || tag.contains("collision_filter");
         let local = tag.rsplit(':').next().unwrap_or_default();
-        let is_like = !spelling::nearest(local, STRUCTURE).is_empty()
+        let is_like = !nearest_names(local, STRUCTURE.iter().copied()).is_empty()
             || local.contains("include")
             || STRUCTURE.iter().any(|word| local.contains(word));
         is_like && !is_filter

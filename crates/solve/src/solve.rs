@@ -148,8 +148,8 @@ fn solve_once(
         _ => None,
     };
     let cut_corners = timed.as_ref().map_or(&[][..], |timed| timed.trajectory.cut_corners());
-    if let (Some(audit), [only]) = (&mut audit, &segments[..]) {
-        audit_cut_corners(&problem, &only.waypoints, cut_corners, request.audit, audit);
+    if let Some(audit) = &mut audit {
+        audit_cut_corners(&problem, cut_corners, request.audit, audit);
     }
     let mut clearances_m = audit.iter().flat_map(|audit| &audit.clearances_per_edge_m);
     for segment in &mut segments {

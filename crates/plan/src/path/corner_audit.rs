@@ -1,21 +1,15 @@
-use std::sync::Arc;
-
 use cranny_collision::{Cell, Contact, Measuring, Motion, Scratch};
 use cranny_spatial::CONTACT_M;
 
 use crate::{Audit, AuditSettings, Clearances, CutCorner, Place, Problem, Violation};
 
-/// Judges the corners that a trajectory along `path` cuts, and adds that to what was found of its edges: a verdict, and
+/// Judges the corners that a trajectory along a path cuts, and adds that to what was found of its edges: a verdict, and
 /// clearances, that hold for the edges and for the curve that is executed. Under `paper` there is nothing to judge.
 ///
 /// Every chord of a corner is proven to keep what is demanded and, besides, its distance from the curve. The clearance of a
 /// corner, certified from below, counts for both edges between which it lies.
-///
-/// # Panics
-/// If the corners are those of another path.
 pub fn audit_cut_corners(
     problem: &Problem,
-    path: &[Vec<f64>],
     corners: &[CutCorner],
     settings: AuditSettings,
     audit: &mut Audit,

@@ -1,5 +1,3 @@
-use std::sync::Arc;
-
 use cranny_collision::Cell;
 
 use crate::PlanError;

@@ -117,7 +117,7 @@ impl PlanFile {
         settings: AuditSettings,
     ) -> Result<Audit, PlanError> {
         if let Some(trajectory) = self.trajectory(problem.robot(), problem.cell().map(AsRef::as_ref))? {
-            audit_cut_corners(problem, &self.waypoints, trajectory.cut_corners(), settings, &mut audit);
+            audit_cut_corners(problem, trajectory.cut_corners(), settings, &mut audit);
         }
         Ok(audit)
     }
