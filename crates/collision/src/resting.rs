@@ -101,7 +101,9 @@ impl Cell {
         };
         let (name, other) = (thing.name.clone(), self.world().bodies()[met.body].name.clone());
         Err(match resting.overhang_m {
-            Some(off_m) if met.depth_m <= CONTACT_ALLOWANCE_M => CollisionError::Topples { name, other, off_m },
+            Some(off_m) if met.depth_m <= CONTACT_ALLOWANCE_M => {
+                CollisionError::Topples { name, other, off_m }
+            }
             _ => CollisionError::Touches { name, other, depth_m: met.depth_m },
         })
     }
@@ -131,7 +133,8 @@ impl Cell {
         let required_m = self.margins().of_held_m();
         let near_m = required_m.max(MOST_GAP_M);
         let (mut candidates, mut beside) = (Vec::new(), Vec::new());
-        for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body) {
+        for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
+        {
             let of_part = std::iter::once((part.world_from_solid, &part.solid));
             let gap = group_separation(placed.iter().copied(), &of_part, near_m);
             if gap.lower_m >= near_m {
@@ -393,12 +396,7 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
 }
 
 /// Normals that a face of a part below a body may have, the first to be tried first.
-fn directions(
-    part: &Part,
-    surface: &[[Point; 3]],
-    placed: &[(Pose, &Solid)],
-    up: &Vector,
-) -> Vec<Vector> {
+fn directions(part: &Part, surface: &[[Point; 3]], placed: &[(Pose, &Solid)], up: &Vector) -> Vec<Vector> {
     let normal = part.world_from_solid.rotation * Vector::z();
     if part.solid.is_half_space() {
         return if normal.dot(up) >= STEEPEST { vec![normal] } else { Vec::new() };

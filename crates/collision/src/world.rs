@@ -142,8 +142,7 @@ impl World {
     /// The bodies that `body` rests on: those that it meets if it is lowered by 1 cm, by a part whose box reaches no higher
     /// than its middle.
     pub fn supports_of(&self, body: usize) -> Vec<usize> {
-        let level_from_world =
-            Pose::from_parts(Vector::zeros().into(), self.world_from_level().inverse());
+        let level_from_world = Pose::from_parts(Vector::zeros().into(), self.world_from_level().inverse());
         let lowered = Pose::from_parts((-self.up.0 * SUPPORT_GAP_M).into(), Rotation::identity());
         let middle = self.bodies[body]
             .parts

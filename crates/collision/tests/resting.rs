@@ -120,7 +120,8 @@ fn only_what_is_below_an_object_carries_it() {
 
 #[test]
 fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
-    for (height_m, rests) in [(0.0019, true), (5e-5, true), (-0.9e-4, true), (-1.5e-4, false), (-8e-4, false)] {
+    for (height_m, rests) in [(0.0019, true), (5e-5, true), (-0.9e-4, true), (-1.5e-4, false), (-8e-4, false)]
+    {
         let bodies = [object(height_m), table()];
         if rests {
             assert_eq!(carried(&bodies).unwrap(), [("table".to_owned(), (height_m * 1e4).round() as i64)]);
@@ -206,7 +207,10 @@ fn points_and_lines_of_contact_carry_what_is_right_above_them() {
     assert_eq!(carried(&[ball.clone(), table()]).unwrap(), [("table".to_owned(), 0)]);
     assert_eq!(carried(&[ball.clone(), Body::floor(0.0)]).unwrap(), [("floor".to_owned(), 0)]);
     let mesh = Solid::mesh(&ball.parts[0].solid.tessellation().unwrap()).unwrap();
-    assert_eq!(carried(&[Body::new("mesh", Pose::translation(0.0, 0.0, 0.03), mesh), table()]).unwrap().len(), 1);
+    assert_eq!(
+        carried(&[Body::new("mesh", Pose::translation(0.0, 0.0, 0.03), mesh), table()]).unwrap().len(),
+        1
+    );
     let turned = |angle: f64| {
         let reach = angle.sin() * HALF_M[0] + angle.cos() * HALF_M[2];
         let solid = Solid::cuboid(HALF_M.into()).unwrap();
@@ -252,7 +256,8 @@ fn uneven_ground_carries_by_what_is_under_the_object() {
     };
     let mut soup = TriangleSoup::default();
     for index in 0..(side + 1) * (side + 1) {
-        let [x, y] = [index % (side + 1), index / (side + 1)].map(|at| (f64::from(at) / f64::from(side) - 0.5) * 0.4);
+        let [x, y] =
+            [index % (side + 1), index / (side + 1)].map(|at| (f64::from(at) / f64::from(side) - 0.5) * 0.4);
         soup.vertices.push(Point::new(x, y, height(x, y)));
     }
     let top = soup.vertices.len() as u32;

@@ -2,8 +2,8 @@
 
 use cranny_collision::{Body, CollisionError, Margins};
 use cranny_plan::{
-    AfterPlacing, AuditSettings, Carrier, CarryEnd, ContactSegment, LiftOffSettings, NotCheckedReason, Outcome,
-    PlaceGoal, PlaceSettings, PlaceSpot, PlanError, Placer, Problem, Unobserved, Violation,
+    AfterPlacing, AuditSettings, Carrier, CarryEnd, ContactSegment, LiftOffSettings, NotCheckedReason,
+    Outcome, PlaceGoal, PlaceSettings, PlaceSpot, Placer, PlanError, Problem, Unobserved, Violation,
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
 use cranny_shape::Solid;
@@ -82,7 +82,8 @@ fn the_contact_that_is_allowed_is_named_with_every_answer() {
     let answer = asked(&problem, CarryEnd::Place(place));
     assert!(answer.is_solved());
     let audit = answer.audit.as_ref().unwrap();
-    let contacts: Vec<_> = audit.not_checked.iter().filter_map(|pair| pair.contact.map(|at| (pair, at))).collect();
+    let contacts: Vec<_> =
+        audit.not_checked.iter().filter_map(|pair| pair.contact.map(|at| (pair, at))).collect();
     let [(off, lift_off), (down, set_down)] = contacts[..] else { panic!("{:?}", audit.not_checked) };
     assert_eq!([lift_off.segment, set_down.segment], [ContactSegment::LiftOff, ContactSegment::SetDown]);
     for pair in [off, down] {

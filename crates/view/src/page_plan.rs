@@ -176,7 +176,8 @@ impl PagePlan {
         });
         let not_checked: Vec<NotChecked> =
             self.verifications.iter().flat_map(|verification| verification.not_checked.clone()).collect();
-        let but_for = NotChecked::summary(&not_checked).map_or_else(String::new, |pairs| format!(", but for {pairs}"));
+        let but_for =
+            NotChecked::summary(&not_checked).map_or_else(String::new, |pairs| format!(", but for {pairs}"));
         format!("valid{clearance}{but_for}")
     }
 

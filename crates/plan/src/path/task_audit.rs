@@ -208,8 +208,7 @@ fn place(
         audit.violations.push(Violation::NotPlaced { way_point, fault });
     }
     let near_grip = &placement.grip_near(grip)?;
-    let near =
-        Near { carrier, grip: near_grip, resting: placement.resting(), from, path: set_down, before };
+    let near = Near { carrier, grip: near_grip, resting: placement.resting(), from, path: set_down, before };
     near.judge(audit, settings, ContactSegment::SetDown)?;
     if let Some((length_m, most_m)) = near.too_long_m() {
         audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });

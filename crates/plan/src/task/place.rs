@@ -134,7 +134,8 @@ impl Placer {
         let (sine, cosine) = sin_cos(0.5 * draw.turn_rad);
         let turn = UnitQuaternion::new_unchecked(Quaternion::new(cosine, 0.0, 0.0, sine));
         let world_from_level = self.carrier.hand().holding().world().world_from_level();
-        let turned = Pose::from_parts(Vector::zeros().into(), world_from_level * turn * self.rests[draw.rest]);
+        let turned =
+            Pose::from_parts(Vector::zeros().into(), world_from_level * turn * self.rests[draw.rest]);
         let extent_m = |axis: usize| {
             let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
             [self.extent.lowest_along(&turned, &along), -self.extent.lowest_along(&turned, &-along)]

@@ -12,7 +12,11 @@ pub(crate) const AS_IT_RESTS_RAD: f64 = 0.1;
 /// and so does, for want of better, what has no volume: of these the present one.
 pub(crate) fn rests(body: &Body, level_from_world: &Rotation) -> Vec<Rotation> {
     stable_rests(body, level_from_world, LEAST_PROBABILITY).unwrap_or_else(|| {
-        body.parts.first().map(|first| level_from_world * first.world_from_solid.rotation).into_iter().collect()
+        body.parts
+            .first()
+            .map(|first| level_from_world * first.world_from_solid.rotation)
+            .into_iter()
+            .collect()
     })
 }
 
