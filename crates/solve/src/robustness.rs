@@ -197,3 +197,45 @@ impl Rooms {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use cranny_collision::{Body, Margins, World};
+    use cranny_plan::Goal;
+    use cranny_robot::{Robot, RobotOptions};
+
+    use super::*;
+
+    /// A box that never moves, and a ball that slides 0.5 m above the ground.
+    const CRANE: &str = r#"<robot name="crane">
+      <link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+      <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+      <joint name="x" type="prismatic"><parent link="base"/><child link="ball"/><origin xyz="0.5 0 0.5"/><axis xyz="1 0 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+    </robot>"#;
+
+    fn along(floor_m: f64) -> Robustness {
+        let robot = Robot::from_urdf_text(CRANE, "crane.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let world = World::new(vec![Body::floor(floor_m)]).expect("a floor");
+        let (start, end) = (vec![0.0], vec![0.5]);
+        let goal = Goal::Configurations(vec![end.clone()]);
+        let problem = Problem::exact(Arc::new(robot), world, None, start.clone(), goal, Margins::default());
+        let segments = [Segment::reach(vec![start, end], Vec::new())];
+        Robustness::of(&problem.expect("a problem"), None, &segments, &[]).expect("a cell")
+    }
+
+    #[test]
+    fn the_base_takes_the_links_along_that_never_move() {
+        let near = along(-0.1005);
+        let base = near.base.expect("a floor");
+        assert!((base.translation_m - (0.0005 - CONTACT_M)).abs() < 1e-7, "{base:?}");
+        // No joint moves them.
+        let sliding_m = near.joints.and_then(|joints| joints.sliding_m).expect("a joint that slides");
+        assert!(sliding_m > 0.4, "{sliding_m}");
+        // What it stands on is named with the answer instead.
+        let standing = along(-0.1).base.expect("a floor");
+        assert!(standing.translation_m > 0.4, "{standing:?}");
+    }
+}
