@@ -8,6 +8,7 @@ use cranny_plan::{
     audit_cut_corners, path_length,
 };
 use cranny_robot::{JointLimits, JointUnit};
+use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Vector};
 
 /// Of the ball, in metres.
@@ -55,11 +56,14 @@ fn kinds(verification: &Audit) -> Vec<&'static str> {
 /// What holds for the edges does not hold for the curve that cuts their corner past a post.
 #[test]
 fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
-    let corner = [[-0.5, 0.0, 0.0], [0.0; 3], [0.0, 0.5, 0.0]];
+    let corner = [[-0.98, 0.0, 0.0], [0.0; 3], [0.0, 0.98, 0.0]];
     let path = corner.map(|q| q.to_vec());
-    let mut post = block("post", [-0.13, 0.13, 0.0], [0.03; 3]);
+    let post = |at: f64| {
+        let solid = Solid::sphere(0.05).expect("a positive radius");
+        Body::new("post", Pose::translation(-at, at, 0.0), solid)
+    };
     let goal = || Goal::Configurations(vec![path[2].clone()]);
-    let problem = exact(&ball(), vec![post.clone()], &corner[0], goal());
+    let problem = exact(&ball(), vec![post(0.36)], &corner[0], goal());
     let cell = problem.cell().expect("exact");
     let joint = JointLimits {
         lower: -1.0,
@@ -90,11 +94,10 @@ fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
     assert_eq!(curve.clearances_per_edge_m, [Some(of_curve_m); 2]);
     // A cell that asks for more than the curve keeps, and one in which it meets something.
     let margins = Margins { margin_m: 0.5 * (of_curve_m + of_edges_m), ..Margins::default() };
-    let world = || World::new(vec![post.clone()]).expect("a world");
+    let world = || World::new(vec![post(0.36)]).expect("a world");
     let asking = Problem::exact(ball(), world(), None, corner[0].to_vec(), goal(), margins);
     assert_eq!(kinds(&judged(&asking.expect("a problem"))), ["clearance"]);
-    post.parts[0].world_from_solid = Pose::translation(-0.09, 0.09, 0.0);
-    assert_eq!(kinds(&judged(&exact(&ball(), vec![post], &corner[0], goal()))), ["contact"]);
+    assert_eq!(kinds(&judged(&exact(&ball(), vec![post(0.1225)], &corner[0], goal()))), ["contact"]);
 }
 
 #[test]

