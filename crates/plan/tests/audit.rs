@@ -3,7 +3,12 @@
 use crate::fixture::{ball, block, exact, grasps, paper};
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
-use cranny_plan::{Audit, Goal, Problem, Violation, audit, path_length};
+use cranny_plan::{
+    Audit, AuditSettings, Goal, MotionLimits, Problem, TimingMethod, Trajectory, Violation, audit,
+    audit_cut_corners, path_length,
+};
+use cranny_robot::{JointLimits, JointUnit};
+use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Vector};
 
 /// Of the ball, in metres.
@@ -46,6 +51,53 @@ fn word(violation: &Violation, key: &str) -> String {
 
 fn kinds(verification: &Audit) -> Vec<&'static str> {
     verification.violations.iter().map(Violation::kind).collect()
+}
+
+/// What holds for the edges does not hold for the curve that cuts their corner past a post.
+#[test]
+fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
+    let corner = [[-0.98, 0.0, 0.0], [0.0; 3], [0.0, 0.98, 0.0]];
+    let path = corner.map(|q| q.to_vec());
+    let post = |at: f64| {
+        let solid = Solid::sphere(0.05).expect("a positive radius");
+        Body::new("post", Pose::translation(-at, at, 0.0), solid)
+    };
+    let goal = || Goal::Configurations(vec![path[2].clone()]);
+    let problem = exact(&ball(), vec![post(0.36)], &corner[0], goal());
+    let cell = problem.cell().expect("exact");
+    let joint = JointLimits {
+        lower: -1.0,
+        upper: 1.0,
+        velocity: 1.0,
+        acceleration: Some(2.0),
+        jerk: None,
+        unit: JointUnit::Metre,
+    };
+    let limits = MotionLimits::new(cell.robot().joint_names(), &[joint; 3], TimingMethod::TimeOptimal);
+    let trajectory = Trajectory::blended(&path, &limits.expect("limits"), cell).expect("a trajectory");
+    let edges = verify_path(&problem, &corner);
+    let settings = AuditSettings::default();
+    let judged = |problem: &Problem| {
+        let mut judged = verify_path(problem, &corner);
+        audit_cut_corners(problem, &path, trajectory.cut_corners(), settings, &mut judged);
+        judged
+    };
+    let curve = judged(&problem);
+    assert!(curve.valid, "{:?}", curve.violations);
+    let [of_edges_m, of_curve_m] = [&edges, &curve].map(|audit| audit.clearance_m.expect("a post"));
+    let mut scratch = cell.scratch();
+    let samples = trajectory.samples(2000.0).expect("samples");
+    let seen_m =
+        samples.map(|sample| cell.clearance(&sample.position, &mut scratch)).fold(f64::INFINITY, f64::min);
+    assert!(of_curve_m <= seen_m && of_curve_m > seen_m - 1e-4, "{of_curve_m} {seen_m}");
+    assert!(of_curve_m < of_edges_m - 5e-3, "{of_curve_m} {of_edges_m}");
+    assert_eq!(curve.clearances_per_edge_m, [Some(of_curve_m); 2]);
+    // A cell that asks for more than the curve keeps, and one in which it meets something.
+    let margins = Margins { margin_m: 0.5 * (of_curve_m + of_edges_m), ..Margins::default() };
+    let world = || World::new(vec![post(0.36)]).expect("a world");
+    let asking = Problem::exact(ball(), world(), None, corner[0].to_vec(), goal(), margins);
+    assert_eq!(kinds(&judged(&asking.expect("a problem"))), ["clearance"]);
+    assert_eq!(kinds(&judged(&exact(&ball(), vec![post(0.1225)], &corner[0], goal()))), ["contact"]);
 }
 
 #[test]

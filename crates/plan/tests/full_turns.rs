@@ -1,5 +1,6 @@
 //! Joints that can stand several turns apart: paths do not wind.
 
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -124,4 +125,49 @@ fn continuous_joints_wrap() {
         beyond += usize::from(path.iter().flatten().any(|value| value.abs() > std::f64::consts::TAU));
     }
     assert!(beyond > 3, "{beyond} of 10 paths go past a full turn");
+}
+
+/// Values that differ by whole turns are one place of a joint without an end.
+#[test]
+fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
+    let robot = arm_of(r#"type="continuous""#, "");
+    let at = |value: f64| [0.0, 0.0, 0.0, 0.0, value, 0.0].to_vec();
+    let problem = |start: f64, goal: f64| {
+        let goal = Goal::Configurations(vec![at(goal)]);
+        let world = World::new(Vec::new()).expect("nothing");
+        Problem::exact(robot.clone(), world, None, at(start), goal, Margins::default()).expect("a problem")
+    };
+    for (start, goal, turns) in
+        [(3.0, -3.0, TAU - 6.0), (37.7, 15.0, 15.0 - 37.7 + 4.0 * TAU), (9.0, -9.0, 2.0 * TAU - 18.0)]
+    {
+        let problem = problem(start, goal);
+        let planner = Registry::default().planner("rrt-connect").expect("a planner");
+        let report = planner.plan(&problem, &Budget::default(), 0, &mut Unobserved).expect("a search");
+        assert_eq!(report.outcome, Outcome::Solved);
+        let [first, last] = [report.path.first(), report.path.last()].map(|q| q.expect("a path")[4]);
+        assert!((last - first - turns).abs() < 1e-9, "{start} to {goal}: from {first} to {last}");
+        assert!(audit(&problem, &report.path).expect("a path").valid);
+    }
+    // Whoever ends a whole turn away has arrived.
+    let far = problem(3.0, -3.0);
+    for end in [-3.0, TAU - 3.0] {
+        assert!(audit(&far, &[at(3.0), at(end)]).expect("a path").valid, "{end}");
+    }
+    assert!(!audit(&far, &[at(3.0), at(TAU - 2.9)]).expect("a path").valid);
+}
+
+/// A goal that cannot be gone to is given with the joint or the pair that is why.
+#[test]
+fn goals_that_cannot_be_gone_to_are_told_with_the_reason() {
+    let goals = vec![vec![7.0, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 6], vec![0.5; 6]];
+    let goal = Goal::Configurations(goals);
+    let world = World::new(vec![block("wall", [0.85, -0.05, 0.0], [0.1; 3])]).expect("a wall");
+    let problem =
+        Problem::exact(arm(), world, None, vec![1.0; 6], goal, Margins::default()).expect("a problem");
+    let faults = problem.goal_faults();
+    let told: Vec<(usize, String)> =
+        faults.iter().map(|fault| (fault.grasp, fault.reason.sentence())).collect();
+    assert_eq!(told.iter().map(|(goal, _)| *goal).collect::<Vec<_>>(), [0, 1], "{told:?}");
+    assert_eq!(told[0].1, "j1 at 7 is outside its limits -6.2832 to 6.2832");
+    assert!(told[1].1.ends_with("is too close to wall"), "{told:?}");
 }

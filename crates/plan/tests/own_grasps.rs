@@ -1,9 +1,12 @@
 //! Grasps that a planner makes itself: what is asked of them, and what is refused.
 
+use cranny_collision::PairGroup;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
     Audit, Budget, FailureReason, Goal, OwnGrasp, PlanError, Problem, Registry, Unobserved, Violation, audit,
 };
+use cranny_robot::Hold;
+use cranny_spatial::Pose;
 
 use crate::fixture::{
     GANTRY_START, OBJECT, arm, block, easy, exact, gantry, grasps, makes_grasps, paper, still_life,
@@ -37,12 +40,66 @@ fn the_score_is_that_of_the_angle_between_pads_and_faces() {
     }
 }
 
+/// A core with a rib on either side, at these places along the pads, 5 mm higher than the core.
+fn ribbed(at: [f64; 2]) -> Vec<cranny_collision::Body> {
+    let [x, y, z] = OBJECT;
+    let mut bodies = still_life();
+    let ribs = [1.0, -1.0].into_iter().zip(at).map(|(side, along)| {
+        block("rib", [x + along, y + 0.0125 * side, z], [0.003, 0.0025, 0.015]).parts[0].clone()
+    });
+    let mut object = block("object", OBJECT, [0.015, 0.01, 0.015]);
+    object.parts.extend(ribs);
+    bodies[2] = object;
+    bodies
+}
+
+/// A line between the middles of the pads meets the parallel faces of the core, which no pad touches.
+#[test]
+fn pads_that_meet_a_rib_each_hold_nothing_unless_the_ribs_are_opposite() {
+    let q = at_object(0.0, [0.0; 3]);
+    let opposite = standing_at(ribbed([0.012, 0.012]), &q);
+    assert!(opposite.valid, "{:?}", opposite.violations);
+    assert!(opposite.own_grasp.is_some_and(|grasp| grasp.score > 1.0 - 1e-9));
+    let apart = standing_at(ribbed([0.012, -0.012]), &q);
+    let [Violation::WeakGrasp { score, .. }] = apart.violations[..] else { panic!("{apart:?}") };
+    assert!(score <= 0.0, "{score}");
+}
+
+/// What is measured of the sweep of the fingers is the least of what is measured at many places of it.
+#[test]
+fn the_clearance_of_a_closing_hand_is_that_of_its_whole_sweep() {
+    let [x, y, z] = OBJECT;
+    let mut bodies = still_life();
+    // Beside where a finger stands half closed.
+    bodies.push(block("peg", [x, y + 0.03, z - 0.0155], [0.003, 0.002, 0.003]));
+    let q = at_object(0.0, [0.0; 3]);
+    let problem = without_set(bodies, &q);
+    let cell = problem.cell().expect("exact");
+    let robot = cell.robot();
+    let world_from_target = Pose::translation(x, y, z);
+    let tip_from_held = robot.frames_at(&q).link(robot.tip()).inverse() * world_from_target;
+    let closing = 0.6;
+    let held = cell.holding(2, Hold { tip_from_held, closing }).expect("a hold");
+    let measured_m = held.closing_clearance(&q, PairGroup::Around, &mut held.scratch());
+    let at = |step: u32| {
+        let closing = closing * f64::from(step) / 200.0;
+        let placed = held.with_hold(Hold { tip_from_held, closing }).expect("a hold");
+        let standing = [q.clone(), q.clone()];
+        placed.group_clearance(&standing, PairGroup::Around, 0.0, &mut placed.scratch())
+    };
+    let least_m = (0..=200).map(at).fold(f64::INFINITY, f64::min);
+    assert!((measured_m - least_m).abs() < 3e-5, "{measured_m} {least_m}");
+    assert!(measured_m < at(0) - 5e-4 && measured_m < at(200) - 5e-4, "it is least on the way");
+}
+
 #[test]
 fn a_grasp_that_is_none_is_a_violation() {
     let first = |audit: Audit| audit.violations.into_iter().next().expect("a violation");
     let weak = standing_at(still_life(), &at_object(0.2, [0.0; 3]));
     assert!(matches!(first(weak), Violation::WeakGrasp { score, .. } if (0.1..0.2).contains(&score)));
-    let beside = standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0]));
+    // The ends of the pads hold it, whatever their middles meet.
+    assert!(standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0])).valid);
+    let beside = standing_at(still_life(), &at_object(0.0, [-0.045, 0.0, 0.0]));
     let nothing = FailureReason::ClosesOnNothing;
     assert!(matches!(first(beside), Violation::Grip { reason, .. } if reason == nothing));
     // What a finger meets between where it stands open and the object.

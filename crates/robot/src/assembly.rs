@@ -20,8 +20,8 @@ use crate::text_source::{parsed, read};
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot, RobotDescription, RobotError,
-    RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    GroupJoint, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot, RobotDescription,
+    RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {

@@ -52,7 +52,9 @@ impl PadDistance {
             let at = rest[tip] * Pose::translation(0.0, on_axis(side).y, 0.0);
             let to = |solid: &Solid, pose: Pose| separation(&point, &at, solid, &pose, f64::INFINITY).upper_m;
             let shapes = links[link].collisions.iter();
-            shapes.map(|shape| to(&shape.solid, rest[link] * shape.link_from_shape)).fold(f64::INFINITY, f64::min)
+            shapes
+                .map(|shape| to(&shape.solid, rest[link] * shape.link_from_shape))
+                .fold(f64::INFINITY, f64::min)
         };
         let moved_by = |link: usize| {
             let mut above = std::iter::successors(Some(link), |&link| links[link].parent);
@@ -61,7 +63,8 @@ impl PadDistance {
         let pad_of = |finger: usize| {
             let own = (0..links.len()).filter_map(|link| Some((link, moved_by(link)?)));
             let own = own.filter(|(_, joint)| joints[*joint].joint.finger == finger);
-            let places = own.flat_map(|(link, joint)| [1.0, -1.0].map(|side| (off_m(link, side), joint, side)));
+            let places =
+                own.flat_map(|(link, joint)| [1.0, -1.0].map(|side| (off_m(link, side), joint, side)));
             let (_, joint, side) = places.min_by(|a, b| a.0.total_cmp(&b.0))?;
             let in_link = rest[joints[joint].joint.link].inverse() * (rest[tip] * on_axis(side));
             Some(Pad { joint, in_link, side })
@@ -159,11 +162,15 @@ mod tests {
             jaw("left", 1.0),
             jaw("right", -1.0)
         );
-        let text = |name: &str, text: &str| Some(TextSource::Text { name: name.to_owned(), text: text.to_owned() });
+        let text =
+            |name: &str, text: &str| Some(TextSource::Text { name: name.to_owned(), text: text.to_owned() });
         let hand = "hand: {name: jaws, tip: tool, fingers: {left_joint: {open: 0, closed: 0.4}}, opening_m: 0.08, \
              finger_depth_m: 0.1, closing_force_n: 20}";
-        let options =
-            RobotOptions { description: text("robot.yaml", hand), limits: text("limits.yaml", limits), ..RobotOptions::default() };
+        let options = RobotOptions {
+            description: text("robot.yaml", hand),
+            limits: text("limits.yaml", limits),
+            ..RobotOptions::default()
+        };
         Robot::from_urdf_text(&urdf, "jaws.urdf", None, &options).expect("a robot")
     }
 

@@ -106,9 +106,9 @@ impl Robustness {
             let path = if waypoints.len() > 1 { &waypoints[..] } else { &standing };
             let cell = in_mode(*mode).unwrap_or(reach);
             let mut rooms = vec![Rooms::along(cell, path, 0.0)];
-            rooms.extend(cut_corners.iter().map(|corner| {
-                Rooms::along(cell, &corner.chords, corner.deviation_m)
-            }));
+            rooms.extend(
+                cut_corners.iter().map(|corner| Rooms::along(cell, &corner.chords, corner.deviation_m)),
+            );
             // The hand closes where a reach ends, and opens where a set-down does.
             let sweeping = match mode {
                 Mode::Reach => in_mode(Mode::LiftOff),
@@ -173,8 +173,7 @@ impl Rooms {
         let room_m = |clearance_m: f64| (clearance_m - CONTACT_M).max(0.0);
         let [links_m, around_m, object_m] = clearances_m.map(room_m);
         let StandingClearance { around_m: standing_m, object_m: to_object_m } = cell.standing_clearance();
-        let standing =
-            StandingClearance { around_m: room_m(standing_m), object_m: room_m(to_object_m) };
+        let standing = StandingClearance { around_m: room_m(standing_m), object_m: room_m(to_object_m) };
         Self { links_m, around_m, object_m, standing, levers }
     }
 
@@ -197,5 +196,48 @@ impl Rooms {
             base: PoseRadius::of(world_m.min(object_m).min(standing.around_m), levers.from_root_m),
             joints: (joints.sliding_m.is_some() || joints.turning_rad.is_some()).then_some(joints),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use cranny_collision::{Body, Margins, World};
+    use cranny_plan::Goal;
+    use cranny_robot::{Robot, RobotOptions};
+
+    use super::*;
+
+    /// A box that never moves, and a ball that slides 0.5 m above the ground.
+    const CRANE: &str = r#"<robot name="crane">
+      <link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+      <link name="ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+      <joint name="x" type="prismatic"><parent link="base"/><child link="ball"/><origin xyz="0.5 0 0.5"/><axis xyz="1 0 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+    </robot>"#;
+
+    fn along(floor_m: f64) -> Robustness {
+        let robot =
+            Robot::from_urdf_text(CRANE, "crane.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let world = World::new(vec![Body::floor(floor_m)]).expect("a floor");
+        let (start, end) = (vec![0.0], vec![0.5]);
+        let goal = Goal::Configurations(vec![end.clone()]);
+        let problem = Problem::exact(Arc::new(robot), world, None, start.clone(), goal, Margins::default());
+        let segments = [Segment::reach(vec![start, end], Vec::new())];
+        Robustness::of(&problem.expect("a problem"), None, &segments, &[]).expect("a cell")
+    }
+
+    #[test]
+    fn the_base_takes_the_links_along_that_never_move() {
+        let near = along(-0.1005);
+        let base = near.base.expect("a floor");
+        assert!((base.translation_m - (0.0005 - CONTACT_M)).abs() < 1e-7, "{base:?}");
+        // No joint moves them.
+        let sliding_m = near.joints.and_then(|joints| joints.sliding_m).expect("a joint that slides");
+        assert!(sliding_m > 0.4, "{sliding_m}");
+        // What it stands on is named with the answer instead.
+        let standing = along(-0.1).base.expect("a floor");
+        assert!(standing.translation_m > 0.4, "{standing:?}");
     }
 }

@@ -6,8 +6,8 @@ use cranny_collision::Cell;
 use cranny_plan::{
     Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, NoGrasp, Observer,
     OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
-    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_cut_corners, audit_task, audit_with, better, optimise, search,
-    shortcut,
+    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_cut_corners, audit_task, audit_with, better,
+    optimise, search, shortcut,
 };
 use cranny_robot::Robot;
 use cranny_spatial::other_seed;

@@ -68,7 +68,8 @@ impl ShownPath {
     ) -> Result<Option<Self>, ViewError> {
         let legs = plan.legs();
         // Before the first leg the hand does nothing.
-        let mut stops_s = [0.0].into_iter().chain(timed.map(TaskTrajectory::hand_times_s).unwrap_or_default());
+        let mut stops_s =
+            [0.0].into_iter().chain(timed.map(TaskTrajectory::hand_times_s).unwrap_or_default());
         let mut timed = timed.map(TaskTrajectory::legs).unwrap_or_default().iter();
         let mut shown: Option<Self> = None;
         let mut times_s = Vec::new();

@@ -45,12 +45,7 @@ pub fn audit_cut_corners(
 }
 
 /// What is wrong with a chord of a corner, if anything.
-fn fault_of(
-    cell: &Cell,
-    chord: &[Vec<f64>],
-    corner: &CutCorner,
-    scratch: &mut Scratch,
-) -> Option<Violation> {
+fn fault_of(cell: &Cell, chord: &[Vec<f64>], corner: &CutCorner, scratch: &mut Scratch) -> Option<Violation> {
     match cell.motion_beyond(corner.deviation_m, &chord[0], &chord[1], scratch) {
         Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
             Some(violation(cell, corner, &contact))

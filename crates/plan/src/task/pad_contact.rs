@@ -92,7 +92,8 @@ impl PadSurfaces {
         let along = |of: fn(&Point) -> f64| {
             let [a, b] = [of(&corners[0]), of(&corners[1])];
             let (low, high) = (a.min(b).min(0.0) - BEYOND_M, a.max(b).max(0.0) + BEYOND_M);
-            let grid = (0..LINES).map(move |line| low + (high - low) * f64::from(line) / f64::from(LINES - 1));
+            let grid =
+                (0..LINES).map(move |line| low + (high - low) * f64::from(line) / f64::from(LINES - 1));
             grid.chain([a, b, 0.0])
         };
         let fingers = [0, 1].map(|finger| {
@@ -100,7 +101,12 @@ impl PadSurfaces {
             let nearest = nearest[finger];
             // The side from which the finger comes.
             let side = (tip_from_world * nearest.normal_in_object).y.signum();
-            Pressing { pads: self, tip_from_links, nearest, outwards: world_from_tip.rotation * (Vector::y() * side) }
+            Pressing {
+                pads: self,
+                tip_from_links,
+                nearest,
+                outwards: world_from_tip.rotation * (Vector::y() * side),
+            }
         });
         let needed = |x: f64, z: f64| {
             let middle = world_from_tip * Point::new(x, 0.0, z);

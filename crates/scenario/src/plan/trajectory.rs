@@ -2,7 +2,9 @@ use std::path::Path;
 use std::str::FromStr as _;
 
 use cranny_collision::Cell;
-use cranny_plan::{Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_cut_corners, audit_with};
+use cranny_plan::{
+    Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_cut_corners, audit_with,
+};
 use cranny_robot::Robot;
 use cranny_solve::{Mode, Segment, TaskCells, TaskTrajectory, Timing, audit_segments};
 
