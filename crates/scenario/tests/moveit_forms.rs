@@ -181,6 +181,25 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
 }
 
 #[test]
+fn an_operation_is_a_number_a_byte_or_a_name() {
+    let folder = Folder::new();
+    for (operation, is_addition) in [
+        ("0", true),
+        ("ADD", true),
+        ("\"\\0\"", true),
+        ("!!binary AA==", true),
+        ("null", true),
+        ("1", false),
+        ("\"\\x01\"", false),
+        ("!!binary Ag==", false),
+        ("addition", false),
+    ] {
+        let scene = SCENE.replace("operation: 0", &format!("operation: {operation}"));
+        assert_eq!(folder.write("scene.yaml", &scene).open().is_ok(), is_addition, "{operation}");
+    }
+}
+
+#[test]
 fn the_base_stands_where_either_state_has_it() {
     let folder = Folder::new();
     folder.changed("scene.yaml", "[{translation: [0, 0, 0]", "[{translation: [0.25, 0, 0]");
