@@ -96,7 +96,7 @@ fn a_start_in_contact_is_an_honest_no() {
 fn a_goal_that_is_refused_has_its_reasons() {
     let folder = folder();
     let goals =
-        REQUEST.replace("position: 1}", "position: 3.00011}").replace("position: 0.5}", "position: 1.5}");
+        REQUEST.replace("position: 1}", "position: 3.00101}").replace("position: 0.5}", "position: 1.5}");
     let goals = goals
         + "  - joint_constraints: [{joint_name: turn, position: 2.5}, {joint_name: lift, position: 0}]\n";
     std::fs::write(folder.path().join("request1.yaml"), goals).expect("written");
@@ -106,7 +106,7 @@ fn a_goal_that_is_refused_has_its_reasons() {
     assert_eq!(refused.status.code(), Some(1), "{text}");
     for reason in [
         "goals-invalid",
-        "0: turn is 3.00011, outside its limits [-3.00000, 3.00000]",
+        "0: turn is 3.0010, outside its limits [-3.0000, 3.0000]",
         "0: lift is 1.5000, outside its limits [-1.0000, 1.0000]",
         "1: boom touches post",
     ] {

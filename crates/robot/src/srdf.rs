@@ -121,7 +121,10 @@ impl Srdf {
         };
         for element in robot.children() {
             match &*element.tag() {
-                "group" => srdf.groups.push(parse_group(element)?),
+                "group" => {
+                    srdf.groups.push(parse_group(element)?);
+                    element.all("passive_joint").try_for_each(|joint| srdf.add_passive_joint(joint))?;
+                }
                 "group_state" => srdf.group_states.push(parse_state(element)?),
                 "end_effector" => srdf.end_effectors.push(parse_end_effector(element)?),
                 "disable_collisions" => {
@@ -137,11 +140,7 @@ impl Srdf {
                     srdf.untested_links.push(element.text("link")?.to_owned());
                     srdf.places.untested.push(element.at());
                 }
-                "passive_joint" => {
-                    known(element, &["name"], &[])?;
-                    srdf.passive_joints.push(element.text("name")?.to_owned());
-                    srdf.places.passive.push(element.at());
-                }
+                "passive_joint" => srdf.add_passive_joint(element)?,
                 "virtual_joint" => srdf.virtual_joints.push(parse_virtual_joint(element)?),
                 // Approximations, hints and plugins of others, which change neither groups nor pairs.
                 "link_sphere_approximation"
@@ -159,6 +158,13 @@ impl Srdf {
             return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
         }
         Ok(srdf)
+    }
+
+    fn add_passive_joint(&mut self, element: Element<'_>) -> Result<(), RobotError> {
+        known(element, &["name"], &[])?;
+        self.passive_joints.push(element.text("name")?.to_owned());
+        self.places.passive.push(element.at());
+        Ok(())
     }
 
     /// The group of that name.
@@ -246,7 +252,7 @@ fn parse_virtual_joint(element: Element<'_>) -> Result<VirtualJoint, RobotError>
 }
 
 fn parse_group(element: Element<'_>) -> Result<SrdfGroup, RobotError> {
-    known(element, &["name"], &["chain", "joint", "link", "group"])?;
+    known(element, &["name"], &["chain", "joint", "link", "group", "passive_joint"])?;
     for chain in element.all("chain") {
         known(chain, &["base_link", "tip_link"], &[])?;
     }

@@ -218,7 +218,7 @@ fn faults_of_a_scene_name_file_and_line() {
     let copy = Copy::new();
     let cases = [
         ("[0.2, 0.4, 0.6]", "[0.2, 0.4]", "scene.yaml:18: object 'crate': 2 dimensions, but those of a box"),
-        ("[0.2, 0.4, 0.6]", "[0.2, .nan, 0.6]", "scene.yaml:18: 'NaN' is not a finite number"),
+        ("[0.2, 0.4, 0.6]", "[0.2, .nan, 0.6]", "scene.yaml:18: '.nan' is not a finite number"),
         ("[0.2, 0.4, 0.6]", "[0.2, 0, 0.6]", "scene.yaml:18: 'crate': each side of a box"),
         (
             "[0.3, 0.05]",
@@ -229,7 +229,7 @@ fn faults_of_a_scene_name_file_and_line() {
         ("type: cylinder", "type: cone", "scene.yaml:24: a cone is not supported"),
         ("type: cylinder", "type: torus", "scene.yaml:24: object 'can': unknown primitive 'torus'"),
         ("type: 2", "type: 7", "scene.yaml:25: object 'can': unknown primitive '7'"),
-        ("{position: [1, 0, 0]", "{position: [1, .inf, 0]", "scene.yaml:20: 'inf' is not a finite number"),
+        ("{position: [1, 0, 0]", "{position: [1, .inf, 0]", "scene.yaml:20: '.inf' is not a finite number"),
         ("{position: [1, 0, 0]", "{position: [1, 0]", "scene.yaml:20"),
         ("{x: 1, y: 2, z: 3}", "{x: 1, y: 2}", "missing field `z`"),
         ("[0, 0, 0.7071067811865476, 0.7071067811865476]", "[0, 0, 0.7, 0]", "scene.yaml:16: the quaternion"),
@@ -246,7 +246,7 @@ fn faults_of_a_scene_name_file_and_line() {
         ("id: can", "id: crate", "scene.yaml:21: the name 'crate' is taken"),
         (", [0, 3, 2]", "", "scene.yaml:31: 'wedge': the mesh has a hole"),
         ("[0, 3, 2]", "[0, 3, 9]", "names vertex 9"),
-        ("vertices: [[0, 0, 0]", "vertices: [[0, 0, .nan]", "scene.yaml:31: 'NaN' is not a finite number"),
+        ("vertices: [[0, 0, 0]", "vertices: [[0, 0, .nan]", "scene.yaml:31: '.nan' is not a finite number"),
         (
             "        - vertices:",
             "        - resource: no.obj\n          vertices:",
@@ -302,7 +302,7 @@ fn faults_of_a_request_name_file_and_line() {
         ("group_name: both", "group_name: boht", "request.yaml:1: joint group: unknown SRDF group `boht`"),
         ("group_name: both\n", "", "missing field `group_name`"),
         (start, "[0.5, 0.02, -1]", "request.yaml:5: the joint state has 4 names, but 3 positions"),
-        (start, "[0.5, .nan, -1, 0]", "request.yaml:6: 'NaN' is not a finite number"),
+        (start, "[0.5, .nan, -1, 0]", "request.yaml:6: '.nan' is not a finite number"),
         ("[elbow, pinch,", "[elbow, punch,", "request.yaml:6: "),
         ("[elbow, pinch,", "[elbow, punch,", "unknown joint `punch`"),
         ("[elbow, pinch,", "[elbow, elbow,", "request.yaml:5: joint 'elbow' has a value already"),
@@ -318,7 +318,7 @@ fn faults_of_a_request_name_file_and_line() {
             "joint_name: shoulder",
             "request.yaml:11: joint 'shoulder' has a value already",
         ),
-        ("position: -0.25", "position: .inf", "request.yaml:10: 'inf' is not a finite number"),
+        ("position: -0.25", "position: .inf", "request.yaml:10: '.inf' is not a finite number"),
         ("position: -0.25", "position: far", "request.yaml:10"),
         (
             "      - joint_name: elbow\n        position: -0.25\n",

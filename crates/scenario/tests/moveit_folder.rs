@@ -24,7 +24,7 @@ pub const SRDF: &str = r#"<robot name="bot"><virtual_joint name="stand" type="fl
 pub const SCENE: &str = "name: ''
 robot_model_name: bot
 robot_state:
-  joint_state: {header: {seq: 0, stamp: 0, frame_id: base_link}, name: [j1, j2, roll], position: [0, 0, 0], velocity: [0, 0, 0], effort: []}
+  joint_state: {name: [j1, j2, roll], position: [0, 0, 0], velocity: [0, 0, 0], effort: [], header: {seq: 0, stamp: 0, frame_id: base_link}}
   multi_dof_joint_state: {header: {frame_id: world}, joint_names: [stand], transforms: [{translation: [0, 0, 0], rotation: [0, 0, 0, 1]}], twist: [], wrench: []}
   attached_collision_objects: []
   is_diff: false
@@ -53,7 +53,7 @@ world:
       subframe_names: []
       subframe_poses: []
       operation: 0
-  octomap: {header: {frame_id: ''}, origin: {}, octomap: {header: {}, binary: false, id: '', resolution: 0, data: []}}
+  octomap: {header: {}, origin: {}, octomap: {header: {}, binary: false, id: '', resolution: 0, data: []}}
 is_diff: false
 ";
 

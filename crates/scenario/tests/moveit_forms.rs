@@ -125,13 +125,13 @@ fn a_key_that_is_misspelt_is_refused_wherever_it_stands() {
             let line = text[..at].rsplit('\n').next().unwrap();
             // Of a value that has no bearing on the problem the keys may be any.
             let passed = [
-                "type: {",
-                "color",
+                "  type: {",
+                "object_colors: [",
+                "polygon: {",
                 "workspace_parameters: {",
-                "octomap: {header: {",
-                "joint_state: {header: {",
+                "effort: [], header: {",
             ];
-            if passed.iter().any(|passed| line.contains(passed)) && !line.contains("multi_dof") {
+            if passed.iter().any(|passed| line.contains(passed)) {
                 continue;
             }
             let mutated = format!("{}x{}", &text[..at], &text[at..]);
@@ -177,6 +177,25 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
         let said = folder.changed(file, from, to).fault();
         assert!(said.contains(fault), "{to}\n{said}");
         folder.write(file, &original);
+    }
+}
+
+#[test]
+fn an_operation_is_a_number_a_byte_or_a_name() {
+    let folder = Folder::new();
+    for (operation, is_addition) in [
+        ("0", true),
+        ("ADD", true),
+        ("\"\\0\"", true),
+        ("!!binary AA==", true),
+        ("null", true),
+        ("1", false),
+        ("\"\\x01\"", false),
+        ("!!binary Ag==", false),
+        ("addition", false),
+    ] {
+        let scene = SCENE.replace("operation: 0", &format!("operation: {operation}"));
+        assert_eq!(folder.write("scene.yaml", &scene).open().is_ok(), is_addition, "{operation}");
     }
 }
 

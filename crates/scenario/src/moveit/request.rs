@@ -90,7 +90,7 @@ impl Files<'_> {
 
     /// What the request takes of the limits of speed and acceleration; 0 stands for a factor that is not given.
     pub fn rate_scales(&self) -> Result<RateScales, ScenarioError> {
-        let scale = |factor: &Option<Spanned<f64>>| match factor {
+        let scale = |factor: Option<&Spanned<f64>>| match factor {
             Some(factor) if !(0.0..=1.0).contains(&factor.value) => {
                 let hint = "give one from 0 to 1";
                 let what = "a scaling factor outside 0 to 1";
@@ -100,8 +100,8 @@ impl Files<'_> {
             None => Ok(None),
         };
         Ok(RateScales {
-            velocity: scale(&self.request.max_velocity_scaling_factor)?,
-            acceleration: scale(&self.request.max_acceleration_scaling_factor)?,
+            velocity: scale(self.request.max_velocity_scaling_factor.as_ref())?,
+            acceleration: scale(self.request.max_acceleration_scaling_factor.as_ref())?,
         })
     }
 
@@ -195,22 +195,18 @@ impl Files<'_> {
 }
 
 /// Turns continuous joints into their limits, and takes a limit for its rounding.
-fn take_into_limits(
-    robot: &Robot,
-    q: &mut Vec<f64>,
-    what: &'static str,
-    deviations: &mut Vec<MoveItDeviation>,
-) {
-    let given = q.clone();
+fn take_into_limits(robot: &Robot, q: &mut [f64], what: &'static str, deviations: &mut Vec<MoveItDeviation>) {
+    let given = q.to_vec();
     robot.turn_into_limits(q);
     for (index, joint) in robot.joint_names().iter().enumerate() {
         let (joint, requested) = (joint.clone(), given[index]);
-        if q[index] != requested {
+        if (q[index] - requested).abs() > 0.0 {
             deviations.push(MoveItDeviation::Turned { what, joint, requested, taken: q[index] });
             continue;
         }
         let limit = robot.limits()[index].clamp(requested);
-        if limit != requested && (limit - requested).abs() <= ROUNDING {
+        let beyond = (limit - requested).abs();
+        if beyond > 0.0 && beyond <= ROUNDING {
             q[index] = limit;
             deviations.push(MoveItDeviation::Rounded { what, joint, requested, limit });
         }
