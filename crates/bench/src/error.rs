@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use crate::Shard;
+
 /// What can be wrong with a campaign, its results or a worker. What a planner does wrong is none of these: it is
 /// an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
@@ -119,6 +121,20 @@ pub enum BenchError {
     OtherCampaign {
         /// What is another.
         what: String,
+    },
+    /// Results hold trials that another part of the campaign runs.
+    #[error(
+        "{}: {trials} trials of the campaign are not of its part {part}: the file is of another part, of another number of runs \
+         or parts, or of another version of Cranny; give this part a file of its own (`cranny bench merge` joins them)",
+        results.display()
+    )]
+    OtherPart {
+        /// The results.
+        results: PathBuf,
+        /// The part that is to be run.
+        part: Shard,
+        /// How many trials of other parts there are.
+        trials: usize,
     },
     /// Two files of results have the same trial, and it went differently.
     #[error(
