@@ -33,6 +33,8 @@ mod roadmap;
 mod robots;
 mod scenarios;
 mod simulation;
+#[cfg(unix)]
+mod stopped;
 mod trajectory;
 mod view;
 mod workshop;
