@@ -448,6 +448,7 @@ def plan(
     jerk_limited: bool = False,
     blend: bool = False,
     score: str = "geometric",
+    min_score: float | None = None,
     carry: str | ArrayLike | None = None,
     place: str | None = None,
     then: str = "home",

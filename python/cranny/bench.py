@@ -58,6 +58,14 @@ class Results:
         return _frame(_columns(self.summary["rows"]))
 
     @property
+    def comparisons(self) -> Any:
+        """Each pair of planners on each scenario: one row with `finding` ("too-few-runs", "no-difference",
+        "first-is-faster", "second-is-faster", "differ"), the p-values of two permutation tests, adjusted over all
+        comparisons, and the difference of restricted means with its interval (s); NaN or None where the runs support
+        none. A data frame, or where there is no pandas a dictionary of lists."""
+        return _frame(_columns(self.summary["comparisons"]))
+
+    @property
     def curves(self) -> Any:
         """Which share of runs was solved when: one row a step, with `scenario_name`, `planner_name`, `criterion`,
         `over` ("time" in seconds or "iterations"), `at`, `success`, `low` and `high`. A data frame, or where there

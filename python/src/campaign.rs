@@ -94,12 +94,13 @@ pub fn run_campaign(
         },
         exceptions: Vec::new(),
     };
-    let mut schedule = py.detach(|| campaign.schedule(&Registry::default())).map_err(fault)?;
-    if let Some((index, count)) = shard {
+    let shard = shard.map(|(index, count)| {
         let wrong =
             || bad_value(format!("shard is ({index}, {count}), but the first must be from 1 to the second"));
-        schedule = Shard::new(index, count).ok_or_else(wrong)?.of(schedule);
-    }
+        Shard::new(index, count).ok_or_else(wrong)
+    });
+    let shard = shard.transpose()?;
+    let whole = py.detach(|| campaign.schedule(&Registry::default())).map_err(fault)?;
     let settings = CampaignSettings {
         worker: WorkerProgram { program: program.into(), arguments: arguments.to_vec() },
         workers,
@@ -114,6 +115,13 @@ pub fn run_campaign(
         thread::scope(|scope| {
             let campaign = scope.spawn(|| -> Result<(), cranny_bench::BenchError> {
                 let mut results = Results::create(&output)?;
+                let schedule = match shard {
+                    None => whole,
+                    Some(shard) => {
+                        shard.check(&whole, &results)?;
+                        shard.of(whole)
+                    }
+                };
                 cranny_bench::run_campaign(&schedule, &settings, &mut results, &mut &progress, &stop)
                     .map(drop)
             });
@@ -163,6 +171,7 @@ fn campaign_planner(
             planner,
             settings: settings_of(settings.as_ref())?,
             score: ScoreKind::default(),
+            min_score: None,
         }
     } else {
         let command = call.extract::<Vec<String>>().map_err(|_| {

@@ -68,7 +68,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: what differs from its
 /// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
 /// only cut the search short. `score`: which score of the grasps counts, "geometric" or "physics": the robust one,
-/// which every grasp must then have. `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show;
+/// which every grasp must then have; `min_score`: the least that a grasp must have to be a goal (None: all are).
+/// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show;
 /// `strict_pairs`: pairs of links of `plan.not_checked` are checked too, but for adjacent ones that are free nowhere. Under "paper",
 /// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
@@ -89,7 +90,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric",
+    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric", min_score=None,
     carry=None, place=None, then="home", clear_m=0.05, robust=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -114,6 +115,7 @@ pub fn plan(
     jerk_limited: bool,
     blend: bool,
     score: &str,
+    min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
     place: Option<&str>,
     then: &str,
@@ -142,6 +144,7 @@ pub fn plan(
         score: score.parse().map_err(|_| {
             bad_value(format!("score is '{score}', but 'geometric' or 'physics' is expected"))
         })?,
+        min_score,
         goal_threshold,
         keep_path: !shortcut,
         optimise: optimise.map(|time| OptimiseSettings {

@@ -124,8 +124,13 @@ impl Campaign {
     pub fn paper() -> Result<Self, BenchError> {
         let call = |planner: &str, settings: serde_json::Value| {
             let settings = settings.as_object().cloned().unwrap_or_default();
-            PlannerCall::BuiltIn { planner: planner.to_owned(), settings, score: ScoreKind::default() }
-                .checked(&Registry::default())
+            PlannerCall::BuiltIn {
+                planner: planner.to_owned(),
+                settings,
+                score: ScoreKind::default(),
+                min_score: None,
+            }
+            .checked(&Registry::default())
         };
         let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
         /// More than any time limit allows.
@@ -262,7 +267,7 @@ impl Campaign {
         opened: &OpenedScenario,
         registry: &Registry,
     ) -> Result<(), BenchError> {
-        let PlannerCall::BuiltIn { planner: name, settings, score } = &planner.call else {
+        let PlannerCall::BuiltIn { planner: name, settings, score, min_score } = &planner.call else {
             // It is given the scenario as files.
             return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
         };
@@ -279,6 +284,7 @@ impl Campaign {
             registry: registry.clone(),
             planner: Some(name.clone()),
             score: *score,
+            min_score: *min_score,
             carry: self.demand.carry.map(|carry| carry.carry(problem)).transpose()?,
             ..cranny_solve::Request::default()
         };

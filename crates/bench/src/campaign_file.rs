@@ -71,6 +71,8 @@ struct PlannerEntry {
     #[serde(default)]
     score: Option<ScoreKind>,
     #[serde(default)]
+    min_score: Option<f64>,
+    #[serde(default)]
     exec: Option<Vec<String>>,
     #[serde(default)]
     released: Option<Vec<String>>,
@@ -173,16 +175,22 @@ impl Campaign {
 
 impl PlannerEntry {
     fn read(self, folder: &Path, registry: &Registry) -> Result<CampaignPlanner, String> {
-        let Self { name, planner, settings, score, exec, released, each_goal, runs, time_limit_s } = self;
+        let Self { name, planner, settings, score, min_score, exec, released, each_goal, runs, time_limit_s } =
+            self;
         let words = |words: Vec<String>| words.iter().map(|word| beside(folder, word)).collect::<Vec<_>>();
         let has_settings = !settings.is_empty();
         let call = match (planner, exec, released) {
             (Some(planner), None, None) => {
-                PlannerCall::BuiltIn { planner, settings, score: score.unwrap_or_default() }
+                if let Some(wrong) = min_score.filter(|least| !(0.0..=1.0).contains(least)) {
+                    return Err(format!("`min_score` is {wrong}, but a score is from 0 to 1"));
+                }
+                PlannerCall::BuiltIn { planner, settings, score: score.unwrap_or_default(), min_score }
             }
-            (None, Some(_), None) | (None, None, Some(_)) if score.is_some() => {
+            (None, Some(_), None) | (None, None, Some(_)) if score.is_some() || min_score.is_some() => {
                 return Err(
-                    "`score` is for a built-in `planner`; a program is given the geometric one".to_owned()
+                    "`score` and `min_score` are for a built-in `planner`; a program is given all grasps with the geometric \
+                     one"
+                        .to_owned(),
                 );
             }
             (None, Some(_), None) | (None, None, Some(_)) if has_settings => {

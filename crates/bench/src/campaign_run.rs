@@ -174,12 +174,12 @@ fn ask(
 ) -> Result<Option<TrialRun>, BenchError> {
     // One that ended between two trials takes none with it.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
-        *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes)?);
+        *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes, exports)?);
     }
     let Some(serving) = worker else { return Ok(None) };
     let request = Request {
         question: question.clone(),
-        exports: exports.to_owned(),
+        exports: serving.exports().to_owned(),
         memory_limit_bytes: settings.memory_limit_bytes,
         walls,
     };

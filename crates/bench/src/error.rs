@@ -2,6 +2,8 @@ use std::path::{Path, PathBuf};
 
 use cranny_file::{nearest_files, suggested};
 
+use crate::Shard;
+
 /// What can be wrong with a campaign, its results or a worker. What a planner does wrong is none of these: it is
 /// an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
@@ -122,6 +124,20 @@ pub enum BenchError {
     OtherCampaign {
         /// What is another.
         what: String,
+    },
+    /// Results hold trials that another part of the campaign runs.
+    #[error(
+        "{}: {trials} trials of the campaign are not of its part {part}: the file is of another part, of another number of runs \
+         or parts, or of another version of Cranny; give this part a file of its own (`cranny bench merge` joins them)",
+        results.display()
+    )]
+    OtherPart {
+        /// The results.
+        results: PathBuf,
+        /// The part that is to be run.
+        part: Shard,
+        /// How many trials of other parts there are.
+        trials: usize,
     },
     /// Two files of results have the same trial, and it went differently.
     #[error(

@@ -78,11 +78,11 @@ impl ForeignPlanner {
                 )
             }
         };
-        // Of one content there is one export for each worker, which nobody else writes or reads.
+        // Of one content there is one export.
         let hash = &request.question.trial.scenario_hash;
         // Who is given no set of grasps finds none beside it either.
         let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
-        let folder = request.exports.join(format!("{}-{hash}{kind}", std::process::id()));
+        let folder = request.exports.join(format!("{hash}{kind}"));
         let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
         Ok(Self { command, is_released, files })
     }

@@ -25,6 +25,9 @@ pub enum PlannerCall {
         /// Which score of the grasps counts.
         #[serde(default, skip_serializing_if = "is_geometric")]
         score: ScoreKind,
+        /// Least score of the grasps that are goals; all are if there is none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        min_score: Option<f64>,
     },
     /// Anybody's program, which speaks the protocol of `docs/exec_protocol.md`.
     Exec {
@@ -55,7 +58,8 @@ impl PlannerCall {
                 Self::Released { program: words.next().unwrap_or_default(), arguments: words.collect() }
             }
             _ => {
-                Self::BuiltIn { planner: text.to_owned(), settings: Map::new(), score: ScoreKind::default() }
+                let (settings, score) = (Map::new(), ScoreKind::default());
+                Self::BuiltIn { planner: text.to_owned(), settings, score, min_score: None }
             }
         };
         call.checked(registry)
@@ -82,9 +86,10 @@ impl PlannerCall {
             if Path::new(&word).is_file() { absolute(&word).unwrap_or(word) } else { word }
         };
         Ok(match self {
-            Self::BuiltIn { planner, settings, score } => {
+            Self::BuiltIn { planner, settings, score, min_score } => {
                 let all = registry.planner_with(&planner, &settings)?.settings();
-                Self::BuiltIn { planner, settings: all.as_object().cloned().unwrap_or(settings), score }
+                let settings = all.as_object().cloned().unwrap_or(settings);
+                Self::BuiltIn { planner, settings, score, min_score }
             }
             Self::Exec { command } => {
                 let mut words = command.into_iter();
@@ -146,12 +151,15 @@ impl PlannerCall {
             Value::Object(files.map(|word| (file_name(word).to_owned(), checksum(word).into())).collect())
         };
         let settings = match self {
-            Self::BuiltIn { planner, settings, score } => {
+            Self::BuiltIn { planner, settings, score, min_score } => {
                 let mut all = Value::Object(settings.clone());
                 all["planner"] = planner.clone().into();
                 // Trials by the usual score are the same as before there was another.
                 if !is_geometric(score) {
                     all["score"] = score.name().into();
+                }
+                if let Some(min_score) = min_score {
+                    all["min_score"] = (*min_score).into();
                 }
                 all
             }

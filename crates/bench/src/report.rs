@@ -31,7 +31,7 @@ mod summary;
 mod warning;
 mod worst_trial;
 
-pub use comparison::Comparison;
+pub use comparison::{Comparison, Finding};
 pub(crate) use configuration::{Configuration, Names};
 pub use enclosure::{Enclosure, Png};
 pub use machine::Machine;

@@ -1,7 +1,8 @@
+use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::str::FromStr;
 
-use crate::Schedule;
+use crate::{BenchError, Question, Results, Schedule};
 
 /// One of several parts of a campaign, each run by itself, on whatever machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,18 +20,79 @@ impl Shard {
         (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { index, count })
     }
 
-    /// Of the trials of a campaign those of this part. The parts of any `count` are the whole, each trial in one of them;
-    /// which trials are in the results already does not matter.
-    ///
-    /// Neighbours go to different parts, another one each seed: a part has every scenario and every planner, as far as it has
-    /// that many trials.
+    /// Of the trials of a campaign those of this part. The parts of any `count` are the whole, each trial in one of them, and
+    /// their sizes differ by at most one, in all, for each planner, and for each planner on each scenario; which trials are in
+    /// the results already does not matter. See [`dealt`].
     #[must_use]
     pub fn of(self, schedule: Schedule) -> Schedule {
-        let questions = schedule.questions.into_iter().zip(0_u64..);
-        let is_ours = |seed: u64, place: u64| place.wrapping_add(seed) % self.count == self.index - 1;
-        let ours = questions.filter(|(question, place)| is_ours(question.trial.seed, *place));
+        let parts = dealt(&schedule.questions, self.count);
+        let ours = schedule.questions.into_iter().zip(parts).filter(|(_, part)| *part == self.index - 1);
         Schedule { questions: ours.map(|(question, _)| question).collect(), ..schedule }
     }
+
+    /// Looks whether results hold no trials of the campaign but those of this part: trials that another part runs too would be
+    /// there twice.
+    ///
+    /// # Errors
+    /// [`BenchError::OtherPart`].
+    pub fn check(self, schedule: &Schedule, results: &Results) -> Result<(), BenchError> {
+        let parts = dealt(&schedule.questions, self.count).into_iter();
+        let part_of: HashMap<String, u64> =
+            schedule.questions.iter().map(|question| question.trial.key()).zip(parts).collect();
+        let of_others = |key: String| part_of.get(&key).filter(|part| **part != self.index - 1);
+        let trials =
+            results.records()?.iter().filter(|record| of_others(record.trial.key()).is_some()).count();
+        if trials == 0 {
+            return Ok(());
+        }
+        Err(BenchError::OtherPart { results: results.path().to_owned(), part: self, trials })
+    }
+}
+
+/// The part of each trial, from 0.
+///
+/// 1. Sort the trials by planner, then scenario, and deal them out one by one: what is together in that order is spread evenly.
+/// 2. Begin each planner's deal with another scenario: of some first ones that with which trials of one scenario meet least in
+///    one part.
+fn dealt(questions: &[Question], count: u64) -> Vec<u64> {
+    /// First scenarios to compare.
+    const MOST_BEGINNINGS: usize = 32;
+    // 1.
+    let mut planners: BTreeMap<&str, BTreeMap<(&str, &str), Vec<usize>>> = BTreeMap::new();
+    for (index, Question { trial, .. }) in questions.iter().enumerate() {
+        let scenarios = planners.entry(&trial.planner).or_default();
+        scenarios.entry((&trial.scenario, &trial.scenario_hash)).or_default().push(index);
+    }
+    let mut parts = vec![0; questions.len()];
+    let mut met: HashMap<((&str, &str), u64), usize> = HashMap::new();
+    let mut next = 0;
+    for scenarios in planners.values_mut() {
+        let mut scenarios: Vec<_> = scenarios.iter_mut().collect();
+        for (_, trials) in &mut scenarios {
+            // Of one goal under one criterion together, seed by seed.
+            trials.sort_by_key(|&index| {
+                let trial = &questions[index].trial;
+                (trial.goal, trial.criterion.name(), trial.seed)
+            });
+        }
+        // 2.
+        let mut best = (usize::MAX, 0);
+        for beginning in 0..scenarios.len().min(MOST_BEGINNINGS) {
+            let order = scenarios[beginning..].iter().chain(&scenarios[..beginning]);
+            let trials = order.flat_map(|(scenario, trials)| trials.iter().map(|_| **scenario));
+            let meetings = trials.zip(next..).map(|(scenario, place)| met.get(&(scenario, place % count)));
+            best = best.min((meetings.flatten().sum(), beginning));
+        }
+        scenarios.rotate_left(best.1);
+        for (scenario, trials) in scenarios {
+            for &index in trials.iter() {
+                parts[index] = next % count;
+                *met.entry((*scenario, parts[index])).or_default() += 1;
+                next += 1;
+            }
+        }
+    }
+    parts
 }
 
 impl FromStr for Shard {

@@ -3,25 +3,33 @@
 //! A trial that was stopped at its limit has no time, but it is no lost trial either: it is *censored*, known
 //! to take longer than it was given. All intervals are of 95 %.
 
+mod division;
 mod holm;
 mod kaplan_meier;
 mod log_rank;
+mod median_interval;
 mod normal;
 mod performance_profile;
 mod restricted_mean;
 mod sample_moments;
 mod spread;
+mod two_sample_test;
 mod wilson;
 
 pub use holm::holm;
 pub use kaplan_meier::{Followed, KaplanMeier, SurvivalStep};
 pub use log_rank::{LogRank, log_rank};
-pub use normal::{Z_95, two_sided_p};
+pub use median_interval::{LEAST_FOR_MEDIAN, median_interval};
+pub use normal::Z_95;
 pub use performance_profile::{PerformanceProfile, performance_profiles};
-pub use restricted_mean::{MeanDifference, RestrictedMean};
+pub use restricted_mean::RestrictedMean;
 pub use sample_moments::SampleMoments;
 pub use spread::Spread;
+pub use two_sample_test::{TwoSampleTest, least_p};
 pub use wilson::wilson;
+
+/// Level of all tests, and probability that an interval misses.
+pub const LEVEL: f64 = 0.05;
 
 /// From where to where a figure lies, with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -57,7 +57,7 @@ pub fn run(
             tell(&Message::Planned)?;
             (record, segments, None)
         }
-        (PlannerCall::BuiltIn { planner, settings: planner_settings, score }, None) => {
+        (PlannerCall::BuiltIn { planner, settings: planner_settings, score, min_score }, None) => {
             // A path to one goal is judged as one to any grasp.
             let aimed =
                 goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
@@ -66,6 +66,7 @@ pub fn run(
                 planner: Some(planner.clone()),
                 settings: planner_settings.clone(),
                 score: *score,
+                min_score: *min_score,
                 budget: Budget {
                     iterations: trial.iteration_limit.unwrap_or(u64::MAX),
                     time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),

@@ -11,7 +11,7 @@ use crate::{Question, TrialRecord};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Request {
     pub question: Question,
-    /// Where scenarios are exported to for the programs of others.
+    /// Where scenarios are exported to for the programs of others: a folder of this worker alone.
     pub exports: PathBuf,
     /// What the program of others may take, in bytes.
     pub memory_limit_bytes: u64,

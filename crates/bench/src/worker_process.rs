@@ -1,4 +1,5 @@
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -8,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use cranny_file::system;
 use cranny_plan::Statistics;
+use tempfile::TempDir;
 
 use crate::foreign_process::LOOK_EVERY;
 use crate::process_group::Family;
@@ -27,6 +29,8 @@ pub struct WorkerProcess {
     complaint: Arc<Mutex<String>>,
     /// Reads the complaint until the worker's end.
     listener: Option<JoinHandle<()>>,
+    /// Where it exports scenarios to for the programs of others: of no other worker, which may all be process 1 of a namespace.
+    exports: TempDir,
 }
 
 /// What became of a request.
@@ -56,12 +60,18 @@ const FAREWELL: Duration = Duration::from_millis(500);
 const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
 
 impl WorkerProcess {
-    /// Starts a worker.
-    pub fn start(worker: &WorkerProgram, walls: Walls, memory_limit_bytes: u64) -> Result<Self, BenchError> {
+    /// Starts a worker, with a new folder of its own within `exports`.
+    pub fn start(
+        worker: &WorkerProgram,
+        walls: Walls,
+        memory_limit_bytes: u64,
+        exports: &Path,
+    ) -> Result<Self, BenchError> {
         let fault = |reason: std::io::Error| BenchError::NotRunnable {
             program: worker.program.display().to_string(),
             reason: reason.to_string(),
         };
+        let exports = tempfile::Builder::new().prefix("worker-").tempdir_in(exports).map_err(fault)?;
         let mut command = walls.worker(worker, memory_limit_bytes);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = system::lead_group(&mut command).spawn().map_err(fault)?;
@@ -91,7 +101,7 @@ impl WorkerProcess {
         });
         let requests = child.stdin.take();
         let family = Family::of(child.id());
-        Ok(Self { child, walls, family, requests, lines, complaint, listener })
+        Ok(Self { child, walls, family, requests, lines, complaint, listener, exports })
     }
 
     /// Asks for a trial and waits for the answer, at most as long as the trial may take.
@@ -206,6 +216,11 @@ impl WorkerProcess {
         let inner =
             if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
         system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
+    }
+
+    /// Where it exports scenarios to.
+    pub fn exports(&self) -> &Path {
+        self.exports.path()
     }
 
     /// Whether it can be asked.

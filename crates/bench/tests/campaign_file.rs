@@ -209,6 +209,7 @@ fn a_trial_is_known_by_all_settings_whether_or_not_its_call_was_checked() {
         planner: "reach".into(),
         settings: serde_json::Map::new(),
         score: ScoreKind::default(),
+        min_score: None,
     };
     let checked = PlannerCall::parse("reach", &Registry::default()).expect("a planner");
     let trials = |call: PlannerCall| {

@@ -6,6 +6,7 @@ mod fixture;
 mod synthetic;
 
 mod campaign_file;
+mod few_runs;
 mod hostile_results;
 mod ompl_log;
 mod report;

@@ -98,3 +98,40 @@ fn what_is_long_is_folded_and_every_place_that_is_named_is_there() {
     }
     assert!(!page.contains("<details id=\"exact-gap-0.3100\">"));
 }
+
+/// A phone is 360 pixels wide: only tables may be wider, within a frame that scrolls.
+#[test]
+fn long_names_widen_no_page_and_leave_no_plot() {
+    let mut campaign = campaign();
+    for trial in &mut campaign.trials {
+        let own = &mut trial.record.trial;
+        own.planner =
+            format!("exec:/opt/planners/{}/{}", "a-very-long-name-without-a-space".repeat(3), own.planner);
+        own.scenario = format!("{}-of-somebody-with-a-long-folder-name", own.scenario);
+    }
+    let summary = campaign.summary();
+    let page = summary.html(&Enclosure::default());
+    let style = page.split("<style>").nth(1).and_then(|rest| rest.split("</style>").next()).expect("a style");
+    for rule in style.split('}').filter(|rule| rule.contains("white-space: nowrap")) {
+        let selector = rule.split('{').next().unwrap_or_default().trim();
+        assert!(["nav ul", "th, td"].contains(&selector), "'{selector}' is never broken");
+    }
+    for plot in cranny_bench::report::plots(&summary) {
+        let svg = plot.svg();
+        let texts = svg.split("<text ").skip(1).map(|rest| rest.split("</text>").next().unwrap_or_default());
+        for text in texts.filter(|text| !text.contains("transform")) {
+            let (tag, words) = text.split_once('>').expect("a tag ends");
+            let number = |name: &str| -> f64 {
+                let rest = tag.split(&format!("{name}=\"")).nth(1).expect("an attribute");
+                rest.split('"').next().unwrap_or_default().parse().expect("a number")
+            };
+            let width = words.chars().count() as f64 * number("font-size") * 0.56;
+            let left = match tag {
+                tag if tag.contains("\"end\"") => number("x") - width,
+                tag if tag.contains("\"middle\"") => number("x") - width / 2.0,
+                _ => number("x"),
+            };
+            assert!(left > -6.0 && left + width < 486.0, "{}: {text}", plot.name);
+        }
+    }
+}

@@ -3,7 +3,8 @@
 #![allow(clippy::float_cmp, reason = "figures that are copied or counted must be the same to the last bit")]
 
 use cranny_bench::statistics::{
-    Followed, KaplanMeier, SampleMoments, Spread, holm, log_rank, performance_profiles, two_sided_p, wilson,
+    Followed, KaplanMeier, SampleMoments, Spread, TwoSampleTest, holm, least_p, log_rank, median_interval,
+    performance_profiles, wilson,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -70,12 +71,11 @@ fn the_leukaemia_trial_has_its_published_restricted_means_and_log_rank_test() {
     // Klein & Moeschberger 2003, example 4.2 (means to 35 weeks), and chi-square 16.79 of the many textbooks.
     let treated = KaplanMeier::of(&weeks(&MERCAPTOPURINE)).restricted_mean(35.0).unwrap();
     assert_near(treated.mean, 23.29, 5e-3);
-    assert_near(treated.standard_error, 2.83, 5e-3);
+    assert_near(treated.standard_error.unwrap(), 2.83, 5e-3);
     let control = KaplanMeier::of(&weeks(&PLACEBO)).restricted_mean(35.0).unwrap();
     assert_near(control.mean, 8.67, 5e-3);
-    assert_near(control.standard_error, 1.38, 5e-3);
-    let difference = treated.minus(&control);
-    assert_near(difference.difference, 14.62, 5e-3);
+    assert_near(control.standard_error.unwrap(), 1.38, 5e-3);
+    assert_near(treated.mean - control.mean, 14.62, 5e-3);
     let test = log_rank(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO)).unwrap();
     assert_near(test.chi_square, 16.79, 5e-3);
     assert_near(test.observed, 9.0, 0.0);
@@ -101,18 +101,11 @@ fn curves_medians_and_tests_are_those_of_lifelines() {
                 }
             }
             assert_eq!(curve.median(), group["median"].as_f64());
-            let (low, high) = curve.median_interval();
-            assert_eq!(low, group["median_low"].as_f64());
-            // Where only that step without width lies below a half, this one has seen no upper end.
-            let all_solved = curve.steps().iter().find(|step| step.survival == 0.0).map(|step| step.at);
-            let expected = group["median_high"].as_f64().filter(|&high| Some(high) != all_solved);
-            assert_eq!(high, expected);
             let mean = curve.restricted_mean(number(&group["tau"])).unwrap();
             assert_near(mean.mean, number(&group["restricted_mean"]), 1e-9);
         }
         let test = log_rank(&followed(&case["first"]), &followed(&case["second"])).unwrap();
         assert_near(test.chi_square, number(&case["chi_square"]), 1e-9);
-        assert_near(test.p, number(&case["p"]), 1e-12);
     }
 }
 
@@ -146,12 +139,59 @@ fn holm_adjusts_as_statsmodels_does() {
     assert!(holm(&[]).is_empty());
 }
 
+fn solved(times: &[f64]) -> Vec<Followed> {
+    times.iter().map(|&until| Followed { until, solved: true }).collect()
+}
+
+/// A published table: ranks of the 95 % interval of the median for 6, 10, 20, 50 and 100 values (David & Nagaraja 2003, table
+/// 7.1; Conover 1999, "Practical Nonparametric Statistics", table A3).
 #[test]
-fn tails_of_the_normal_distribution_are_scipys() {
-    for case in fixture()["two_sided"].as_array().unwrap() {
-        let expected = number(&case[1]);
-        assert_near(two_sided_p(number(&case[0])), expected, 1e-12 * expected);
+fn intervals_of_the_median_have_the_ranks_of_the_tables() {
+    for (count, low, high) in
+        [(6, 1, 6), (8, 1, 8), (9, 2, 8), (10, 2, 9), (20, 6, 15), (50, 18, 33), (100, 40, 61)]
+    {
+        let times: Vec<f64> = (1..=count).rev().map(f64::from).collect();
+        assert_eq!(median_interval(&solved(&times)), Some((f64::from(low), Some(f64::from(high)))));
     }
+    assert_eq!(median_interval(&solved(&[1.0, 2.0, 3.0, 4.0, 5.0])), None);
+    assert_eq!(median_interval(&[]), None);
+}
+
+#[test]
+fn permutation_tests_of_small_groups_are_exact() {
+    // Apart as far as they can be: twice one of C(6, 3) and of C(10, 5) divisions.
+    let times: Vec<f64> = (1..=10).map(|time| f64::from(time * time)).collect();
+    for (first, second, p) in [(3, 3, 0.1), (5, 5, 2.0 / 252.0), (2, 5, 2.0 / 21.0)] {
+        let (early, late) = (solved(&times[..first]), solved(&times[first..first + second]));
+        let test = TwoSampleTest::of(&early, &late, 200.0, 1);
+        assert_near(test.log_rank_p, p, 1e-12);
+        assert_near(least_p(first, second), p, 1e-12);
+        assert!(test.difference_p >= p - 1e-12 && test.difference < 0.0 && test.log_rank_excess > 0.0);
+        assert_eq!(test.interval.is_some(), p < 0.05, "{first} against {second}");
+    }
+    assert!(least_p(1, 1000) >= 1.0);
+    // Nothing varies: no error, and no interval without width.
+    let same = TwoSampleTest::of(&solved(&[2.0; 8]), &solved(&[2.0; 8]), 9.0, 1);
+    assert_eq!((same.log_rank_p, same.difference_p, same.interval), (1.0, 1.0, None));
+    let apart = TwoSampleTest::of(&solved(&[2.0; 8]), &solved(&[3.0; 8]), 9.0, 1);
+    assert_eq!(apart.interval, None);
+    assert_near(apart.difference_p, 2.0 / 12870.0, 1e-12);
+}
+
+#[test]
+fn random_divisions_of_large_groups_agree_with_the_normal_approximation() {
+    // Freireich 1963, 21 against 21: lifelines has p = 4.2e-5; no p-value is below two of the divisions looked at.
+    let test = TwoSampleTest::of(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO), 35.0, 1);
+    assert!(test.log_rank_p <= 1e-3 && test.log_rank_p >= 2.0 / 10_000.0);
+    assert_near(test.log_rank_excess, 9.0 - 19.25, 5e-3);
+    // Pseudo-values estimate what the areas under the curves do.
+    assert_near(test.difference, 14.62, 0.5);
+    let interval = test.interval.unwrap();
+    assert!(
+        6.0 < interval.low && interval.low < 9.0 && 20.0 < interval.high && interval.high < 23.0,
+        "{interval:?}"
+    );
+    assert_eq!(test, TwoSampleTest::of(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO), 35.0, 1), "the same draws");
 }
 
 #[test]
@@ -204,7 +244,8 @@ fn what_was_never_seen_has_no_figure() {
     let unsolved = [Followed { until: 3.0, solved: false }; 4];
     let curve = KaplanMeier::of(&unsolved);
     assert_eq!(curve.median(), None);
-    assert_eq!(curve.median_interval(), (None, None));
+    assert_eq!(median_interval(&unsolved), None);
+    assert_eq!(median_interval(&[unsolved[0]; 6]), Some((3.0, None)), "longer than the limit");
     assert_eq!(curve.restricted_mean(3.0).unwrap().mean, 3.0);
     assert_eq!(curve.restricted_mean(3.1), None, "nobody knows what comes after the limit");
     assert_eq!(log_rank(&unsolved, &unsolved), None);
@@ -286,7 +327,7 @@ proptest! {
         let expected = followed.iter().map(|trial| trial.until).sum::<f64>() / n;
         let variance = followed.iter().map(|trial| (trial.until - expected).powi(2)).sum::<f64>() / n;
         prop_assert!((mean.mean - expected).abs() < 1e-9);
-        prop_assert!((mean.standard_error - (variance / n).sqrt()).abs() < 1e-9);
+        prop_assert!((mean.standard_error.unwrap_or(0.0) - (variance / n).sqrt()).abs() < 1e-9);
     }
 
     #[test]
@@ -296,8 +337,8 @@ proptest! {
             prop_assert!(0.0 <= step.band.low && step.band.low <= step.survival + 1e-12);
             prop_assert!(step.survival <= step.band.high + 1e-12 && step.band.high <= 1.0);
         }
-        if let (Some(low), Some(median)) = (curve.median_interval().0, curve.median()) {
-            prop_assert!(low <= median);
+        if let (Some((low, high)), Some(median)) = (median_interval(&trials), curve.median()) {
+            prop_assert!(low <= median && high.is_none_or(|high| median <= high));
         }
     }
 
@@ -306,13 +347,44 @@ proptest! {
         match (log_rank(&first, &second), log_rank(&second, &first)) {
             (Some(test), Some(exchanged)) => {
                 prop_assert!((test.chi_square - exchanged.chi_square).abs() <= 1e-9 * (1.0 + test.chi_square));
-                prop_assert!((0.0..=1.0).contains(&test.p));
             }
             (test, exchanged) => prop_assert_eq!(test, exchanged),
         }
         // Where both have the same times there is nothing to tell them apart.
         if let Some(same) = log_rank(&first, &first) {
             prop_assert!(same.chi_square < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_exact_p_value_is_a_share_of_all_divisions_and_its_interval_agrees(
+        first in prop::collection::vec((0_u32..6, prop::bool::weighted(0.8)), 2..6),
+        second in prop::collection::vec((0_u32..6, prop::bool::weighted(0.8)), 2..6),
+    ) {
+        let followed = |trials: &[(u32, bool)]| -> Vec<Followed> {
+            trials.iter().map(|&(time, solved)| Followed { until: f64::from(time), solved }).collect()
+        };
+        let all = followed(&[&first[..], &second[..]].concat());
+        let test = TwoSampleTest::of(&all[..first.len()], &all[first.len()..], 6.0, 1);
+        // Every division, as the bits of a number, by the log-rank test itself.
+        let excess = |bits: u32| {
+            let is_first = |trial: &usize| bits >> trial & 1 == 1;
+            let (one, other): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(is_first);
+            let group = |trials: Vec<usize>| trials.into_iter().map(|trial| all[trial]).collect::<Vec<_>>();
+            log_rank(&group(one), &group(other)).map_or(0.0, |test| test.observed - test.expected)
+        };
+        let divisions = (0_u32..1 << all.len()).filter(|bits| bits.count_ones() as usize == first.len());
+        let excesses: Vec<f64> = divisions.map(excess).collect();
+        let observed = excess((1 << first.len()) - 1);
+        let above = excesses.iter().filter(|excess| **excess >= observed - 1e-9).count();
+        let below = excesses.iter().filter(|excess| **excess <= observed + 1e-9).count();
+        let p = (2.0 * above.min(below) as f64 / excesses.len() as f64).min(1.0);
+        prop_assert!((test.log_rank_p - p).abs() < 1e-12, "{} is not {p}", test.log_rank_p);
+        prop_assert!(test.difference_p >= least_p(first.len(), second.len()) - 1e-12);
+        if let Some(interval) = test.interval {
+            prop_assert!(interval.low < interval.high);
+            let excludes_zero = interval.low > 1e-6 || interval.high < -1e-6;
+            prop_assert!(!excludes_zero || test.difference_p < 0.05, "{test:?}");
         }
     }
 

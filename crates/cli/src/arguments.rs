@@ -98,6 +98,7 @@ pub struct TaskArguments {
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
+  cranny plan 021 --grasps scored.csv --score physics --min-score 0.8
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
@@ -127,6 +128,9 @@ pub struct PlanArguments {
     /// Which score of the grasps counts, wherever one is better than another
     #[arg(long, value_enum, default_value_t = ScoreArgument::Geometric)]
     pub score: ScoreArgument,
+    /// Least score, of that kind, of a grasp that counts as a goal, from 0 to 1; those below it, or without one, do not
+    #[arg(long, value_name = "S", allow_negative_numbers = true, conflicts_with_all = ["moveit", "steps"])]
+    pub min_score: Option<f64>,
     /// Seed of all randomness: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,

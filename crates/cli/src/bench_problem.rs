@@ -50,6 +50,7 @@ pub fn run(arguments: &ProblemArguments, registry: &Registry, output: Output) ->
         planner: "reach".to_owned(),
         settings: serde_json::Map::new(),
         score: cranny_grasp::ScoreKind::default(),
+        min_score: None,
     };
     let campaign = Campaign {
         scenarios: vec![arguments.id.clone()],

@@ -181,15 +181,16 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
         let here = Manifest::of(&schedule, &std::env::current_exe()?);
         here.check(&ClusterCampaign::read(file)?.manifest)?;
     }
-    if let Some(shard) = arguments.shard {
-        schedule = shard.of(schedule);
-    }
     if !output.quiet {
         for note in &schedule.notes {
             writeln!(std::io::stderr(), "note: {note}")?;
         }
     }
     let mut results = Results::create(&arguments.output)?;
+    if let Some(shard) = arguments.shard {
+        shard.check(&schedule, &results)?;
+        schedule = shard.of(schedule);
+    }
     let command = std::env::args().collect::<Vec<_>>().join(" ");
     let workers = arguments.workers;
     let settings = CampaignSettings {

@@ -47,6 +47,8 @@ pub enum FileKind {
     Mjcf,
     /// `cranny man`.
     Manual,
+    /// The finished part of a work that was stopped.
+    Unfinished,
 }
 
 impl FileKind {
@@ -78,6 +80,7 @@ impl FileKind {
             Self::Experiment => "simulated experiment",
             Self::Mjcf => "MJCF model",
             Self::Manual => "manual page of Cranny",
+            Self::Unfinished => "finished part of a stopped command",
         }
     }
 
@@ -114,6 +117,7 @@ impl FileKind {
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
+            Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),
             // `OMPL version 1.7`, or of another library, then the experiment.
             Self::OmplLog => {
                 let mut lines = text.lines();

@@ -1,5 +1,5 @@
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
@@ -17,8 +17,9 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::grasp_subject::{SampleArguments, Subject};
+use crate::grasps_import::ImportArguments;
 use crate::progress::{bar, stop_on_interrupt};
-use crate::{Answer, output_file, text};
+use crate::{Answer, grasps_import, output_file, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct GraspsArguments {
@@ -36,6 +37,9 @@ pub enum GraspsCommand {
     Coverage(CoverageArguments),
     /// How far the grasps of a file are from each other
     Distances(DistancesArguments),
+    /// Read grasps of other projects: ACRONYM, GraspNet, GraspGen, Isaac, NumPy
+    #[command(name = "import")]
+    Import(ImportArguments),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -91,6 +95,7 @@ pub fn run(arguments: &GraspsArguments, output: Output) -> Result<Answer, Failur
         GraspsCommand::Filter(arguments) => filter(arguments, output),
         GraspsCommand::Coverage(arguments) => coverage(arguments, output),
         GraspsCommand::Distances(arguments) => distances(arguments, output),
+        GraspsCommand::Import(arguments) => grasps_import::run(arguments, output),
     }
 }
 
@@ -136,12 +141,14 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     };
     progress.finish_and_clear();
     let found = found.map_err(ScenarioError::from)?;
-    let is_stopped = stop.load(Ordering::Relaxed);
+    // Ctrl-C after the last candidate stops nothing.
+    let is_whole = found.grasps.len() >= settings.count || found.first_contacts >= settings.most_contacts;
+    let is_stopped = stop.load(Ordering::Relaxed) && !is_whole && too_wide.is_none();
     let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
     let chosen = arguments.choose.choose(&candidates, arguments.count, arguments.seed);
     let chosen: Vec<Grasp> = chosen.into_iter().map(|index| candidates[index]).collect();
     let scores = || chosen.iter().filter_map(|grasp| grasp.score);
-    let sampled = Sampled {
+    let mut sampled = Sampled {
         object: subject.name,
         grasps: chosen.len(),
         candidates: candidates.len(),
@@ -154,16 +161,25 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
         stopped: is_stopped,
         too_wide,
-        // Where there is nothing to write, or only a part of it, what stood there before stays.
-        file: Some(arguments.output.clone()).filter(|_| !chosen.is_empty() && !is_stopped),
+        file: None,
     };
     let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
-    if let Some(file) = &sampled.file {
-        output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+    if !set.is_empty() {
+        sampled.file = Some(written(&arguments.output, &set, is_stopped, output)?);
     }
     text::answer(&sampled, || sampled.page(), output)?;
     // Fewer than wished is an honest no, though they are written.
     Ok(if set.len() == arguments.count && !is_stopped { Answer::Done } else { Answer::No })
+}
+
+/// Writes grasps, or the part of them that a command had found when it was stopped, and returns the file.
+fn written(file: &Path, set: &GraspSet, is_stopped: bool, output: Output) -> Result<PathBuf, Failure> {
+    let text = csv_text(set);
+    if is_stopped {
+        return output_file::write_part(file, FileKind::Grasps, text.as_bytes(), output);
+    }
+    output_file::write(file, FileKind::Grasps, text.as_bytes(), output)?;
+    Ok(file.to_owned())
 }
 
 impl Sampled {
@@ -183,10 +199,12 @@ impl Sampled {
         let file = self.file.as_ref().map(|file| file.display().to_string());
         let why_not = match self.too_wide {
             Some(too_wide) => too_wide.to_string(),
-            None if self.stopped => "stopped before the end".to_owned(),
             None => "no grasp was found".to_owned(),
         };
         line("written to", file.unwrap_or_else(|| format!("nowhere: {why_not}")));
+        if self.stopped {
+            line("stopped", "before all candidates were found; the same command begins anew".to_owned());
+        }
         page
     }
 }
@@ -198,6 +216,10 @@ struct Filtered {
     grasps: usize,
     free: usize,
     blocked_by: Vec<Blocking>,
+    /// Whether Ctrl-C left grasps over.
+    stopped: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -221,29 +243,37 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
     let mut blocked = vec![0; scenario.world.bodies().len()];
     let mut free = Vec::new();
     let progress = bar(set.len() as u64, output.quiet);
+    let stop = stop_on_interrupt()?;
+    let mut tried = 0;
     for grasp in set.grasps() {
-        progress.inc(1);
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         if filter.is_free(grasp) {
             free.push(*grasp);
         } else if let Some(body) = filter.blocking_body(&grasp.world_from_gripper) {
             blocked[body] += 1;
         }
+        tried += 1;
+        progress.inc(1);
     }
     progress.finish_and_clear();
     let names = scenario.world.bodies().iter().map(|body| body.name.clone());
     let blocked_by = names.zip(blocked).filter(|(_, grasps)| *grasps > 0);
-    let filtered = Filtered {
+    let mut filtered = Filtered {
         scenario: scenario.id.clone(),
-        grasps: set.len(),
+        grasps: tried,
         free: free.len(),
         blocked_by: blocked_by.map(|(body, grasps)| Blocking { body, grasps }).collect(),
+        stopped: tried < set.len(),
+        file: None,
     };
     if let Some(path) = arguments.output.as_ref().filter(|_| !free.is_empty()) {
-        let set = GraspSet::new(free).map_err(ScenarioError::from)?;
-        output_file::write(path, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+        let free = GraspSet::new(free).map_err(ScenarioError::from)?;
+        filtered.file = Some(written(path, &free, filtered.stopped, output)?);
     }
     text::answer(&filtered, || filtered.page(), output)?;
-    Ok(if filtered.free > 0 { Answer::Done } else { Answer::No })
+    Ok(if filtered.free > 0 && !filtered.stopped { Answer::Done } else { Answer::No })
 }
 
 impl Filtered {
@@ -253,6 +283,13 @@ impl Filtered {
             format!("{scenario}: the hand alone can take {free} of {}\n", counted(*grasps, "grasp"));
         for Blocking { body, grasps } in &self.blocked_by {
             let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
+        }
+        if self.stopped {
+            page.push_str("stopped before all grasps were tried");
+            page.push_str(&match &self.file {
+                Some(file) => format!("; those that are free so far are in {}\n", file.display()),
+                None => "\n".to_owned(),
+            });
         }
         page
     }

@@ -58,6 +58,21 @@ pub fn write(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Res
     Ok(write_whole_file(path, content)?)
 }
 
+/// Writes a part of what was asked for, of a command that was stopped: what stands there already stays, and the part is
+/// written beside it (`grasps.csv` → `grasps.partial.csv`). Returns the file.
+pub fn write_part(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Result<PathBuf, Failure> {
+    let is_free = std::fs::metadata(path).map_or(true, |found| found.len() == 0);
+    let place = if is_free {
+        path.to_owned()
+    } else {
+        let ending =
+            path.extension().map_or_else(String::new, |ending| format!(".{}", ending.to_string_lossy()));
+        path.with_extension(format!("partial{ending}"))
+    };
+    write(&place, kind, content, output)?;
+    Ok(place)
+}
+
 /// A file that belongs into a folder with others.
 pub struct NamedFile {
     pub name: String,

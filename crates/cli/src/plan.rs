@@ -140,6 +140,7 @@ fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
         budget: Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit },
         seed: arguments.seed,
         score: arguments.score.into(),
+        min_score: arguments.min_score,
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
         optimise: arguments.optimise.map(|time| OptimiseSettings {

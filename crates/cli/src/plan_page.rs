@@ -163,7 +163,11 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
             ScoreKind::Geometric => ("score", ends_at.score),
             ScoreKind::Physics => ("robust score", ends_at.robust.map(|robust| robust.score())),
         };
-        line("grasp", format!("{grasp} of {count} ({name} {})", text::score(score)));
+        let left_out = match (plan.min_score, plan.below_min_score) {
+            (Some(least), Some(below)) => format!("; {below} below {least} are no goals"),
+            _ => String::new(),
+        };
+        line("grasp", format!("{grasp} of {count} ({name} {}{left_out})", text::score(score)));
         line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
     }
     if let Some(grasp) = &plan.own_grasp {

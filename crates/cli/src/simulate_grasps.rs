@@ -8,7 +8,8 @@ use cranny_bench::statistics::wilson;
 use cranny_file::counted;
 use cranny_grasp::{Grasp, GraspSet, csv_text};
 use cranny_scenario::ScenarioError;
-use cranny_sim::{Disturbance, GraspOutcome, GraspRow};
+use cranny_sim::{Disturbance, GraspOutcome, GraspRow, GraspTest};
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -17,6 +18,7 @@ use crate::file_kind::FileKind;
 use crate::number_argument::whole;
 use crate::progress::{bar, stop_on_interrupt};
 use crate::simulate_subject::{Subject, SubjectArguments, flag};
+use crate::unfinished::Unfinished;
 use crate::{Answer, output_file, recording, text};
 
 #[derive(Clone, Debug, Args)]
@@ -47,7 +49,8 @@ pub struct SimulateGraspsArguments {
     /// Seed of the trials
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials)
+    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials). Stopped by
+    /// Ctrl-C, what is finished is kept beside it, and the same command goes on from there
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Write what moved where (with --grasp): .glb, .gif, or .json for `cranny render`
@@ -67,9 +70,16 @@ struct Simulated {
     wilson_interval: Option<[f64; 2]>,
     /// Whether Ctrl-C left grasps over.
     stopped: bool,
+    /// How many rows an earlier run of the same command had finished.
+    known: usize,
+    /// Grasps that are to be tried, in all.
+    wanted: usize,
     /// Where the grasps with their robust scores stand.
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,
+    /// Where the finished rows are kept, from which the same command goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unfinished: Option<PathBuf>,
     rows: Vec<Row>,
 }
 
@@ -105,17 +115,37 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
         Some(grasp) if grasp < grasps.len() => vec![grasp],
         Some(_) => return Err(flag("grasp", text::only_so_many(grasps.len(), "grasp"))),
     };
-    let stop = stop_on_interrupt()?;
-    let progress = bar((chosen.len() * (1 + arguments.trials)) as u64, output.quiet);
     let trials = (arguments.trials, arguments.seed);
-    let is_stopped = || stop.load(Ordering::Relaxed);
-    let rows = test.rows(grasps, &chosen, trials, &|| progress.inc(1), &is_stopped);
+    let unfinished = match &arguments.output {
+        None => None,
+        Some(file) => {
+            // Everything that a row depends on: hand, object, surroundings, physics and course; the grasps; the trials.
+            let depends_on = [&format!("{test:?}"), &csv_text(&given), &format!("{trials:?}")];
+            Some(Unfinished::beside(file, &depends_on.map(String::as_str), output)?)
+        }
+    };
+    let known: Vec<GraspRow> = unfinished.as_ref().map_or(Ok(Vec::new()), Unfinished::rows)?;
+    let is_open = |grasp: &usize| known.iter().all(|row| row.grasp != *grasp);
+    let open: Vec<usize> = chosen.iter().copied().filter(is_open).collect();
+    let (wanted, known_count) = (chosen.len(), chosen.len() - open.len());
+    let stop = stop_on_interrupt()?;
+    let progress = bar((open.len() * (1 + arguments.trials)) as u64, output.quiet);
+    let rows = tried(&test, grasps, &open, trials, &progress, &|| stop.load(Ordering::Relaxed));
     progress.finish_and_clear();
-    // Grasps of which only a part was tried are no file, and what stood there before stays.
-    let written = arguments.output.as_ref().filter(|_| !is_stopped());
-    if let Some(file) = written {
-        let set = with_robust_scores(&given, &rows)?;
-        output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+    let mut rows = [known, rows].concat();
+    rows.retain(|row| chosen.contains(&row.grasp));
+    rows.sort_by_key(|row| row.grasp);
+    let stopped = rows.len() < wanted;
+    let (mut written, mut kept) = (None, None);
+    if let (Some(file), Some(unfinished)) = (&arguments.output, &unfinished) {
+        if stopped {
+            kept = Some(unfinished.keep(&rows)?.to_owned());
+        } else {
+            let set = with_robust_scores(&given, &rows)?;
+            output_file::write(file, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+            unfinished.clear()?;
+            written = Some(file.clone());
+        }
     }
     let held = rows.iter().filter(|row| row.outcome == GraspOutcome::Held).count();
     let with_interval = |row: GraspRow| {
@@ -129,8 +159,11 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
         held,
         success_rate: held as f64 / rows.len().max(1) as f64,
         wilson_interval: interval(held, rows.len()),
-        stopped: is_stopped(),
-        file: written.cloned(),
+        stopped,
+        known: known_count,
+        wanted,
+        file: written,
+        unfinished: kept,
         rows: rows.into_iter().map(with_interval).collect(),
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
@@ -141,6 +174,21 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     }
     text::answer(&simulated, || simulated.page(), output)?;
     Ok(if held > 0 && !simulated.stopped { Answer::Done } else { Answer::No })
+}
+
+/// Tries grasps, some at a time: where it is stopped, all but those last begun are finished.
+pub fn tried(
+    test: &GraspTest,
+    grasps: &[Grasp],
+    open: &[usize],
+    trials: (usize, u64),
+    progress: &ProgressBar,
+    is_stopped: &(dyn Fn() -> bool + Sync),
+) -> Vec<GraspRow> {
+    // Enough runs for all threads.
+    let at_a_time = (4 * rayon::current_num_threads()).div_ceil(1 + trials.0);
+    let batches = open.chunks(at_a_time).take_while(|_| !is_stopped());
+    batches.flat_map(|some| test.rows(grasps, some, trials, &|| progress.inc(1), is_stopped)).collect()
 }
 
 impl Simulated {
@@ -181,8 +229,19 @@ impl Simulated {
                 "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {force_n:.1} N"
             );
         }
+        if self.known > 0 {
+            let _ = writeln!(page, "  {} of them by an earlier run", self.known);
+        }
         if let Some(file) = &self.file {
             let _ = writeln!(page, "  written to {}", file.display());
+        }
+        if self.stopped {
+            let left = self.wanted - self.grasps;
+            let _ = write!(page, "stopped: {left} of {} not tried", counted(self.wanted, "grasp"));
+            page.push_str(&match &self.unfinished {
+                Some(file) => format!("; the same command goes on from {}\n", file.display()),
+                None => "\n".to_owned(),
+            });
         }
         page
     }

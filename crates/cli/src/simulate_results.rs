@@ -7,6 +7,7 @@ use clap::Args;
 use cranny_bench::statistics::wilson;
 use cranny_bench::{BenchError, Results, SimulatedGrasp, StoredTrial, source_of};
 use cranny_file::counted;
+use cranny_grasp::{GraspSet, csv_text};
 use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{GraspOutcome, GraspRow, GraspTest};
@@ -16,7 +17,9 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::number_argument::whole;
 use crate::progress::{bar, stop_on_interrupt};
+use crate::simulate_grasps::tried;
 use crate::task::open_scenario;
+use crate::unfinished::Unfinished;
 use crate::{Answer, text};
 
 #[derive(Clone, Debug, Args)]
@@ -54,8 +57,11 @@ struct Simulated {
     held: usize,
     /// Scenarios that cannot be simulated: their trials count nowhere.
     skipped: Vec<Skipped>,
-    /// Whether Ctrl-C left grasps over; then nothing is written.
+    /// Whether Ctrl-C left grasps over; then the table is not written.
     stopped: bool,
+    /// Where the finished rows are kept, from which the same command goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unfinished: Option<PathBuf>,
     planners: Vec<PlannerGrasps>,
 }
 
@@ -159,24 +165,45 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
 
     let stop = stop_on_interrupt()?;
     let is_stopped = || stop.load(Ordering::Relaxed);
-    let runs: usize = tests.iter().map(|(_, _, _, chosen)| chosen.len() * (1 + arguments.trials)).sum();
-    let progress = bar(runs as u64, output.quiet);
+    let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
+    let settings = Settings { support_only, trials, seed };
+    let settings_text = serde_json::to_string(&settings).map_err(std::io::Error::other)?;
+    // Everything that a row depends on.
+    let of_test = |(key, test, grasps, _): &(ScenarioKey, GraspTest, GraspSet, Vec<usize>)| {
+        format!("{key:?} {test:?} {}", csv_text(grasps))
+    };
+    let depends_on: Vec<String> =
+        std::iter::once(settings_text.clone()).chain(tests.iter().map(of_test)).collect();
+    let depends_on: Vec<&str> = depends_on.iter().map(String::as_str).collect();
+    let unfinished = Unfinished::beside(file, &depends_on, output)?;
+    let known: Vec<(ScenarioKey, GraspRow)> = unfinished.rows()?;
+    let mut rows: Rows = known.into_iter().map(|(key, row)| ((key, row.grasp), row)).collect();
+    rows.retain(|(key, grasp), _| {
+        tests.iter().any(|(own, _, _, chosen)| own == key && chosen.contains(grasp))
+    });
+    for (key, _, _, chosen) in &mut tests {
+        chosen.retain(|&grasp| !rows.contains_key(&(key.clone(), grasp)));
+    }
+    let open: usize = tests.iter().map(|(_, _, _, chosen)| chosen.len()).sum();
+    let wanted = rows.len() + open;
+    let progress = bar((open * (1 + trials)) as u64, output.quiet);
     let scenarios = tests.len();
-    let mut rows = Rows::new();
     for (key, test, grasps, chosen) in tests {
-        let trials = (arguments.trials, arguments.seed);
-        let found = test.rows(grasps.grasps(), &chosen, trials, &|| progress.inc(1), &is_stopped);
+        let found = tried(&test, grasps.grasps(), &chosen, (trials, seed), &progress, &is_stopped);
         rows.extend(found.into_iter().map(|row| ((key.clone(), row.grasp), row)));
     }
     progress.finish_and_clear();
 
-    let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
-    let settings = Settings { support_only, trials, seed };
-    let stopped = is_stopped();
-    if !stopped {
+    let stopped = rows.len() < wanted;
+    let mut kept_in = None;
+    if stopped {
+        let finished: Vec<(&ScenarioKey, &GraspRow)> =
+            rows.iter().map(|((key, _), row)| (key, row)).collect();
+        kept_in = Some(unfinished.keep(&finished)?.to_owned());
+    } else {
         let kept: Vec<SimulatedGrasp> = rows.iter().map(kept).collect();
-        let settings = serde_json::to_string(&settings).map_err(std::io::Error::other)?;
-        Results::create(file)?.keep_simulated_grasps(&settings, &kept)?;
+        Results::create(file)?.keep_simulated_grasps(&settings_text, &kept)?;
+        unfinished.clear()?;
     }
     let simulated = Simulated {
         results: file.clone(),
@@ -186,6 +213,7 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
         held: rows.values().filter(|row| is_held(row)).count(),
         skipped,
         stopped,
+        unfinished: kept_in,
         planners: of_planners(&solved, &rows),
     };
     text::answer(&simulated, || simulated.page(), output)?;
@@ -275,10 +303,9 @@ impl Simulated {
         for Skipped { scenario, trials, .. } in &self.skipped {
             let _ = writeln!(page, "  skipped: {scenario} with {}", counted(*trials, "solved trial"));
         }
-        let end = if self.stopped {
-            "stopped before the end, so nothing is kept"
-        } else {
-            "kept in its table simulated_grasps"
+        let end = match &self.unfinished {
+            Some(file) => format!("stopped before the end; the same command goes on from {}", file.display()),
+            None => "kept in its table simulated_grasps".to_owned(),
         };
         let _ = writeln!(page, "  {end}");
         page

@@ -50,6 +50,22 @@ fn assert_each(trials: &[StoredTrial], planner: &str, outcome: TrialOutcome, wor
     }
 }
 
+/// Within namespaces each worker is process 1, so that its process id names no folder of its own.
+#[test]
+fn workers_beside_each_other_do_not_write_over_each_others_files() {
+    let folder = folder();
+    let script = "cat \"$2\" > /dev/null || exit 3\npaste -sd, \"$1\"\n";
+    std::fs::write(folder.path().join("reader.sh"), script).expect("written");
+    let program = "reader=exec:sh reader.sh {start} {obstacles}";
+    let limits = ["--runs", "4", "--workers", "4", "--time-limit", "10"];
+    let output = run(folder.path(), &[&["--scenarios", "01x", "--planner", program][..], &limits].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let trials = Results::open(&folder.path().join("results.db")).expect("results").trials().expect("trials");
+    assert_eq!(trials.len(), 20);
+    // Each read its files, and was judged.
+    assert!(trials.iter().all(|trial| trial.record.outcome == TrialOutcome::Rejected), "{trials:?}");
+}
+
 #[test]
 fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     let start = "paste -sd, \"$1\"\n";

@@ -35,6 +35,8 @@ mod roadmap;
 mod robots;
 mod scenarios;
 mod simulation;
+#[cfg(unix)]
+mod stopped;
 mod trajectory;
 mod view;
 mod workshop;

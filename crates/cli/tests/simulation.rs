@@ -153,6 +153,24 @@ fn physics_counts_where_a_plan_is_asked_so() {
     assert_eq!((planned.grasp, planned.score), (Some(best), cranny_grasp::ScoreKind::Physics));
     assert_eq!(planned.grasps.as_deref(), Some("scored.csv"));
     assert_eq!(planned.score, cranny_grasp::ScoreKind::Physics);
+    // Below the least score asked for nothing is a goal, and the numbers of the grasps stay.
+    let above = [&by_physics[..6], &["--min-score", "0.5", "-o", "m.plan.json"]].concat();
+    let output = plan(&above);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("139 of 200 (robust score 1.00; 199 below 0.5 are no goals)"), "{text}");
+    let planned = read("m.plan.json");
+    assert_eq!(
+        (planned.grasp, planned.min_score, planned.below_min_score),
+        (Some(best), Some(0.5), Some(199))
+    );
+    for (least, words) in [("1.5", "from 0 to 1"), ("-1", "from 0 to 1"), ("nan", "from 0 to 1")] {
+        let refused = plan(&["--min-score", least]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&refused.stderr).contains(words), "{refused:?}");
+    }
+    let refused = plan(&["--min-score", "1"]);
+    let error = String::from_utf8_lossy(&refused.stderr);
+    assert!(error.contains("--min-score: no grasp has a geometric score of 1 or more; the best"), "{error}");
     // Nothing is made up where nobody tried.
     let refused = plan(&["--score", "physics"]);
     let error = String::from_utf8_lossy(&refused.stderr);

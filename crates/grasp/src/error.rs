@@ -140,6 +140,14 @@ pub enum GraspError {
         /// What the operating system says.
         reason: std::io::Error,
     },
+    /// A file of grasps of another project cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, with the grasp if it is one's.
+        problem: String,
+    },
     /// A line of a file is wrong.
     #[error("{}:{line}: {fault}", path.display())]
     Line {

@@ -1,5 +1,5 @@
 use serde::ser::SerializeStruct as _;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// How often a grasp holds in physics when everything is a little wrong: the share of its trials is the robust score.
 ///
@@ -53,6 +53,21 @@ impl Serialize for RobustScore {
         fields.serialize_field("held", &self.held)?;
         fields.serialize_field("score", &self.score())?;
         fields.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for RobustScore {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// The score follows from the counts.
+        #[derive(Deserialize)]
+        struct Counts {
+            trials: usize,
+            held: usize,
+        }
+        let Counts { trials, held } = Counts::deserialize(deserializer)?;
+        let robust = Self { trials, held };
+        let fault = || serde::de::Error::custom(format!("{held} of {trials} trials is no robust score"));
+        if robust.is_sound() { Ok(robust) } else { Err(fault()) }
     }
 }
 

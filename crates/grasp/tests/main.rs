@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
+mod imports;
 mod metrics;
 mod released_grasps;
 mod sampling;

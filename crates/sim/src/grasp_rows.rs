@@ -3,12 +3,12 @@ use cranny_grasp::{Grasp, Hand, RobustScore};
 use cranny_scenario::{ObjectType, Scenario, TargetObject, TargetPhysics};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, SimError, Uncertainty};
 
 /// What came of one of many grasps. The names of the fields are those of files and tables.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraspRow {
     /// Which grasp, from 0.
     pub grasp: usize,
@@ -25,7 +25,7 @@ pub struct GraspRow {
     /// The geometric score, if the grasp has one.
     pub score: Option<f64>,
     /// How it does when everything is a little wrong, if that was tried.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robust: Option<RobustScore>,
 }
 

@@ -18,6 +18,10 @@ pub struct Answer {
     pub criterion: Criterion,
     /// Which score of the grasps counted.
     pub score: ScoreKind,
+    /// Least score of the grasps that were goals, if that was asked.
+    pub min_score: Option<f64>,
+    /// How many grasps were no goals for it.
+    pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
     /// What the search was allowed to spend.
@@ -106,6 +110,21 @@ pub struct Optimisation {
 }
 
 impl Answer {
+    /// The same answer to a problem with more grasps, where those that it counts from 0 are these.
+    pub(crate) fn with_grasp_numbers(mut self, numbers: &[usize], count: usize) -> Self {
+        if let Some(goal) = self.audit.as_mut().and_then(|audit| audit.goal.as_mut()) {
+            goal.grasp = numbers[goal.grasp];
+        }
+        for failure in &mut self.failures {
+            failure.grasp = numbers[failure.grasp];
+        }
+        if let Some(NoGrasp::OutOfReach(miss)) = &mut self.no_grasp {
+            miss.grasp = miss.grasp.map(|grasp| numbers[grasp]);
+        }
+        self.below_min_score = Some(count - numbers.len());
+        self
+    }
+
     /// Whether there is a path, and the judge finds that it meets the criterion.
     pub fn is_solved(&self) -> bool {
         self.outcome == Outcome::Solved && self.is_valid()

@@ -1,4 +1,4 @@
-use cranny_grasp::ScoreKind;
+use cranny_grasp::{Grasp, GraspSet, ScoreKind};
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem,
     Registry, TimingMethod, default_planner,
@@ -24,6 +24,9 @@ pub struct Request {
     pub seed: u64,
     /// Which score of the grasps counts, wherever one is better than another. Default: the geometric one.
     pub score: ScoreKind,
+    /// Least score of that kind, in [0, 1], of the grasps that are goals: those below it, or without a score, are none.
+    /// Default: all are.
+    pub min_score: Option<f64>,
     /// Under `paper`: arrived where ½·mm + ½·deg is below this, at least 0. Default: what the problem says.
     pub goal_threshold: Option<f64>,
     /// Whether a proven path is left as the planner found it, and not shortened.
@@ -159,13 +162,44 @@ impl Request {
         Ok(())
     }
 
-    /// The problem, its grasps with the score that counts, under `paper` with the threshold.
-    pub(crate) fn asked(&self, problem: &Problem) -> Result<Problem, SolveError> {
+    /// The problem, its grasps with the score that counts and without those that are no goals, under `paper` with the
+    /// threshold; and which grasps those that are left were, where some were left out.
+    pub(crate) fn asked(&self, problem: &Problem) -> Result<(Problem, Option<Vec<usize>>), SolveError> {
         let scored = self.scored(problem)?;
-        Ok(match self.goal_threshold {
-            Some(threshold) => scored.with_goal_threshold(threshold),
-            None => scored,
-        })
+        let (chosen, numbers) = match self.min_score {
+            None => (scored, None),
+            Some(least) => self.above(least, &scored).map(|(chosen, numbers)| (chosen, Some(numbers)))?,
+        };
+        let asked = match self.goal_threshold {
+            Some(threshold) => chosen.with_goal_threshold(threshold),
+            None => chosen,
+        };
+        Ok((asked, numbers))
+    }
+
+    /// The problem with the grasps of a score of at least `least`, and which those are.
+    fn above(&self, least: f64, problem: &Problem) -> Result<(Problem, Vec<usize>), SolveError> {
+        let refuse = |problem| SolveError::Request { field: "min_score", problem };
+        if !(0.0..=1.0).contains(&least) {
+            return Err(refuse(format!("'{least}' is no score; give a number from 0 to 1")));
+        }
+        let grasps = match problem.grasps() {
+            Some(grasps) if problem.grasp_measure().is_none() => grasps.grasps(),
+            _ => return Err(refuse("there is no set of grasps whose scores could be compared".to_owned())),
+        };
+        let is_goal = |grasp: &Grasp| grasp.score.is_some_and(|score| score >= least);
+        let (numbers, chosen): (Vec<usize>, Vec<Grasp>) =
+            grasps.iter().copied().enumerate().filter(|(_, grasp)| is_goal(grasp)).unzip();
+        if chosen.is_empty() {
+            let best = grasps.iter().filter_map(|grasp| grasp.score).reduce(f64::max);
+            let best = best.map_or("none has a score".to_owned(), |best| format!("the best score is {best}"));
+            return Err(refuse(format!(
+                "no grasp has a {} score of {least} or more; {best}",
+                self.score.name()
+            )));
+        }
+        let set = GraspSet::new(chosen).map_err(|fault| refuse(fault.to_string()))?;
+        Ok((problem.with_goal(Goal::Grasps(set))?, numbers))
     }
 
     fn scored(&self, problem: &Problem) -> Result<Problem, SolveError> {

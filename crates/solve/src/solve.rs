@@ -82,7 +82,8 @@ fn solve_once(
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let problem = request.asked(problem)?;
+    let given = problem;
+    let (problem, numbers) = request.asked(given)?;
     let planner = request.planner_for(&problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
@@ -174,11 +175,13 @@ fn solve_once(
     };
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
-    Ok(Answer {
+    let answer = Answer {
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
         score: request.score,
+        min_score: request.min_score,
+        below_min_score: None,
         goal_threshold: problem.goal_threshold(),
         budget: request.budget,
         seed,
@@ -197,6 +200,10 @@ fn solve_once(
         goal_faults,
         no_grasp,
         not_checked,
+    };
+    Ok(match (numbers, given.grasps()) {
+        (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
+        _ => answer,
     })
 }
 

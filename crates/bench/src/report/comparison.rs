@@ -3,10 +3,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::report::row::{Group, horizon_s};
-use crate::statistics::{KaplanMeier, holm, log_rank};
+use crate::statistics::{Followed, KaplanMeier, LEVEL, TwoSampleTest, holm, least_p, log_rank};
 
-/// Two planners on one scenario under one criterion. The p-values of all scenarios of one pair are one
-/// family, which Holm's method adjusts; the interval stands for itself.
+/// Two planners on one scenario under one criterion. All comparisons of a report that have enough runs are one family: with
+/// probability 95 % none of their adjusted p-values is below 0.05, and no interval misses, by chance alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// As in [`Row::scenario_name`](crate::report::Row).
@@ -17,38 +17,58 @@ pub struct Comparison {
     pub first: String,
     /// The other planner.
     pub second: String,
-    /// How many scenarios the family has.
+    /// Number of runs of the first.
+    pub first_runs: usize,
+    /// Number of runs of the second.
+    pub second_runs: usize,
+    /// What the tests find.
+    pub finding: Finding,
+    /// How many comparisons the family has, each with two tests.
     pub family: usize,
     /// Statistic of the log-rank test; none where nothing was solved, which leaves nothing to compare.
     pub log_rank_chi_square: Option<f64>,
-    /// Its p-value.
+    /// p-value of its permutation test; none of too few runs.
     pub log_rank_p: Option<f64>,
     /// The same, adjusted for the family.
     pub log_rank_p_holm: Option<f64>,
     /// What the means are restricted to, in seconds: the shorter of the two limits.
     pub restricted_to_s: f64,
     /// Restricted mean of the first minus that of the second, in seconds: negative where the first is faster.
-    pub difference_s: Option<f64>,
-    /// Lower end of its interval.
+    pub difference_s: f64,
+    /// Lower end of its interval; none of too few runs, and where no time varies.
     pub difference_low_s: Option<f64>,
     /// Upper end of its interval.
     pub difference_high_s: Option<f64>,
-    /// p-value of no difference; none where no time varies.
+    /// p-value of no difference, of the studentised permutation test; none of too few runs.
     pub difference_p: Option<f64>,
     /// The same, adjusted for the family.
     pub difference_p_holm: Option<f64>,
 }
 
+/// What the tests of a comparison find, at level 5 % over the whole report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Finding {
+    /// No outcome of so few runs would be significant.
+    TooFewRuns,
+    /// Both tests may be chance.
+    NoDifference,
+    /// The first planner is faster: a test is significant, and pace and mean are both better.
+    FirstIsFaster,
+    /// The second planner is faster.
+    SecondIsFaster,
+    /// They differ, but one has the better pace and the other the better mean.
+    Differ,
+}
+
 impl Comparison {
-    /// Which planner the adjusted tests find faster at level 5 %: the log-rank test decides whether, the
-    /// means which.
+    /// The planner that is found faster.
     pub fn faster(&self) -> Option<&str> {
-        let significant = self.log_rank_p_holm? < 0.05;
-        let difference_s = self.difference_s?;
-        if !significant || difference_s == 0.0 {
-            return None;
+        match self.finding {
+            Finding::FirstIsFaster => Some(&self.first),
+            Finding::SecondIsFaster => Some(&self.second),
+            Finding::TooFewRuns | Finding::NoDifference | Finding::Differ => None,
         }
-        Some(if difference_s < 0.0 { &self.first } else { &self.second })
     }
 }
 
@@ -60,60 +80,100 @@ pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
         let row = &group.row;
         scenarios.entry((&row.criterion, &row.scenario_name, &row.scenario_hash)).or_default().push(group);
     }
-    let mut families: BTreeMap<(String, String, String), Vec<Comparison>> = BTreeMap::new();
+    let mut pairs: Vec<(&Group, &Group)> = Vec::new();
     for groups in scenarios.values() {
         for (index, first) in groups.iter().enumerate() {
-            for second in &groups[index + 1..] {
-                let comparison = compare(first, second);
-                let family =
-                    (comparison.criterion.clone(), comparison.first.clone(), comparison.second.clone());
-                families.entry(family).or_default().push(comparison);
-            }
+            pairs.extend(groups[index + 1..].iter().map(|second| (*first, *second)));
         }
     }
-    for family in families.values_mut() {
-        let size = family.len();
-        for comparison in family.iter_mut() {
-            comparison.family = size;
-        }
-        adjust(family, |comparison| (comparison.log_rank_p, &mut comparison.log_rank_p_holm));
-        adjust(family, |comparison| (comparison.difference_p, &mut comparison.difference_p_holm));
+    let names = |(first, second): &(&Group, &Group)| {
+        (first.row.criterion.clone(), first.row.planner_name.clone(), second.row.planner_name.clone())
+    };
+    pairs.sort_by_cached_key(names);
+    let least: Vec<f64> =
+        pairs.iter().map(|(first, second)| least_p(first.runs.len(), second.runs.len())).collect();
+    let family = family(&least);
+    let is_tested = |least: f64| family > 0 && least * tests_of(family) < LEVEL;
+    let compared = pairs.iter().zip(&least);
+    let (mut comparisons, excesses): (Vec<Comparison>, Vec<f64>) =
+        compared.map(|((first, second), least)| compare(first, second, family, is_tested(*least))).unzip();
+    adjust(&mut comparisons);
+    for (comparison, excess) in comparisons.iter_mut().zip(excesses) {
+        comparison.finding = finding(comparison, excess);
     }
-    families.into_values().flatten().collect()
+    comparisons
 }
 
-/// Adjusts one kind of p-value over a family. A test that could not be made counts as one that found nothing.
-fn adjust(family: &mut [Comparison], of: impl Fn(&mut Comparison) -> (Option<f64>, &mut Option<f64>)) {
-    let p_values: Vec<f64> = family.iter_mut().map(|comparison| of(comparison).0.unwrap_or(1.0)).collect();
-    for (comparison, adjusted) in family.iter_mut().zip(holm(&p_values)) {
-        let (p, place) = of(comparison);
-        *place = p.map(|_| adjusted);
+/// Each comparison makes two tests.
+fn tests_of(family: usize) -> f64 {
+    2.0 * family as f64
+}
+
+/// Size of the largest family in which each comparison can be significant, by the least p-values that their numbers of runs
+/// allow. No outcome of the others ever would be, so that they need not be counted.
+///
+/// Source: Tarone 1990, "A modified Bonferroni method for discrete data".
+fn family(least: &[f64]) -> usize {
+    let mut sorted = least.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    (1..=sorted.len()).rev().find(|&size| sorted[size - 1] * tests_of(size) < LEVEL).unwrap_or(0)
+}
+
+/// Adjusts all p-values of a report by Holm's method.
+fn adjust(comparisons: &mut [Comparison]) {
+    let of = |comparison: &Comparison| [comparison.log_rank_p, comparison.difference_p];
+    let p_values: Vec<f64> = comparisons.iter().flat_map(of).flatten().collect();
+    let mut adjusted = holm(&p_values).into_iter();
+    for comparison in comparisons {
+        comparison.log_rank_p_holm = comparison.log_rank_p.and_then(|_| adjusted.next());
+        comparison.difference_p_holm = comparison.difference_p.and_then(|_| adjusted.next());
     }
 }
 
-fn compare(first: &Group, second: &Group) -> Comparison {
-    let (first_runs, second_runs) = (first.over_time(), second.over_time());
-    let (first_curve, second_curve) = (KaplanMeier::of(&first_runs), KaplanMeier::of(&second_runs));
+/// `excess` is that of the first planner in the log-rank test.
+fn finding(comparison: &Comparison, excess: f64) -> Finding {
+    let Some((pace_p, mean_p)) = comparison.log_rank_p_holm.zip(comparison.difference_p_holm) else {
+        return Finding::TooFewRuns;
+    };
+    if pace_p.min(mean_p) >= LEVEL {
+        return Finding::NoDifference;
+    }
+    match (excess > 0.0, comparison.difference_s < 0.0) {
+        (true, true) => Finding::FirstIsFaster,
+        (false, false) => Finding::SecondIsFaster,
+        (true, false) | (false, true) => Finding::Differ,
+    }
+}
+
+/// The comparison, not adjusted yet, and by how much the first planner has the better pace.
+fn compare(first: &Group, second: &Group, family: usize, is_tested: bool) -> (Comparison, f64) {
+    // Followed alike, so that runs of one planner could be those of either.
     let limit_s = first.row.time_limit_s.min(second.row.time_limit_s);
-    let restricted_to_s = horizon_s(&first_curve, limit_s).min(horizon_s(&second_curve, limit_s));
-    let means =
-        first_curve.restricted_mean(restricted_to_s).zip(second_curve.restricted_mean(restricted_to_s));
-    let difference = means.map(|(first, second)| first.minus(&second));
-    let test = log_rank(&first_runs, &second_runs);
-    Comparison {
+    let up_to_limit = |group: &Group| -> Vec<Followed> {
+        group.over_time().into_iter().map(|run| run.up_to(limit_s)).collect()
+    };
+    let (first_runs, second_runs) = (up_to_limit(first), up_to_limit(second));
+    let restricted_to_s = horizon_s(&KaplanMeier::of(&[&first_runs[..], &second_runs[..]].concat()), limit_s);
+    let test = TwoSampleTest::of(&first_runs, &second_runs, restricted_to_s, 2 * family.max(1));
+    let interval = test.interval.filter(|_| is_tested);
+    let comparison = Comparison {
         scenario_name: first.row.scenario_name.clone(),
         criterion: first.row.criterion.clone(),
         first: first.row.planner_name.clone(),
         second: second.row.planner_name.clone(),
-        family: 0,
-        log_rank_chi_square: test.map(|test| test.chi_square),
-        log_rank_p: test.map(|test| test.p),
+        first_runs: first_runs.len(),
+        second_runs: second_runs.len(),
+        finding: Finding::TooFewRuns,
+        family,
+        log_rank_chi_square: log_rank(&first_runs, &second_runs).map(|test| test.chi_square),
+        log_rank_p: is_tested.then_some(test.log_rank_p),
         log_rank_p_holm: None,
         restricted_to_s,
-        difference_s: difference.map(|difference| difference.difference),
-        difference_low_s: difference.map(|difference| difference.interval.low),
-        difference_high_s: difference.map(|difference| difference.interval.high),
-        difference_p: difference.and_then(|difference| difference.p),
+        difference_s: test.difference,
+        difference_low_s: interval.map(|interval| interval.low),
+        difference_high_s: interval.map(|interval| interval.high),
+        difference_p: is_tested.then_some(test.difference_p),
         difference_p_holm: None,
-    }
+    };
+    (comparison, test.log_rank_excess)
 }

@@ -103,6 +103,23 @@ pub fn text_width(text: &str, size: u32) -> f64 {
     text.chars().count() as f64 * f64::from(size) * 0.56
 }
 
+/// Text that is at most so wide: its middle gives way to "…".
+pub fn shortened(text: &str, size: u32, width: f64) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if text_width(text, size) <= width {
+        return text.to_owned();
+    }
+    let kept = letters_within(width, size).saturating_sub(1).max(2);
+    let (head, tail) = (kept.div_ceil(2), kept / 2);
+    letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect()
+}
+
+/// How many letters are at most so wide.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, not negative")]
+pub fn letters_within(width: f64, size: u32) -> usize {
+    (width / text_width("m", size)).max(0.0) as usize
+}
+
 impl Drawing {
     /// A line of a pixel, unbroken.
     pub fn rule(&mut self, from: Point, to: Point, ink: Ink) {

@@ -1,5 +1,7 @@
 use crate::report::axis::Axis;
-use crate::report::drawing::{Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL, text_width};
+use crate::report::drawing::{
+    Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL, letters_within, shortened, text_width,
+};
 
 /// Two axes with a grid, a title above and a legend below, where it hides nothing.
 pub struct Frame {
@@ -60,11 +62,11 @@ impl Frame {
     }
 
     fn draw_title(&mut self, title: &str) {
-        // A long title is set smaller rather than cut.
+        // A long title is set smaller rather than cut, as far as it can be read.
         let size = (10..=14).rev().find(|&size| text_width(title, size) < WIDTH - 12.0).unwrap_or(10);
         self.draw(Mark::Text {
             at: (8.0, 20.0),
-            text: title.to_owned(),
+            text: shortened(title, size, WIDTH - 12.0),
             size,
             anchor: Anchor::Start,
             ink: Ink::Text,
@@ -74,9 +76,13 @@ impl Frame {
 
     fn draw_grid(&mut self) {
         let bottom = TOP + HEIGHT;
+        let spacing = (WIDTH - LEFT - RIGHT) / self.x.ticks.len().max(1) as f64;
         for (value, text) in self.x.ticks.clone() {
             let (x, _) = self.place(value, self.y.low);
             self.drawing.rule((x, TOP), (x, bottom), Ink::Grid);
+            // Numbers are short, names of scenarios may be paths.
+            let is_name = text.chars().any(char::is_alphabetic);
+            let text = if is_name { shortened(&text, SMALL, spacing - 4.0) } else { text };
             self.drawing.label((x, bottom + 16.0), text, Anchor::Middle, Ink::Quiet);
         }
         for (value, text) in self.y.ticks.clone() {
@@ -98,27 +104,53 @@ impl Frame {
         self.draw(Mark::Upward { at, text, size: SMALL, ink: Ink::Text });
     }
 
-    fn draw_legend(&mut self, lines: &[Vec<(f64, &Entry)>]) {
+    fn draw_legend(&mut self, lines: &[Vec<LegendText>]) {
         for (index, line) in lines.iter().enumerate() {
             let y = TOP + HEIGHT + BELOW + LEGEND_LINE * (index as f64 + 0.5);
-            for &(x, entry) in line {
-                let (ink, dash) = (Ink::Series(entry.series), Dash::of_series(entry.series));
-                let points = vec![(x, y - 4.0), (x + SAMPLE, y - 4.0)];
-                self.draw(Mark::Line { points, ink, width: 2.5, dash });
-                self.drawing.label((x + SAMPLE + 6.0, y), entry.name.clone(), Anchor::Start, Ink::Text);
+            for &LegendText { x, ref text, series } in line {
+                if let Some(series) = series {
+                    let (ink, dash) = (Ink::Series(series), Dash::of_series(series));
+                    let points = vec![(x, y - 4.0), (x + SAMPLE, y - 4.0)];
+                    self.draw(Mark::Line { points, ink, width: 2.5, dash });
+                }
+                self.drawing.label((x + SAMPLE + 6.0, y), text.clone(), Anchor::Start, Ink::Text);
             }
         }
     }
 }
 
-/// Entries in columns of one width, as many as fit, each with its place.
-fn legend_lines(legend: &[Entry]) -> Vec<Vec<(f64, &Entry)>> {
+/// A text of a legend at its place, below or beside others.
+struct LegendText {
+    x: f64,
+    text: String,
+    /// The series that it names; none where it goes on from the line above.
+    series: Option<usize>,
+}
+
+/// Entries in columns of one width, as many as fit; names too long for a line go on in the next.
+fn legend_lines(legend: &[Entry]) -> Vec<Vec<LegendText>> {
     let widest = legend.iter().map(|entry| text_width(&entry.name, SMALL)).fold(0.0, f64::max);
     let column = SAMPLE + 6.0 + widest + 14.0;
     let mut columns = 1;
     while column * (columns + 1) as f64 <= WIDTH - LEFT && columns < legend.len() {
         columns += 1;
     }
-    let place = |(index, entry)| (LEFT + column * index as f64, entry);
-    legend.chunks(columns).map(|entries| entries.iter().enumerate().map(place).collect()).collect()
+    let most = letters_within(WIDTH - LEFT - SAMPLE - 6.0 - RIGHT, SMALL);
+    let mut lines = Vec::new();
+    for entries in legend.chunks(columns) {
+        let of_entry = |(index, entry): (usize, &Entry)| {
+            let (x, letters) = (LEFT + column * index as f64, entry.name.chars().collect::<Vec<_>>());
+            let text = letters.chunks(most).map(|letters| letters.iter().collect::<String>());
+            let text = text.enumerate().map(|(part, text)| (text, (part == 0).then_some(entry.series)));
+            text.map(|(text, series)| LegendText { x, text, series }).collect::<Vec<_>>()
+        };
+        let texts = entries.iter().enumerate().map(of_entry);
+        // Beside others stand only names of one line.
+        if columns > 1 {
+            lines.push(texts.flatten().collect());
+        } else {
+            lines.extend(texts.flatten().map(|text| vec![text]));
+        }
+    }
+    lines
 }

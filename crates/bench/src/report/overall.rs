@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::report::row::Group;
-use crate::statistics::{Followed, KaplanMeier, performance_profiles, wilson};
+use crate::statistics::{Followed, KaplanMeier, median_interval, performance_profiles, wilson};
 
 /// One planner over all scenarios that every planner of the criterion has runs on: its runs pooled, each counting the
 /// same, and its performance profile.
@@ -31,9 +31,9 @@ pub struct Overall {
     pub followed_to_s: f64,
     /// When half of the pooled runs are solved (Kaplan–Meier), in seconds; none if they never are.
     pub median_s: Option<f64>,
-    /// Lower end of its interval (Brookmeyer–Crowley).
+    /// Lower end of its interval, by order statistics; none of fewer than six runs.
     pub median_low_s: Option<f64>,
-    /// Upper end; none where it lies past the limit.
+    /// Upper end; none where it lies past the limit too.
     pub median_high_s: Option<f64>,
     /// By scenario, the median time over the least median time of all planners; none where there is no median.
     pub ratios: BTreeMap<String, Option<f64>>,
@@ -105,8 +105,8 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
             let runs = pool.groups.iter().map(|group| group.row.runs).sum();
             let solved = pool.groups.iter().map(|group| group.row.solved).sum();
             let interval = wilson(solved, runs);
-            let curve = KaplanMeier::of(&pool.over_time());
-            let (median_low_s, median_high_s) = curve.median_interval();
+            let followed = pool.over_time();
+            let median = median_interval(&followed);
             let names = pool.groups.iter().map(|group| group.row.scenario_name.clone());
             Overall {
                 criterion: pool.criterion.to_owned(),
@@ -119,9 +119,9 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
                 success_low: interval.map_or(0.0, |interval| interval.low),
                 success_high: interval.map_or(1.0, |interval| interval.high),
                 followed_to_s: pool.followed_to_s,
-                median_s: curve.median(),
-                median_low_s,
-                median_high_s,
+                median_s: KaplanMeier::of(&followed).median(),
+                median_low_s: median.map(|(low, _)| low),
+                median_high_s: median.and_then(|(_, high)| high),
                 best: profile.share_within(1.0),
                 within_2: profile.share_within(2.0),
                 within_10: profile.share_within(10.0),

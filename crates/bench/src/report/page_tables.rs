@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::report::comparison::Finding;
 use crate::report::page_figures::{Markup, Shown, escape, words};
 use crate::report::paper_table::{PaperTable, shown};
 use crate::report::{Enclosure, Row};
@@ -47,7 +48,8 @@ pub fn rates_and_times(page: &mut Markup, rows: &Rows) {
     open_table_of_rows(
         page,
         rows,
-        "Times in seconds, with 95 % intervals; the restricted mean with its standard error.",
+        "Times in seconds, with 95 % intervals; the restricted mean with its standard error. Fewer than six runs are too few for an \
+         interval of the median.",
         &[
             "success, %",
             "solved",
@@ -158,37 +160,49 @@ pub fn comparisons(page: &mut Markup, criterion: &str) {
         &format!("<b>{count} comparisons</b> <span>of two planners on a scenario</span>"),
     );
     page.open_table(
-        "Difference of restricted means in seconds, first minus second, with its 95 % interval. p-values adjusted by Holm's \
-         method over the scenarios of each pair; “faster” where the log-rank test finds a difference at 5 %.",
+        "Difference of restricted means in seconds, first minus second, with its interval. Permutation tests, adjusted by Holm's \
+         method over all comparisons of the report; intervals hold together with 95 %. “Too few runs”: no outcome of so many \
+         runs would be significant at 5 %.",
         &[
             "<scenario",
             "<first",
             "<second",
+            "<found",
+            "runs",
             "log-rank χ²",
             "p (adjusted)",
             "difference, s",
             "p (adjusted)",
             "up to, s",
-            "<faster",
         ],
     );
     for (index, comparison) in of_criterion() {
         let at = |key: &str| format!("comparisons.{index}.{key}");
+        let found = match comparison.finding {
+            Finding::TooFewRuns => TOO_FEW_RUNS.to_owned(),
+            Finding::NoDifference => "no difference".to_owned(),
+            Finding::Differ => "pace and mean differ in opposite senses".to_owned(),
+            Finding::FirstIsFaster | Finding::SecondIsFaster => {
+                format!("{} is faster", comparison.faster().unwrap_or_default())
+            }
+        };
         let cells = [
             words(&comparison.first),
             words(&comparison.second),
+            words(&found),
+            format!("{} / {}", page.figure(&at("first_runs")), page.figure(&at("second_runs"))),
             page.figure(&at("log_rank_chi_square")),
             page.figure_as(&at("log_rank_p_holm"), Shown::Probability),
-            estimate(
-                page,
-                &at("difference_s"),
-                &at("difference_low_s"),
-                &at("difference_high_s"),
-                Shown::Plain,
-            ),
+            match comparison.difference_low_s {
+                None => page.figure(&at("difference_s")),
+                Some(_) => format!(
+                    "{} {}",
+                    page.figure(&at("difference_s")),
+                    page.interval(&at("difference_low_s"), &at("difference_high_s"), Shown::Plain)
+                ),
+            },
             page.figure_as(&at("difference_p_holm"), Shown::Probability),
             page.figure(&at("restricted_to_s")),
-            words(comparison.faster().unwrap_or("–")),
         ];
         page.table_line(&comparison.scenario_name, &cells);
     }
@@ -335,11 +349,20 @@ pub fn machines(page: &mut Markup) {
 /// So many commands of one machine are seen at once.
 const MOST_COMMANDS: usize = 3;
 
-/// A figure with its interval; "–" alone where there is none.
+/// A figure with its interval, or why it has none; "–" alone where there is no figure.
 pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown) -> String {
     let text = page.figure_as(value, shown);
-    if text == "–" { text } else { format!("{text} {}", page.interval(low, high, shown)) }
+    if text == "–" {
+        text
+    } else if page.figure_as(low, shown) == "–" {
+        format!("{text} <span class=\"interval\">[{TOO_FEW_RUNS}]</span>")
+    } else {
+        format!("{text} {}", page.interval(low, high, shown))
+    }
 }
+
+/// In place of tests that so many runs cannot support.
+const TOO_FEW_RUNS: &str = "too few runs";
 
 /// Rows that pool what should not be pooled, by what it is.
 fn split_rows(page: &mut Markup) {

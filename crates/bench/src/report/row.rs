@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::report::configuration::{Configuration, Names};
 use crate::report::follow_up;
 use crate::report::place::Place;
-use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, wilson};
+use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, median_interval, wilson};
 use crate::{StoredTrial, TrialRecord};
 
 /// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. Where
@@ -67,9 +67,9 @@ pub struct Row {
     pub lower_quartile_s: Option<f64>,
     /// When half of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
     pub median_s: Option<f64>,
-    /// Lower end of its interval (Brookmeyer–Crowley).
+    /// Lower end of its interval, by order statistics; none of fewer than six runs.
     pub median_low_s: Option<f64>,
-    /// Upper end; none where it lies past the limit.
+    /// Upper end; none where it lies past the limit too.
     pub median_high_s: Option<f64>,
     /// When three quarters of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
     pub upper_quartile_s: Option<f64>,
@@ -77,7 +77,7 @@ pub struct Row {
     pub greatest_s: Option<f64>,
     /// Restricted mean time, in seconds.
     pub restricted_mean_s: Option<f64>,
-    /// Its standard error.
+    /// Its standard error; none where no time varies, as of one run.
     pub restricted_mean_error_s: Option<f64>,
     /// What it is restricted to.
     pub restricted_to_s: f64,
@@ -240,8 +240,8 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
     let followed: Vec<Followed> = runs.iter().map(|run| follow_up::over_time(&run.record)).collect();
     let time = KaplanMeier::of(&followed);
     let iterations = KaplanMeier::of(&over_iterations(runs));
-    let (median_low_s, median_high_s) = time.median_interval();
-    let (median_iterations_low, median_iterations_high) = iterations.median_interval();
+    let median_of_times = median_interval(&followed);
+    let median_of_iterations = median_interval(&over_iterations(runs));
     let restricted_to_s = horizon_s(&time, configuration.time_limit_s());
     let restricted_mean = time.restricted_mean(restricted_to_s);
     let mut outcomes = BTreeMap::new();
@@ -282,16 +282,16 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         least_s: time.steps().first().map(|step| step.at),
         lower_quartile_s: time.quantile(0.25),
         median_s: time.median(),
-        median_low_s,
-        median_high_s,
+        median_low_s: median_of_times.map(|(low, _)| low),
+        median_high_s: median_of_times.and_then(|(_, high)| high),
         upper_quartile_s: time.quantile(0.75),
         greatest_s: time.steps().last().map(|step| step.at),
         restricted_mean_s: restricted_mean.map(|mean| mean.mean),
-        restricted_mean_error_s: restricted_mean.map(|mean| mean.standard_error),
+        restricted_mean_error_s: restricted_mean.and_then(|mean| mean.standard_error),
         restricted_to_s,
         median_iterations: iterations.median(),
-        median_iterations_low,
-        median_iterations_high,
+        median_iterations_low: median_of_iterations.map(|(low, _)| low),
+        median_iterations_high: median_of_iterations.and_then(|(_, high)| high),
         outcomes,
         iterations: of_solved(|record| told(record.statistics.iterations)),
         nodes: of_solved(|record| told(record.statistics.nodes)),

@@ -9,7 +9,7 @@ use crate::report::overall::{Overall, overall, pools};
 use crate::report::row::{GoalRow, Group, Row};
 use crate::report::split_row::{SplitRow, split_rows};
 use crate::report::success_curve::{SuccessCurve, success_curves};
-use crate::report::warning::warnings;
+use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
 
@@ -96,16 +96,19 @@ impl Summary {
             .map(|(configuration, runs)| Group::of(configuration, &names, runs.clone()))
             .collect();
         let pools = pools(&groups);
+        let comparisons = comparisons(&groups);
+        let mut warnings = warnings(&groups, source.runs);
+        warnings.extend(few_runs(&groups, &comparisons));
         Ok(Self {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
             trials: source.trials.len(),
-            warnings: warnings(&groups, source.runs),
+            warnings,
             machines: machines(source.runs, source.trials),
             split_rows: split_rows(&groups, source.runs),
             overall: overall(&pools),
             known_goals: known_goals(configurations.keys(), &names, source.scenarios),
-            comparisons: comparisons(&groups),
+            comparisons,
             curves: success_curves(&groups, &pools),
             worst: worst_trials(&groups, source.results),
             goals: groups.iter().flat_map(|group| group.goals.clone()).collect(),

@@ -1,7 +1,10 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
 
+use crate::report::comparison::{Comparison, Finding};
 use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
+use crate::statistics::LEAST_FOR_MEDIAN;
 use crate::{Run, RunInformation};
 use cranny_file::counted;
 
@@ -33,6 +36,33 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
     warnings
+}
+
+/// That some figures have no interval, and some comparisons no test, since the runs are too few.
+pub fn few_runs(groups: &[Group], comparisons: &[Comparison]) -> Option<String> {
+    let untested = comparisons.iter().filter(|own| own.finding == Finding::TooFewRuns).count();
+    let rows = groups.iter().filter(|group| group.row.runs < LEAST_FOR_MEDIAN).count();
+    if untested == 0 && rows == 0 {
+        return None;
+    }
+    let mut sentence = "Too few runs:".to_owned();
+    if rows > 0 {
+        let of = groups.len();
+        let _ = write!(
+            sentence,
+            " {rows} of {of} rows have fewer than {LEAST_FOR_MEDIAN} and no interval of the median;"
+        );
+    }
+    if untested > 0 {
+        let of = comparisons.len();
+        let _ = write!(
+            sentence,
+            " {untested} of {of} comparisons could find no difference whatever the times were;"
+        );
+    }
+    sentence.pop();
+    sentence.push('.');
+    Some(sentence)
 }
 
 /// That rows hold trials that do not belong together, of different `what`.

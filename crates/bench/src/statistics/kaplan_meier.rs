@@ -112,20 +112,7 @@ impl KaplanMeier {
     /// When a `share` of the trials are solved: the least `t` with `1 − S(t) ≥ share`; `None` if that was never seen.
     /// Without censoring it is the least time that this share of the times do not exceed.
     pub fn quantile(&self, share: f64) -> Option<f64> {
-        self.first_at_most(1.0 - share, |step| step.survival)
-    }
-
-    /// From when to when the median lies: the times at which a test at level 5 % would not reject `S = ½`,
-    /// which are those where the band contains it. An end that was never seen is `None`.
-    ///
-    /// Source: Brookmeyer & Crowley 1982, "A confidence interval for the median survival time", with the band
-    /// of this estimate.
-    pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {
-        (self.first_at_most(0.5, |step| step.band.low), self.first_at_most(0.5, |step| step.band.high))
-    }
-
-    fn first_at_most(&self, level: f64, share: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
-        self.steps.iter().find(|step| share(step) <= level + ROUNDED).map(|step| step.at)
+        self.steps.iter().find(|step| step.survival <= 1.0 - share + ROUNDED).map(|step| step.at)
     }
 }
 

@@ -1,18 +1,16 @@
-use crate::statistics::{Followed, two_sided_p};
+use crate::statistics::Followed;
 
-/// Whether two groups of trials are solved at the same pace.
+/// Whether two groups of trials are solved at the same pace. [`TwoSampleTest`](crate::statistics::TwoSampleTest) has the
+/// p-value of its numerator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogRank {
     /// How many of the first group were solved.
     pub observed: f64,
     /// How many of the first group would be, were the pace the same.
     pub expected: f64,
-    /// The statistic, of one degree of freedom.
+    /// The statistic: of one degree of freedom where both groups are large.
     pub chi_square: f64,
-    /// How probable one as large is, were the pace the same.
-    pub p: f64,
 }
-
 /// The log-rank test of two groups; `None` if their times cannot tell (nothing was solved while both had
 /// trials at risk).
 ///
@@ -46,6 +44,6 @@ pub fn log_rank(first: &[Followed], second: &[Followed]) -> Option<LogRank> {
     }
     (variance > 0.0).then(|| {
         let chi_square = (observed - expected) * (observed - expected) / variance;
-        LogRank { observed, expected, chi_square, p: two_sided_p(chi_square.sqrt()) }
+        LogRank { observed, expected, chi_square }
     })
 }

@@ -1,4 +1,4 @@
-use crate::statistics::{Interval, KaplanMeier, Z_95, two_sided_p};
+use crate::statistics::KaplanMeier;
 
 /// The mean of `min(T, horizon)`: how long a trial takes if it is given no more than the horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,19 +7,8 @@ pub struct RestrictedMean {
     pub horizon: f64,
     /// The mean.
     pub mean: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-}
-
-/// By how much two restricted means differ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeanDifference {
-    /// The first mean minus the second.
-    pub difference: f64,
-    /// Where the true difference lies.
-    pub interval: Interval,
-    /// How probable a difference as large is if there is none; `None` where neither mean has a variance.
-    pub p: Option<f64>,
+    /// Its standard error; `None` where no time varies, as of one trial: nothing measures it.
+    pub standard_error: Option<f64>,
 }
 
 impl KaplanMeier {
@@ -35,6 +24,16 @@ impl KaplanMeier {
         if self.count() == 0 || (horizon > self.last() && !ends_at_zero) {
             return None;
         }
+        let (mean, variance) = self.area_and_variance(horizon);
+        Some(RestrictedMean { horizon, mean, standard_error: (variance > 0.0).then(|| variance.sqrt()) })
+    }
+
+    /// The area under the curve up to `horizon`, where it stays as it is after the last trial.
+    pub(super) fn area(&self, horizon: f64) -> f64 {
+        self.area_and_variance(horizon).0
+    }
+
+    fn area_and_variance(&self, horizon: f64) -> (f64, f64) {
         // From the horizon backwards: the area beyond each step.
         let steps = &self.steps()[..self.steps().partition_point(|step| step.at <= horizon)];
         let (mut area, mut variance, mut end) = (0.0, 0.0, horizon);
@@ -47,21 +46,6 @@ impl KaplanMeier {
                 variance += area * area * d / (n * (n - d));
             }
         }
-        Some(RestrictedMean { horizon, mean: area + end, standard_error: variance.sqrt() })
-    }
-}
-
-impl RestrictedMean {
-    /// This mean minus `other`, both of independent trials and the same horizon: normal, with the variances
-    /// added (Royston & Parmar 2013, "Restricted mean survival time", §2).
-    ///
-    /// # Panics
-    /// If the horizons differ.
-    pub fn minus(&self, other: &Self) -> MeanDifference {
-        assert!(self.horizon.total_cmp(&other.horizon).is_eq(), "{} is not {}", self.horizon, other.horizon);
-        let difference = self.mean - other.mean;
-        let error = libm::hypot(self.standard_error, other.standard_error);
-        let interval = Interval { low: difference - Z_95 * error, high: difference + Z_95 * error };
-        MeanDifference { difference, interval, p: (error > 0.0).then(|| two_sided_p(difference / error)) }
+        (area + end, variance)
     }
 }

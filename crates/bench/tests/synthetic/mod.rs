@@ -42,7 +42,11 @@ pub struct Manner<'a> {
 pub struct Draw(u64);
 
 impl Draw {
-    fn next(&mut self) -> f64 {
+    pub fn of_seed(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

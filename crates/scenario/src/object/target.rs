@@ -65,6 +65,12 @@ impl Scenario {
         object_of_shapes(body, &settings).map(Some)
     }
 
+    /// The frame of the target, `world_from_object`, where the target is one object with a frame of its own: that of the
+    /// object's mesh and of grasps on it.
+    pub fn world_from_object(&self) -> Option<Pose> {
+        self.placed_object().map(|(_, world_from_object)| world_from_object)
+    }
+
     /// The one object that the target is, if it is one, and its frame in the planning frame.
     pub(crate) fn placed_object(&self) -> Option<(&ObjectSource, Pose)> {
         let [Part { world_from_solid, .. }] = &self.world.bodies()[self.target?].parts[..] else {

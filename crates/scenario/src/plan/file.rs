@@ -43,6 +43,12 @@ pub struct PlanFile {
     /// Which score of the grasps counted.
     #[serde(default)]
     pub score: ScoreKind,
+    /// Least score of the grasps that were goals, if that was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_score: Option<f64>,
+    /// How many grasps were no goals for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
     /// What the random numbers were drawn from.
@@ -174,6 +180,8 @@ impl PlanFile {
             settings: answer.settings.clone(),
             criterion: answer.criterion,
             score: answer.score,
+            min_score: answer.min_score,
+            below_min_score: answer.below_min_score,
             goal_threshold: answer.goal_threshold,
             seed: answer.seed,
             version: Self::VERSION.to_owned(),
@@ -230,6 +238,7 @@ impl PlanFile {
             budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
             seed: self.seed,
             score: self.score,
+            min_score: self.min_score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
             carry: self.carry_end(problem)?.map(|end| Carry { end, ..Carry::default() }),
@@ -297,6 +306,8 @@ mod tests {
             planner: "ik-rrt".into(),
             settings: serde_json::json!({"p_goal": 0.01}),
             score: ScoreKind::Physics,
+            min_score: Some(0.25),
+            below_min_score: Some(2),
             goal_threshold: None,
             criterion: Criterion::Exact,
             seed: u64::MAX,

@@ -1,0 +1,172 @@
+use crate::statistics::division::{division_count, draws_for, for_each_division};
+use crate::statistics::{Followed, Interval, KaplanMeier, LEVEL};
+
+/// Whether two groups of trials differ: permutation tests, whose p-values hold for every number of trials.
+///
+/// If the groups are of one planner, each division of all trials into groups of these sizes is equally probable. A p-value is
+/// twice the share of divisions that put the statistic as far out, to the same side, as the observed one: all divisions
+/// of small groups, random ones of larger groups.
+///
+/// Source: Lehmann & Romano 2005, "Testing Statistical Hypotheses", §15.2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoSampleTest {
+    /// p-value of `O − E`, the numerator of the log-rank test.
+    pub log_rank_p: f64,
+    /// `O − E`: positive if the first group is solved at the faster pace.
+    pub log_rank_excess: f64,
+    /// Restricted mean of the first group minus that of the second.
+    pub difference: f64,
+    /// Interval of that difference: the values that the studentised test does not reject at the level asked for. `None` if
+    /// the trials do not vary, or not enough to bound it.
+    pub interval: Option<Interval>,
+    /// p-value of no difference, of the studentised difference.
+    pub difference_p: f64,
+}
+
+/// Least p-value that a test of groups of these sizes can have: `2/C(n, n₁)`. At least 1 if a group has fewer than two trials:
+/// one time has no spread.
+pub fn least_p(first: usize, second: usize) -> f64 {
+    if first.min(second) < 2 { 1.0 } else { 2.0 / division_count(first, second) }
+}
+
+impl TwoSampleTest {
+    /// The tests of two groups up to `horizon`, as two of `tests` in one family: the interval is of level `0.05/tests`, so
+    /// that all intervals of the family hold together.
+    ///
+    /// The log-rank scores are `cᵢ = δᵢ − Λ(tᵢ)` with the Nelson–Aalen estimate `Λ` of all trials: `O − E = Σ cᵢ` over the
+    /// first group. The studentised difference is Welch's `t` of [`restricted_times`], for which the permutation test stays
+    /// valid asymptotically if the spreads differ.
+    ///
+    /// # Panics
+    /// If a group is empty, or a time is negative or not finite.
+    ///
+    /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997, "Studentized
+    /// permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem".
+    pub fn of(first: &[Followed], second: &[Followed], horizon: f64, tests: usize) -> Self {
+        let all: Vec<Followed> = first.iter().chain(second).copied().collect();
+        let scores = log_rank_scores(&all);
+        let times = restricted_times(&all, horizon);
+        let welch = Welch::of(&times);
+        let (mut excesses, mut ratios) = (Vec::new(), Vec::new());
+        for_each_division(first.len(), second.len(), draws_for(tests), |members| {
+            excesses.push(members.iter().map(|&trial| scores[trial]).sum());
+            ratios.push(welch.difference(&times, members).ratio());
+        });
+        let observed = welch.difference(&times, &(0..first.len()).collect::<Vec<_>>());
+        Self {
+            log_rank_p: p_of_first(&excesses),
+            log_rank_excess: excesses[0],
+            difference: observed.difference,
+            difference_p: p_of_first(&ratios),
+            interval: observed.interval(ratios, LEVEL / tests as f64),
+        }
+    }
+}
+
+/// Sums in another order differ by rounding, which must not tell equal values apart.
+const ROUNDED: f64 = 1e-9;
+
+/// Two-sided p-value of the first of the values of a statistic over all divisions.
+fn p_of_first(values: &[f64]) -> f64 {
+    let slack = ROUNDED * values[0].abs().clamp(1.0, f64::MAX);
+    let above = values.iter().filter(|&&value| value >= values[0] - slack).count();
+    let below = values.iter().filter(|&&value| value <= values[0] + slack).count();
+    (2.0 * above.min(below) as f64 / values.len() as f64).min(1.0)
+}
+
+fn log_rank_scores(all: &[Followed]) -> Vec<f64> {
+    let steps = KaplanMeier::of(all).steps().to_vec();
+    let hazard = |until: f64| -> f64 {
+        let before = steps.iter().take_while(|step| step.at <= until);
+        before.map(|step| step.solved as f64 / step.at_risk as f64).sum()
+    };
+    all.iter().map(|trial| f64::from(u8::from(trial.solved)) - hazard(trial.until)).collect()
+}
+
+/// `min(T, horizon)` of each trial; of trials that are cut short before the horizon the pseudo-values
+/// `n μ − (n − 1) μ₍₋ᵢ₎`, with the restricted mean `μ` of all and of all but one.
+///
+/// Source: Andersen, Hansen & Klein 2004, "Regression analysis of restricted mean survival time based on pseudo-observations",
+/// §2.
+fn restricted_times(all: &[Followed], horizon: f64) -> Vec<f64> {
+    if all.iter().all(|trial| trial.solved || trial.until >= horizon) {
+        return all.iter().map(|trial| trial.until.min(horizon)).collect();
+    }
+    let n = all.len() as f64;
+    let mean = KaplanMeier::of(all).area(horizon);
+    let without = |trial: usize| KaplanMeier::of(&[&all[..trial], &all[trial + 1..]].concat()).area(horizon);
+    (0..all.len()).map(|trial| n * mean - (n - 1.0) * without(trial)).collect()
+}
+
+/// What Welch's `t` of any division is made of: sums over all times, taken about the first, so that equal times do not vary.
+struct Welch {
+    about: f64,
+    sum: f64,
+    squares: f64,
+    count: usize,
+}
+
+/// A difference of means with its standard error.
+struct Difference {
+    difference: f64,
+    error: f64,
+}
+
+impl Welch {
+    /// `times` are not empty.
+    fn of(times: &[f64]) -> Self {
+        let about = times[0];
+        let sum = times.iter().map(|time| time - about).sum();
+        let squares = times.iter().map(|time| (time - about) * (time - about)).sum();
+        Self { about, sum, squares, count: times.len() }
+    }
+
+    /// That of the group of `members` against the others.
+    fn difference(&self, times: &[f64], members: &[usize]) -> Difference {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for &trial in members {
+            let time = times[trial] - self.about;
+            sum += time;
+            squares += time * time;
+        }
+        let (first, second) = (members.len() as f64, (self.count - members.len()) as f64);
+        let variance = self.variance_of_mean(sum, squares, first)
+            + self.variance_of_mean(self.sum - sum, self.squares - squares, second);
+        Difference { difference: sum / first - (self.sum - sum) / second, error: variance.sqrt() }
+    }
+
+    fn variance_of_mean(&self, sum: f64, squares: f64, count: f64) -> f64 {
+        let about_mean = squares - sum * sum / count;
+        // What does not vary has no variance, not one of rounding.
+        if about_mean <= ROUNDED * self.squares { 0.0 } else { about_mean / (count * (count - 1.0)) }
+    }
+}
+
+impl Difference {
+    /// Difference over error; infinite where nothing varies but the groups differ.
+    fn ratio(&self) -> f64 {
+        match self.error {
+            0.0 if self.difference.abs() <= f64::MIN_POSITIVE => 0.0,
+            error => self.difference / error,
+        }
+    }
+
+    /// The differences that are not rejected at `level` on either side, by the `ratios` of all divisions.
+    fn interval(&self, mut ratios: Vec<f64>, level: f64) -> Option<Interval> {
+        ratios.sort_by(f64::total_cmp);
+        // As many ratios may lie beyond each end.
+        let beyond = (level / 2.0 * ratios.len() as f64).ceil() - 1.0;
+        if beyond < 1.0 || self.error == 0.0 {
+            return None;
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a small count, at least 1"
+        )]
+        let beyond = beyond as usize;
+        let (least, greatest) = (ratios[beyond], ratios[ratios.len() - 1 - beyond]);
+        let (low, high) = (self.difference - greatest * self.error, self.difference - least * self.error);
+        (low.is_finite() && high.is_finite()).then_some(Interval { low, high })
+    }
+}

@@ -1,0 +1,82 @@
+//! Commands that are stopped by Ctrl-C: what is finished stays, and the same command goes on from there.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use cranny_grasp::{GraspSet, read_csv, write_csv};
+use cranny_scenario::{OpenOptions, Scenario};
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("cranny"));
+    command.current_dir(folder).args(arguments.split(' ')).arg("--json");
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
+    let child = command(folder, arguments).spawn().expect("it starts");
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+    child.wait_with_output().expect("it ends")
+}
+
+fn document(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+}
+
+#[test]
+fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let scenario = Scenario::open("021", &OpenOptions::default()).expect("a scenario");
+    let grasps = GraspSet::new(scenario.grasps.grasps()[..8].to_vec()).expect("grasps");
+    write_csv(&folder.join("few.csv"), &grasps).expect("written");
+    let simulate =
+        |file: &str| format!("simulate grasps 021 --support-only --grasps few.csv --trials 3 -o {file}");
+    let whole = command(folder, &simulate("whole.csv")).output().expect("it runs");
+    let (mut known, mut was_stopped) = (0, false);
+    loop {
+        let output = stopped_after(0.8, folder, &simulate("scored.csv"));
+        let found = document(&output);
+        assert_eq!(found["known"], known, "{found}");
+        known = found["grasps"].as_u64().expect("a count");
+        if found["stopped"] == false {
+            break;
+        }
+        was_stopped = true;
+        assert_eq!(output.status.code(), Some(1));
+        assert!(!folder.join("scored.csv").exists());
+        let kept = found["unfinished"].as_str().expect("a file").to_owned();
+        assert!(kept.starts_with("scored.csv.unfinished-") && folder.join(&kept).exists());
+        // What is finished belongs to these settings alone.
+        let other = stopped_after(0.3, folder, &format!("{} --seed 1", simulate("scored.csv")));
+        let other = document(&other);
+        assert!(other["known"] == 0 && other["unfinished"] != kept.as_str(), "{other}");
+        std::fs::remove_file(folder.join(other["unfinished"].as_str().expect("a file"))).expect("removed");
+    }
+    assert!(was_stopped, "eight grasps take longer than a second");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a file");
+    assert_eq!(read("scored.csv"), read("whole.csv"));
+    let names =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    assert_eq!(names.count(), 3, "nothing is left that was unfinished");
+    assert!(document(&whole)["unfinished"].is_null());
+}
+
+#[test]
+fn grasps_that_were_sampled_before_a_stop_are_written_and_replace_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let sample = "grasps sample banana --count 20000 --choose random -o banana.csv";
+    for name in ["banana.csv", "banana.partial.csv"] {
+        let output = stopped_after(1.0, folder, sample);
+        let found = document(&output);
+        assert_eq!((output.status.code(), &found["stopped"]), (Some(1), &true.into()));
+        assert_eq!(found["file"], name);
+        let set = read_csv(&folder.join(name)).expect("grasps");
+        assert_eq!(found["grasps"], set.len());
+    }
+}
