@@ -79,7 +79,7 @@ fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
     let settings = AuditSettings::default();
     let judged = |problem: &Problem| {
         let mut judged = verify_path(problem, &corner);
-        audit_cut_corners(problem, &path, trajectory.cut_corners(), settings, &mut judged);
+        audit_cut_corners(problem, trajectory.cut_corners(), settings, &mut judged);
         judged
     };
     let curve = judged(&problem);

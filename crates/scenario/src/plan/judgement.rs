@@ -68,7 +68,7 @@ const MEASURED: [&str; 12] = [
 ];
 
 /// Keys of which nothing is measured: they record how the path was found.
-const RECORD: [&str; 12] = [
+const RECORD: [&str; 14] = [
     "planner",
     "settings",
     "score",
@@ -81,6 +81,8 @@ const RECORD: [&str; 12] = [
     "failures",
     "goal_faults",
     "no_grasp",
+    "min_score",
+    "below_min_score",
 ];
 
 impl PlanFile {
@@ -208,6 +210,8 @@ impl PlanFile {
             failures: self.failures.clone(),
             goal_faults: self.goal_faults.clone(),
             no_grasp: self.no_grasp.clone(),
+            min_score: self.min_score,
+            below_min_score: self.below_min_score,
             carry_to: self.carry_to.clone(),
             carry_clear_m: self.carry_clear_m,
             robustness: None,
