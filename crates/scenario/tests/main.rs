@@ -31,4 +31,3 @@ mod sharing;
 mod steps;
 mod target_object;
 mod twenty;
-mod zz_probe;
