@@ -60,9 +60,11 @@ pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
 /// A body rests on what is no farther below it, in metres: those of the paper's release float up to 1.8 mm above what
 /// carries them.
 const MOST_GAP_M: f64 = 2e-3;
-/// Points of a body that are no higher above its lowest are its foot, in metres: it may be tilted by 1°. A face that is no
-/// farther below the highest carries it too, if it must.
-const FOOT_M: f64 = 1e-3;
+/// Points of a body that are no higher above its lowest are its foot, in metres: it may be tilted a little, and coarse where
+/// it is round (a ball of 27 corners in the paper's release is 1.3 mm off the ground below its middle).
+const FOOT_M: f64 = 2e-3;
+/// A face that is no farther below the highest, in metres, carries a body too, if it must.
+const LOWER_M: f64 = 1e-3;
 /// The least cosine of the angle between a face's normal and the vertical: on steeper ones hardly anything stays.
 const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Normals of a part that are closer are one, as a chord.
@@ -160,7 +162,7 @@ impl Cell {
         let (mut patch, mut count, mut off_m) = (Vec::new(), 0, f64::INFINITY);
         for candidate in &candidates {
             let below_m = candidate.contact.separation_m - highest_m;
-            if below_m > FOOT_M || (below_m > CONTACT_ALLOWANCE_M && off_m <= CONTACT_ALLOWANCE_M) {
+            if below_m > LOWER_M || (below_m > CONTACT_ALLOWANCE_M && off_m <= CONTACT_ALLOWANCE_M) {
                 break;
             }
             patch.extend_from_slice(&candidate.patch);
@@ -196,7 +198,7 @@ impl Cell {
             let separation_m = low_m - top_m;
             let contact =
                 RestingContact { part: index, body: neighbour.body, direction, top_m, separation_m };
-            if !(-CONTACT_ALLOWANCE_M - RESOLUTION_M..MOST_GAP_M + FOOT_M).contains(&separation_m) {
+            if !(-CONTACT_ALLOWANCE_M - RESOLUTION_M..MOST_GAP_M + LOWER_M).contains(&separation_m) {
                 return None;
             }
             let is_higher = |corner: &Point| direction.dot(&corner.coords) > contact.cut_m();
@@ -217,7 +219,7 @@ impl Cell {
             let patch = if part.solid.is_half_space() {
                 feet.concat()
             } else {
-                all_shared(&feet, &slices(&surface, [top_m - FOOT_M, top_m + CONTACT_ALLOWANCE_M]))
+                all_shared(&feet, &slices(&surface, [top_m - LOWER_M, top_m + CONTACT_ALLOWANCE_M]))
             };
             let along_gravity = Across::new(&up);
             let patch: Vec<_> =
@@ -385,7 +387,7 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
     let Part { world_from_solid, solid } = part;
     let mut near: Vec<[Point; 3]> = Vec::new();
     for (pose, own) in placed {
-        let region = own.aabb().transformed(&world_from_solid.inv_mul(pose)).grown(MOST_GAP_M + FOOT_M);
+        let region = own.aabb().transformed(&world_from_solid.inv_mul(pose)).grown(MOST_GAP_M + LOWER_M);
         let corners = solid.triangles_near(&region).into_iter();
         near.extend(corners.map(|corners| corners.map(|corner| world_from_solid * corner)));
         if solid.support_point(&Vector::x()).is_some() {

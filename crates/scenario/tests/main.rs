@@ -35,4 +35,3 @@ mod statements;
 mod steps;
 mod target_object;
 mod twenty;
-mod zz_probe;
