@@ -62,16 +62,29 @@ class Solids:
         found = [(shape_of(shape), pose_of(shape.get("pose"))) for shape in entry["shapes"]]
         return cls([(shape, pose) for shape, pose in found if shape is not None])
 
+    def balls(self, pose: Floats) -> tuple[Floats, Floats]:
+        """Of each shape at a pose the middle and the radius of a ball around it."""
+        for shape, _ in self.shapes:
+            shape.computeLocalAABB()
+        middles = [pose @ at @ np.append(shape.aabb_center, 1.0) for shape, at in self.shapes]
+        return np.array(middles)[:, :3], np.array([shape.aabb_radius for shape, _ in self.shapes])
+
     def distance(self, pose: Floats, other: Solids, other_pose: Floats) -> float:
-        """The signed distance of two things (m)."""
-        coal, least = package("coal"), np.inf
-        for a, at in self.shapes:
-            for b, place in other.shapes:
-                first, second = pose @ at, other_pose @ place
-                found = coal.DistanceResult()
-                one = coal.Transform3s(first[:3, :3], first[:3, 3])
-                two = coal.Transform3s(second[:3, :3], second[:3, 3])
-                least = min(least, coal.distance(a, one, b, two, coal.DistanceRequest(), found))
+        """The signed distance of two things (m), or a centimetre where it is more than that."""
+        coal, least = package("coal"), 0.01
+        if not self.shapes or not other.shapes:
+            return least
+        if any(isinstance(shape, coal.Halfspace) for shape, _ in other.shapes):
+            near = np.ones((len(self.shapes), len(other.shapes)), dtype=bool)
+        else:
+            (middles, radii), (others, far) = self.balls(pose), other.balls(other_pose)
+            gaps = np.linalg.norm(middles[:, None] - others[None], axis=2) - radii[:, None] - far[None]
+            near = gaps < least
+        for first, second in zip(*np.nonzero(near), strict=True):
+            (a, at), (b, place) = self.shapes[first], other.shapes[second]
+            here, there = pose @ at, other_pose @ place
+            one, two = (coal.Transform3s(at[:3, :3], at[:3, 3]) for at in (here, there))
+            least = min(least, coal.distance(a, one, b, two, coal.DistanceRequest(), coal.DistanceResult()))
         return float(least)
 
 

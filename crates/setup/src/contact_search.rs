@@ -19,6 +19,9 @@ pub(crate) struct PairSearch<'r> {
     frames: LinkFrames,
 }
 
+/// Solids, where they are.
+type Placed<'r> = Vec<(Pose, &'r Solid)>;
+
 impl<'r> PairSearch<'r> {
     pub fn new(robot: &'r Robot, links: (usize, usize)) -> Self {
         let [a, b] = [links.0, links.1].map(|link| robot.ancestors(link));
@@ -39,12 +42,11 @@ impl<'r> PairSearch<'r> {
             limits[joint].lower + (limits[joint].upper - limits[joint].lower) * share
         };
         let mut q: Vec<f64> = limits.iter().map(|limits| limits.clamp(0.0)).collect();
-        let mut random = Stream::new(0, 0);
+        let mut random = Stream::new(0, 1);
         match self.joints[..] {
-            [] => return self.is_free(&q).then_some(q),
             [joint] => {
-                return (0..SEARCH_SAMPLES / 10).find_map(|step| {
-                    q[joint] = value(joint, step, SEARCH_SAMPLES / 10);
+                return (0..SEARCH_SAMPLES).find_map(|step| {
+                    q[joint] = value(joint, step, SEARCH_SAMPLES);
                     self.is_free(&q).then(|| q.clone())
                 });
             }
@@ -85,7 +87,7 @@ impl<'r> PairSearch<'r> {
     /// How large a window can be, at the most, in which the links are free and that the search has missed.
     pub fn missed(&self) -> &'static str {
         match self.joints.len() {
-            0 | 1 => "a window of 0.01 % of the joint's range",
+            0 | 1 => "a window of 0.001 % of the joint's range",
             2 => "a window of 0.32 % of the range of either joint",
             // No hit in n samples: less than 3 / n with 95 % confidence.
             _ => "0.003 % of all configurations",
@@ -113,8 +115,8 @@ impl<'r> PairSearch<'r> {
         overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
     }
 
-    #[expect(clippy::type_complexity, reason = "the solids of two links, where they are")]
-    fn placed(&self) -> (Vec<(Pose, &'r Solid)>, Vec<(Pose, &'r Solid)>) {
+    /// The solids of both links, where they are.
+    fn placed(&self) -> (Placed<'r>, Placed<'r>) {
         let of = |link: usize| {
             let root_from_link = *self.frames.link(link);
             let shapes = self.robot.links()[link].collisions.iter();

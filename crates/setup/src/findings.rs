@@ -153,9 +153,8 @@ fn rates(robot: &Robot) -> Finding {
 
 fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let is_disabled = |contact: &SelfContact| robot.disabled_pairs().binary_search(&contact.links).is_ok();
     let pair = |c: &SelfContact| format!("{} and {}", name(robot, c.links.0), name(robot, c.links.1));
-    for contact in contacts.iter().filter(|contact| is_disabled(contact)) {
+    for contact in contacts.iter().filter(|contact| contact.is_declared) {
         let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
         let depth = if contact.touching > 0 {
             format!(", at least {:.1} mm deep", contact.least_depth_m * 1000.0)
@@ -191,7 +190,7 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
     /// Pairs that touch in more of them, in per cent, take much of what a robot can do.
     const OFTEN: usize = 60;
     let often = |c: &&SelfContact| {
-        !is_disabled(c) && c.unchecked.is_none() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
+        !c.is_declared && c.unchecked.is_none() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
     };
     for contact in contacts.iter().filter(often) {
         let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;

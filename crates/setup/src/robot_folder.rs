@@ -126,10 +126,9 @@ pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[Strin
 
 /// An SRDF with the pairs besides that it checks, and that need not be compared or touch wherever it was looked.
 pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContact]) -> String {
-    let checked = |contact: &&SelfContact| robot.disabled_pairs().binary_search(&contact.links).is_err();
     let name = |link: usize| robot.links()[link].name.as_str();
     let line = |c: &SelfContact| Some(disabled(name(c.links.0), name(c.links.1), &reason(c)?));
-    let lines: String = contacts.iter().filter(checked).filter_map(line).collect();
+    let lines: String = contacts.iter().filter(|contact| !contact.is_declared).filter_map(line).collect();
     match own.rfind("</robot>") {
         Some(end) => [&own[..end], &lines, &own[end..]].concat(),
         None => own.to_owned(),
@@ -174,15 +173,19 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
     parts.push(format!("{} proven to touch always or never", counted(adjacent, "adjacent pair")));
     let proven = contacts.iter().filter(|c| c.unchecked == Some(UncheckedReason::AlwaysTouching)).map(pair);
     parts.extend(proven.map(|pair| format!("{pair}, wherever the joints between them stand, proven")));
-    let sampled = contacts.iter().filter(|contact| contact.is_always());
-    parts.extend(sampled.map(|c| {
-        format!(
-            "{}, in all of {SEARCH_SAMPLES} configurations and at the start, which is no proof: {} in which they are free may \
-             have been missed, and there no check will see them touch",
-            pair(c),
-            c.missed
-        )
-    }));
+    let sampled: Vec<String> = contacts
+        .iter()
+        .filter(|contact| contact.is_always())
+        .map(|contact| format!("{} ({} can have been missed)", pair(contact), contact.missed))
+        .collect();
+    if !sampled.is_empty() {
+        parts.push(format!(
+            "{} that touched in all of {SEARCH_SAMPLES} configurations and at the start, which is no proof; where they are free, \
+             no check sees them touch: {}",
+            counted(sampled.len(), "pair"),
+            sampled.join(", ")
+        ));
+    }
     let never = count(&|contact| contact.touching == 0);
     parts.push(format!("{never} never touched and are checked all the same"));
     Choice {

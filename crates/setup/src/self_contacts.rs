@@ -16,6 +16,8 @@ pub struct SelfContact {
     pub touching: usize,
     /// Whether no third link with geometry is between them, and one joint.
     pub is_adjacent: bool,
+    /// Whether the robot's SRDF, or whoever loads it, says not to compare them.
+    pub is_declared: bool,
     /// How deep they were in each other at the least, of those where they touched, in metres.
     pub least_depth_m: f64,
     /// Why no check compares them, though no file says so.
@@ -33,9 +35,10 @@ pub const SELF_CONTACT_SAMPLES: usize = 1000;
 const DEPTH_SAMPLES: usize = 10;
 
 impl SelfContact {
-    /// Whether they touched wherever it was looked, which proves nothing.
+    /// Whether they touched wherever it was looked, which proves nothing, and no file declares them.
     pub fn is_always(&self) -> bool {
-        self.touching == SELF_CONTACT_SAMPLES && self.free_at.is_none() && !self.is_proven()
+        let is_known = self.is_declared || self.is_proven();
+        self.touching == SELF_CONTACT_SAMPLES && self.free_at.is_none() && !is_known
     }
 
     /// Whether to compare them is proven to show nothing new.
@@ -74,6 +77,7 @@ impl SelfContact {
                 links,
                 touching: 0,
                 is_adjacent: robot.adjacent_pairs().binary_search(&links).is_ok(),
+                is_declared: robot.disabled_pairs().binary_search(&links).is_ok(),
                 least_depth_m: f64::INFINITY,
                 unchecked: unchecked(links),
                 free_at: None,
@@ -96,8 +100,7 @@ impl SelfContact {
                     contact.least_depth_m = contact.least_depth_m.min(search.depth_m(q));
                 }
             }
-            let is_disabled = robot.disabled_pairs().binary_search(&contact.links).is_ok();
-            if contact.free_at.is_none() && !is_disabled && !contact.is_proven() {
+            if contact.is_always() {
                 contact.free_at = search.free_configuration();
             }
             if !contact.is_often() {
