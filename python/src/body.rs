@@ -1,5 +1,7 @@
 //! `Body`: a thing in the world.
 
+use std::collections::HashSet;
+
 use cranny_collision::{Body, Part};
 use cranny_shape::{Outline, Solid, TriangleSoup};
 use numpy::PyArrayDyn;
@@ -16,6 +18,12 @@ use crate::pickled::{Made, Reduced, partial};
 pub struct PyBody {
     pub body: Body,
     made: Made,
+}
+
+/// A name that two of the bodies have, if there is one.
+pub fn named_twice(bodies: &[Body]) -> Option<&str> {
+    let mut names = HashSet::with_capacity(bodies.len());
+    bodies.iter().map(|body| body.name.as_str()).find(|name| !names.insert(*name))
 }
 
 #[pymethods]

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBool, PyTuple};
 
 use crate::array::{Configurations, shaped};
-use crate::body::PyBody;
+use crate::body::{PyBody, named_twice};
 use crate::contact::{PyContact, PyMotion};
 use crate::fault::{bad_value, fault};
 use crate::pickled::{Made, Reduced, partial};
@@ -46,10 +46,8 @@ impl PyCell {
         let constructor = partial(py.get_type::<Self>().as_any(), &keywords)?;
         let made = Made::by(constructor, (robot, PyTuple::new(py, &bodies)?))?;
         let bodies: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
-        for (index, body) in bodies.iter().enumerate() {
-            if bodies[..index].iter().any(|other| other.name == body.name) {
-                return Err(bad_value(format!("there are two bodies '{}'; names are unique", body.name)));
-            }
+        if let Some(name) = named_twice(&bodies) {
+            return Err(bad_value(format!("there are two bodies '{name}'; names are unique")));
         }
         let world = World::new(bodies).map_err(fault)?;
         let margins = Margins { margin_m, ..Margins::default() };

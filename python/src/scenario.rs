@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBytes, PyDict};
 
 use crate::array::{Configurations, configuration, copied, pose_or_translation, rows, shaped};
-use crate::body::PyBody;
+use crate::body::{PyBody, named_twice};
 use crate::cell::PyCell;
 use crate::fault::{bad_value, fault};
 use crate::grasp_set::PyGrasps;
@@ -110,8 +110,8 @@ impl PyScenario {
         keywords.set_item("name", name)?;
         let all: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
         let place = |name: &str| all.iter().position(|body| body.name == name);
-        if let Some(twice) = all.iter().enumerate().find(|(at, body)| place(&body.name) != Some(*at)) {
-            return Err(bad_value(format!("two bodies are called '{}'", twice.1.name)));
+        if let Some(name) = named_twice(&all) {
+            return Err(bad_value(format!("two bodies are called '{name}'")));
         }
         let target = target
             .map(|name| place(name).ok_or_else(|| bad_value(format!("target: no body is called '{name}'"))))

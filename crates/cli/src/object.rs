@@ -30,7 +30,7 @@ pub struct ObjectArguments {
 pub enum ObjectCommand {
     /// List the built-in objects
     List,
-    /// Show an object: size, mass, convex parts, stable poses
+    /// Show an object: size, mass, convex parts, stable poses; or size and volume of a mesh file
     Show(ShowArguments),
     /// Make an object from a mesh: repair it, cut it into convex parts, weigh it, find how it rests
     Add(AddArguments),
@@ -44,7 +44,7 @@ pub enum ObjectCommand {
   cranny object show banana --picture banana.png
   cranny object show path/to/mug --json")]
 pub struct ShowArguments {
-    /// Built-in object, or the folder of one
+    /// Built-in object, the folder of one, or a mesh file of which none is made yet
     #[arg(value_name = "OBJECT")]
     pub object: String,
     /// Draw it too, as a PNG file
@@ -120,6 +120,47 @@ struct Shown {
     picture: Option<PathBuf>,
 }
 
+/// What `object show` prints of a mesh file.
+#[derive(Serialize)]
+struct ShownMesh {
+    mesh: PathBuf,
+    size_m: [f64; 3],
+    triangles: usize,
+    volume_m3: f64,
+    repaired: RepairedMesh,
+}
+
+impl ShownMesh {
+    fn of(path: &Path) -> Result<Self, ScenarioError> {
+        let repaired = TriangleSoup::load(path, Vector::repeat(1.0)).and_then(|soup| RepairedMesh::of(&soup));
+        let repaired = repaired.map_err(|fault| ScenarioError::from(fault).in_mesh(path))?;
+        Ok(Self {
+            mesh: path.to_owned(),
+            size_m: size_m(&repaired.soup),
+            triangles: repaired.soup.triangles.len(),
+            volume_m3: repaired.soup.signed_volume_m3(),
+            repaired,
+        })
+    }
+
+    fn page(&self) -> String {
+        let (mesh, litres) = (self.mesh.display(), self.volume_m3 * 1000.0);
+        let [x, y, z] = self.size_m.map(|size| size * 1000.0);
+        format!(
+            "{mesh}\n  size          {x:.1} × {y:.1} × {z:.1} mm, {} triangles\n  volume        {litres:.4} l\n\
+             an object is made of it by: cranny object add {mesh} --mass KG\n",
+            self.triangles
+        )
+    }
+}
+
+/// The lengths of the box around a mesh.
+fn size_m(mesh: &TriangleSoup) -> [f64; 3] {
+    let first = mesh.vertices[0];
+    let (low, high) = mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+    (high - low).into()
+}
+
 /// The object that `what` names: a built-in one, or a folder.
 pub fn open(what: &str) -> Result<ObjectType, ScenarioError> {
     let folder = Path::new(what);
@@ -129,6 +170,11 @@ pub fn open(what: &str) -> Result<ObjectType, ScenarioError> {
 pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         ObjectCommand::List => list(output),
+        ObjectCommand::Show(ShowArguments { object, picture: None }) if Path::new(object).is_file() => {
+            let mesh = ShownMesh::of(Path::new(object))?;
+            text::answer(&mesh, || mesh.page(), output)?;
+            Ok(Answer::Done)
+        }
         ObjectCommand::Show(arguments) => {
             let object = open(&arguments.object)?;
             if let Some(file) = &arguments.picture {
@@ -222,12 +268,10 @@ const POSES_SHOWN: usize = 12;
 
 impl Shown {
     fn of(object: &ObjectType) -> Self {
-        let first = object.mesh.vertices[0];
-        let (low, high) = object.mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
         let inertia = &object.inertia_kg_m2;
         Self {
             object: object.name.clone(),
-            size_m: (high - low).into(),
+            size_m: size_m(&object.mesh),
             triangles: object.mesh.triangles.len(),
             volume_m3: object.volume_m3,
             mass_kg: object.mass_kg,

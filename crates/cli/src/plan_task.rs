@@ -5,7 +5,8 @@ use cranny_grasp::GraspSet;
 use cranny_plan::Problem;
 use cranny_robot::Robot;
 use cranny_scenario::{
-    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, SequencePlan, model_notes,
+    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, SequencePlan,
+    brief_model_notes,
 };
 
 use crate::arguments::{Output, TaskArguments};
@@ -58,7 +59,7 @@ impl PlanTask {
         if output.json {
             note_all(&deviations, output)?;
         }
-        note_all(&model_notes(&opened.robot, &opened.world), output)?;
+        note_all(&brief_model_notes(&opened.robot, &opened.world), output)?;
         let margins = Margins { grasp_margin_m: 0.0, ..arguments.margins.or(margins) };
         let mut problem = opened.problem(margins)?;
         if arguments.strict_pairs {

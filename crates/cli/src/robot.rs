@@ -6,7 +6,7 @@ use cranny_collision::World;
 use cranny_file::counted;
 use cranny_robot::Robot;
 use cranny_scenario::{
-    BUILTIN_ROBOTS, RecipeRobot, ScenarioError, check_free_folder, model_notes, write_whole_folder,
+    BUILTIN_ROBOTS, RecipeRobot, ScenarioError, brief_model_notes, check_free_folder, write_whole_folder,
 };
 use cranny_setup::{Base, Choice, RobotFindings, RobotSetup, SetupOptions};
 use serde::Serialize;
@@ -230,7 +230,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         page
     };
     text::answer(&added, page, output)?;
-    note_all(&model_notes(&setup.robot, &World::default()), output)?;
+    note_all(&brief_model_notes(&setup.robot, &World::default()), output)?;
     Ok(Answer::Done)
 }
 

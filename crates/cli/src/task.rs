@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, model_notes};
+use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, brief_model_notes};
 use cranny_solve::PoseRadius;
 
 use crate::arguments::{Output, TaskArguments};
@@ -74,7 +74,7 @@ impl Task {
 /// A scenario; the user is told what was repaired in its meshes, and what is doubtful.
 pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<Scenario, Failure> {
     let scenario = Scenario::open(id, options)?;
-    note_all(&model_notes(&scenario.robot, &scenario.world), output)?;
+    note_all(&brief_model_notes(&scenario.robot, &scenario.world), output)?;
     note_all(scenario.misplaced_grasps().as_slice(), output)?;
     note_all(scenario.too_wide_target().as_slice(), output)?;
     Ok(scenario)

@@ -327,15 +327,18 @@ fn pairs_along(
 ) -> Vec<[Contact; 2]> {
     let contact = |point: Point, normal: Vector| Contact { point_in_object: point, normal_in_object: normal };
     let begin = contact(first.point, first.normal);
+    let beyond_m = 4.0 * surface.aabb().half_extents.norm();
     let mut pairs = Vec::new();
     for hit in surface.ray_hits(&first.point, ray, settings.opening_m) {
         let end = contact(first.point + ray * hit.distance_m, hit.normal);
         let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M;
         let travel_m = 0.5 * (opening_m - hit.distance_m);
-        // The surface that the pad ends at lies within rounding of where its line begins.
+        // What a pad on its way out meets first is farther than where it stands open, and is met from outside. The surface
+        // that it ends at lies within rounding of where its line begins.
         let is_met_first = |contact: &Contact, outwards: Vector| {
             let before = contact.point_in_object + outwards * LEAST_GAP_M;
-            travel_m <= LEAST_GAP_M || surface.ray_hits(&before, &outwards, travel_m - LEAST_GAP_M).is_empty()
+            let met = surface.ray_hits(&before, &outwards, beyond_m);
+            met.first().is_none_or(|met| met.distance_m > travel_m && met.normal.dot(&outwards) < 0.0)
         };
         if leaves
             && friction_needed(&begin, &end) <= settings.friction

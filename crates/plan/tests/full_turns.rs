@@ -158,16 +158,15 @@ fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
 
 /// A goal that cannot be gone to is given with the joint or the pair that is why.
 #[test]
-fn goals_that_cannot_be_gone_to_are_told_with_the_reason() {
+fn goals_that_cannot_be_gone_to_have_a_reason() {
     let goals = vec![vec![7.0, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 6], vec![0.5; 6]];
     let goal = Goal::Configurations(goals);
     let world = World::new(vec![block("wall", [0.85, -0.05, 0.0], [0.1; 3])]).expect("a wall");
     let problem =
         Problem::exact(arm(), world, None, vec![1.0; 6], goal, Margins::default()).expect("a problem");
-    let faults = problem.goal_faults();
-    let told: Vec<(usize, String)> =
-        faults.iter().map(|fault| (fault.grasp, fault.reason.sentence())).collect();
-    assert_eq!(told.iter().map(|(goal, _)| *goal).collect::<Vec<_>>(), [0, 1], "{told:?}");
-    assert_eq!(told[0].1, "j1 at 7 is outside its limits -6.2832 to 6.2832");
-    assert!(told[1].1.ends_with("is too close to wall"), "{told:?}");
+    let faults: Vec<Vec<String>> =
+        problem.goal_faults().iter().map(|of_goal| of_goal.iter().map(ToString::to_string).collect()).collect();
+    assert_eq!(faults[0], ["j1 is 7.0000, outside its limits [-6.2832, 6.2832]"]);
+    assert!(faults[1].iter().any(|fault| fault.contains("touches wall")), "{faults:?}");
+    assert_eq!((faults.len(), faults[2].len()), (3, 0), "{faults:?}");
 }

@@ -41,9 +41,10 @@ impl Urdf {
         let owner = format!("joint `{name}`");
         let end = |tag| Ok::<_, RobotError>(element.needed(tag, &owner)?.text("link")?.to_owned());
         let (mut parent, child) = (end("parent")?, end("child")?);
-        let axis = match element.first("axis") {
-            Some(axis) if freedoms.len() == PLANAR.len() => axis.vector("xyz")?.unwrap_or_else(Vector::z),
-            _ => Vector::z(),
+        let is_planar = freedoms.len() == PLANAR.len();
+        let axis = match is_planar.then(|| element.first("axis")).flatten() {
+            Some(axis) => axis.vector("xyz")?.unwrap_or_else(Vector::z),
+            None => Vector::z(),
         };
         let zero_axis = || RobotError::ZeroAxis { at: element.at(), joint: name.to_owned() };
         let axis = axis.try_normalize(1e-9).ok_or_else(zero_axis)?;

@@ -7,9 +7,11 @@ use crate::xml::{Element, XmlText};
 use crate::RobotError;
 
 /// Elements of a URDF that no plan depends on, by the element that holds them (`*` for any).
-const KNOWN_ELEMENTS: [(&str, &[&str]); 5] = [
-    ("*", &["gazebo", "material", "sensor"]),
-    ("robot", &["transmission", "ros2_control", "mujoco"]),
+const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
+    ("*", &["gazebo", "material", "sensor", "transmission", "actuator"]),
+    ("robot", &["ros2_control", "mujoco"]),
+    // A mesh stands for its hull unless asked otherwise, and then for more of itself.
+    ("mesh", &["drake:declare_convex"]),
     ("link", &["contact", "self_collision_checking"]),
     (
         "collision",
@@ -42,8 +44,9 @@ const KNOWN_ATTRIBUTES: [(&str, &[&str]); 7] = [
     ("limit", &["damping", "friction"]),
 ];
 
-/// Elements of a fixed joint without effect, as many exporters write them.
-const WITHOUT_EFFECT_IF_FIXED: [&str; 3] = ["axis", "limit", "mimic"];
+/// Elements without effect in joints of a type, as many exporters write them.
+const WITHOUT_EFFECT: [(&str, &[&str]); 2] =
+    [("fixed", &["axis", "limit", "mimic"]), ("floating", &["axis"])];
 
 /// Elements that hold others, and no value of their own.
 const CONTAINERS: [&str; 3] = ["joint", "collision", "geometry"];
@@ -142,8 +145,8 @@ fn lists(known: &[(&str, &[&str])], owner: &str, name: &str) -> bool {
 }
 
 fn is_known_element(owner: Element<'_>, tag: &str) -> bool {
-    let is_fixed = owner.tag() == "joint" && owner.optional_text("type") == Some("fixed");
-    lists(&KNOWN_ELEMENTS, &owner.tag(), tag) || is_fixed && WITHOUT_EFFECT_IF_FIXED.contains(&tag)
+    let is_idle = || owner.optional_text("type").is_some_and(|kind| lists(&WITHOUT_EFFECT, kind, tag));
+    lists(&KNOWN_ELEMENTS, &owner.tag(), tag) || owner.tag() == "joint" && is_idle()
 }
 
 fn is_asked_for(element: Element<'_>, name: &str) -> bool {

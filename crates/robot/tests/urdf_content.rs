@@ -144,6 +144,15 @@ fn what_changes_neither_is_named_or_known() {
     {
         assert!(with("</robot>", &format!("{known}</robot>")).expect(known).notes().is_empty());
     }
+    for kind in ["fixed", "floating"] {
+        // A joint beside the others, with an axis that has no meaning.
+        let joint = format!(
+            "<link name=\"tag\"/><joint name=\"tagged\" type=\"{kind}\"><parent link=\"foot\"/><child link=\"tag\"/>\
+             <axis xyz=\"0 0 1\"/><limit velocity=\"1\" effort=\"1\"/></joint></robot>"
+        );
+        let robot = with("</robot>", &joint).expect(kind);
+        assert!(robot.notes().is_empty(), "{:?}", robot.notes());
+    }
     for (old, new, note) in [
         (
             "</robot>",

@@ -5,7 +5,8 @@ use cranny_robot::{Link, Robot};
 use cranny_shape::{Surface, separation};
 use cranny_spatial::{Point, Pose};
 
-use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m, mesh_repairs};
+use crate::object::mesh_repairs::{body_repairs, link_repairs};
+use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m};
 
 /// From the pads of a hand at a grasp to what it grasps there is no way farther than this, in metres: half of what the
 /// widest two-finger hands open.
@@ -18,13 +19,42 @@ pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
 }
 
 /// Notes on a robot and the bodies around it: content of the URDF that was not read, meshes that had to be repaired,
-/// [`seen_only_links`].
+/// [`seen_only_links`], [`wide_opening`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
-    let unseen = seen_only_links(robot).map(|link| {
-        format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
-    });
     let unread = robot.notes().iter().cloned();
-    unread.chain(mesh_repairs(robot, world)).chain(unseen).chain(wide_opening(robot)).collect()
+    let repaired = link_repairs(robot).into_iter().chain(body_repairs(world));
+    unread.chain(repaired).chain(unseen_notes(robot)).chain(wide_opening(robot)).collect()
+}
+
+/// [`model_notes`], with one line for each kind of which there are several.
+pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
+    let name = robot.name();
+    let brief = |notes: Vec<String>, all: &dyn Fn(usize) -> String| match notes.len() {
+        0 | 1 => notes,
+        count => vec![all(count)],
+    };
+    let see = format!("`cranny robot check` of robot '{name}' lists them");
+    let unread = brief(robot.notes().to_vec(), &|count| {
+        format!("{count} kinds of content of the URDF are not read, and no plan depends on them: {see}")
+    });
+    let links =
+        brief(link_repairs(robot), &|count| format!("the meshes of {count} links were repaired: {see}"));
+    let bodies = brief(body_repairs(world), &|count| {
+        format!("the meshes of {count} bodies were repaired: `cranny scenario check` lists them")
+    });
+    let unseen = brief(unseen_notes(robot), &|count| {
+        format!(
+            "{count} links have a <visual> and no <collision>: no proof keeps them from touching anything; {see}"
+        )
+    });
+    [unread, links, bodies, unseen, wide_opening(robot).into_iter().collect()].concat()
+}
+
+fn unseen_notes(robot: &Robot) -> Vec<String> {
+    let note = |link| {
+        format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
+    };
+    seen_only_links(robot).map(note).collect()
 }
 
 /// What an opening may be said to be wider than measured, in metres: meshes are that rough.

@@ -18,7 +18,7 @@ mod schema;
 mod steps;
 
 pub use catalogue::{BuiltInTask, CatalogueEntry, built_in, catalogue, insertions, sequences};
-pub use doubts::{model_notes, seen_only_links, wide_opening};
+pub use doubts::{brief_model_notes, model_notes, seen_only_links, wide_opening};
 pub use error::ScenarioError;
 pub use family::error::FamilyError;
 pub use family::kind::{Family, Placement};
@@ -42,7 +42,7 @@ pub use object::builtin::{builtin_object, builtin_object_names};
 pub use object::error::ObjectError;
 pub use object::filter::filter_around_object;
 pub use object::folder::{OBJECT_FILE, RestingPose};
-pub use object::mesh_repairs::mesh_repairs;
+pub use object::mesh_repairs::{link_repairs, mesh_repairs};
 pub use object::object_type::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
 pub use object::physics::TargetPhysics;
 pub use object::source::ObjectSource;

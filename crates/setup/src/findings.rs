@@ -63,6 +63,11 @@ impl RobotFindings {
                 finding("not read", note.clone(), "nothing planned or proven depends on it", false)
             }),
         );
+        findings.extend(
+            cranny_scenario::link_repairs(robot)
+                .into_iter()
+                .map(|repair| finding("mesh", repair, "what its mended surface encloses is full", false)),
+        );
         findings.extend(geometry(robot));
         findings.extend(pairs(robot, &contacts));
         findings.push(start(robot)?);

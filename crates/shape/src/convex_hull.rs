@@ -1,8 +1,8 @@
 use cranny_spatial::{Point, Vector};
-use parry3d_f64::transformation::try_convex_hull;
 
 use crate::error::usable;
 use crate::hull::outer_points;
+use crate::quickhull::hull_faces;
 use crate::{ShapeError, TriangleSoup, parry};
 
 /// A plane with a unit normal that points out of a hull.
@@ -43,7 +43,7 @@ impl TriangleSoup {
         }
         let given: Vec<_> = points.iter().map(parry::point).collect();
         let flat = || ShapeError::FlatHull { points: points.len() };
-        let (vertices, triangles) = try_convex_hull(&outer_points(&given)).map_err(|_| flat())?;
+        let (vertices, triangles) = hull_faces(&outer_points(&given)).ok_or_else(flat)?;
         let vertices = vertices.into_iter().map(|v| parry::to_vector(v).into()).collect();
         let hull = Self { vertices, triangles };
         if hull.signed_volume_m3() > 0.0 { Ok(hull) } else { Err(flat()) }

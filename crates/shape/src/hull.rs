@@ -3,11 +3,11 @@ use std::sync::Arc;
 use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
-use parry3d_f64::transformation::try_convex_hull;
 
 use crate::closed_mesh::check_closed;
 use crate::convex::{Convex, Core, HullPoints};
 use crate::error::usable;
+use crate::quickhull::hull_faces;
 use crate::solid::Kind;
 use crate::{ShapeError, Solid, TriangleSoup, parry, separation};
 
@@ -28,7 +28,7 @@ impl Solid {
         if outer.len() > MOST_HULL_CORNERS {
             return rounded_hull(&outer, ROUNDED_CORNERS).ok_or(flat);
         }
-        let Ok((hull, faces)) = try_convex_hull(&outer) else { return Err(flat) };
+        let Some((hull, faces)) = hull_faces(&outer) else { return Err(flat) };
         let volume: f64 = faces
             .iter()
             .map(|f| f.map(|v| hull[v as usize] - hull[0]))
@@ -96,7 +96,7 @@ pub(crate) fn outer_points(points: &[ParryVector]) -> Vec<ParryVector> {
     if points.len() <= MOST_HULL_CORNERS {
         return points.to_vec();
     }
-    let Ok((hull, faces)) = try_convex_hull(&farthest(points, DIRECTIONS)) else { return points.to_vec() };
+    let Some((hull, faces)) = hull_faces(&farthest(points, DIRECTIONS)) else { return points.to_vec() };
     let plane = |face: &[u32; 3]| {
         let [a, b, c] = face.map(|index| hull[index as usize]);
         let normal = (b - a).cross(c - a).try_normalize()?;

@@ -33,6 +33,7 @@ mod patch;
 mod ply;
 mod polygon;
 mod pose_symmetry;
+mod quickhull;
 mod ray;
 mod repair;
 mod same_place;

@@ -1,18 +1,27 @@
 use cranny_collision::World;
 use cranny_robot::Robot;
+use cranny_shape::Solid;
 
-/// What had to be repaired in the meshes of links and bodies so that their inside is well defined: a line for
-/// each.
+/// The repairs of meshes of links and bodies that made their inside well defined: a line for each mesh.
 pub fn mesh_repairs(robot: &Robot, world: &World) -> Vec<String> {
-    let of_links = robot.links().iter().flat_map(|link| {
-        link.collisions.iter().map(move |shape| (format!("link '{}'", link.name), &shape.solid))
-    });
-    let of_bodies = world
-        .bodies()
-        .iter()
-        .flat_map(|body| body.parts.iter().map(move |part| (format!("body '{}'", body.name), &part.solid)));
-    let repaired = |(what, solid): (String, &cranny_shape::Solid)| {
-        solid.mesh_repairs().map(|repairs| format!("{what}: {repairs}"))
+    [link_repairs(robot), body_repairs(world)].concat()
+}
+
+/// Those of links.
+pub fn link_repairs(robot: &Robot) -> Vec<String> {
+    let of_link = |link: &cranny_robot::Link| {
+        let name = link.name.clone();
+        link.collisions.iter().filter_map(|shape| line("link", &name, &shape.solid)).collect::<Vec<_>>()
     };
-    of_links.chain(of_bodies).filter_map(repaired).collect()
+    robot.links().iter().flat_map(of_link).collect()
+}
+
+/// Those of bodies.
+pub fn body_repairs(world: &World) -> Vec<String> {
+    let parts = world.bodies().iter().flat_map(|body| body.parts.iter().map(move |part| (body, part)));
+    parts.filter_map(|(body, part)| line("body", &body.name, &part.solid)).collect()
+}
+
+fn line(kind: &str, name: &str, solid: &Solid) -> Option<String> {
+    solid.mesh_repairs().map(|repairs| format!("{kind} '{name}': {repairs}"))
 }
