@@ -278,9 +278,13 @@ fn no_key_of_a_plan_is_changed_unseen() {
     assert!(silent.is_empty(), "{silent:#?}");
 }
 
-/// Where what a file means is all that its reader gives.
+/// Everything that a reader makes of a file, but a table of names whose order is another each time.
 fn shown(thing: &impl std::fmt::Debug) -> String {
-    format!("{thing:?}")
+    let whole = format!("{thing:?}");
+    match whole.split_once("links_by_name: {") {
+        Some((before, after)) => before.to_owned() + after.split_once('}').map_or("", |(_, after)| after),
+        None => whole,
+    }
 }
 
 #[test]

@@ -101,7 +101,8 @@ impl PlanFile {
         let (audit, robustness) =
             rayon::join(|| self.audit(problem, settings), || self.measured_robustness(problem));
         let Some(audit) = audit? else { return Ok(None) };
-        let measured = Self { robustness: robustness?, ..self.measured(task, problem, &audit, settings)? };
+        let robustness = robustness?.filter(|_| audit.valid);
+        let measured = Self { robustness, ..self.measured(task, problem, &audit, settings)? };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = Judgement {
@@ -123,7 +124,9 @@ impl PlanFile {
         if holds {
             let is_own_task = judgement.differs.is_empty();
             for statement in differences(&measured_keys, &stated, &found) {
-                if is_own_task && statement.is_false {
+                // Where nothing is proven, whatever is stated of clearances is more than there is.
+                let is_unproven = problem.cell().is_none() && statement.measured.is_null();
+                if is_own_task && (statement.is_false || is_unproven) {
                     let [stated, measured] = statement.in_words();
                     let key = statement.key;
                     judgement.audit.violations.push(Violation::Statement { key, stated, measured });
