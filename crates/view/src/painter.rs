@@ -27,6 +27,10 @@ const SMOOTH: f32 = 0.866;
 /// How much darker the line around a thing is.
 const OUTLINE: f32 = 0.5;
 
+/// Opacity of the edges of what can be seen through, and how much darker they are than it: on a bright floor its faces are
+/// hardly told from nothing.
+const EDGE: [f32; 2] = [0.95, 0.75];
+
 /// At most so many different surfaces are told apart in a point: as many as there can be samples.
 const MOST_SURFACES: usize = 8;
 
@@ -89,9 +93,10 @@ impl Painter<'_> {
                     let (seen, cosine) = self.surface(list, share, x, y, None);
                     let side = (1.0 - cosine) * (1.0 - cosine);
                     let opacity = (look.opacity * (1.0 - 0.4 * look.rim + 1.8 * look.rim * side)).min(0.95);
-                    let opacity = opacity + (0.75 - opacity).max(0.0) * line;
+                    let [dense, dark] = if look.has_edges { EDGE } else { [0.75, OUTLINE] };
+                    let opacity = opacity + (dense - opacity).max(0.0) * line;
                     let weight = opacity * share.samples as f32 / per_point as f32;
-                    light += seen * (weight * (1.0 - OUTLINE * line));
+                    light += seen * (weight * (1.0 - dark * line));
                     cover += weight;
                 }
                 if cover > 0.0 {
