@@ -83,7 +83,11 @@ fn step(plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
-        format!(", {} clear or more, proven{}", text::at_least_mm(clearance_m), text::but_for(&plan.not_checked))
+        format!(
+            ", {} clear or more, proven{}",
+            text::at_least_mm(clearance_m),
+            text::but_for(&plan.not_checked)
+        )
     });
     format!("{object} to '{place}': {} by {} in {took}{clearance}", plan.outcome.name(), plan.planner)
 }

@@ -3,7 +3,9 @@ use std::path::PathBuf;
 
 use cranny_collision::Margins;
 use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, brief_model_notes};
+use cranny_scenario::{
+    Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, brief_model_notes,
+};
 use cranny_solve::PoseRadius;
 
 use crate::arguments::{Output, TaskArguments};

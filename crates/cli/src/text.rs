@@ -2,9 +2,7 @@ use std::io::Write;
 
 use cranny_collision::Margins;
 use cranny_file::{counted, visible};
-use cranny_plan::{
-    AllowedContact, AppliedMargin, ClearanceLimit, NotChecked, NotCheckedReason, OwnGrasp,
-};
+use cranny_plan::{AllowedContact, AppliedMargin, ClearanceLimit, NotChecked, NotCheckedReason, OwnGrasp};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -126,7 +124,9 @@ const MOST_NAMED: usize = 3;
 /// Pairs that are not compared, why, and what to do about it, and contacts that are allowed, each with the heading of its line:
 /// a line each, but one for all adjacent links of a kind.
 pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
-    use NotCheckedReason::{AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching};
+    use NotCheckedReason::{
+        AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching,
+    };
     let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason, contact }| {
         let depth = at_least_mm(*depth_m);
         if let Some(AllowedContact { segment, allowance_m }) = contact {

@@ -28,8 +28,7 @@ impl TooWide {
 
 impl fmt::Display for TooWide {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [narrowest, opening] =
-            distinct([self.narrowest_m, self.opening_m].map(|metres| metres * 1e3), 1);
+        let [narrowest, opening] = distinct([self.narrowest_m, self.opening_m].map(|metres| metres * 1e3), 1);
         write!(
             formatter,
             "no grasp fits: two pads that hold it are at least {narrowest} mm apart, as sampled, and the hand opens \

@@ -164,8 +164,11 @@ fn goals_that_cannot_be_gone_to_have_a_reason() {
     let world = World::new(vec![block("wall", [0.85, -0.05, 0.0], [0.1; 3])]).expect("a wall");
     let problem =
         Problem::exact(arm(), world, None, vec![1.0; 6], goal, Margins::default()).expect("a problem");
-    let faults: Vec<Vec<String>> =
-        problem.goal_faults().iter().map(|of_goal| of_goal.iter().map(ToString::to_string).collect()).collect();
+    let faults: Vec<Vec<String>> = problem
+        .goal_faults()
+        .iter()
+        .map(|of_goal| of_goal.iter().map(ToString::to_string).collect())
+        .collect();
     assert_eq!(faults[0], ["j1 is 7.0000, outside its limits [-6.2832, 6.2832]"]);
     assert!(faults[1].iter().any(|fault| fault.contains("touches wall")), "{faults:?}");
     assert_eq!((faults.len(), faults[2].len()), (3, 0), "{faults:?}");

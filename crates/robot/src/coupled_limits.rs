@@ -47,12 +47,7 @@ fn is_movable(joint: &UrdfJoint) -> bool {
 }
 
 /// Narrows the limits of a joint to what one that mimics it allows, which follows it by `(multiplier, offset)`.
-fn narrow(
-    limits: &mut JointLimits,
-    mimic: &UrdfJoint,
-    (multiplier, offset): (f64, f64),
-    scales: RateScales,
-) {
+fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f64, f64), scales: RateScales) {
     let Some(motion) = &mimic.motion else { return };
     let (lower, upper) = range(motion);
     let is_endless = motion.kind == UrdfJointKind::Continuous
@@ -69,7 +64,8 @@ fn narrow(
     let own_velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
     let own_velocity = scaled(own_velocity, scales.velocity);
     limits.velocity = slower(Some(limits.velocity), own_velocity).unwrap_or(limits.velocity);
-    limits.acceleration = slower(limits.acceleration, scaled(motion.limits.acceleration, scales.acceleration));
+    limits.acceleration =
+        slower(limits.acceleration, scaled(motion.limits.acceleration, scales.acceleration));
     limits.jerk = slower(limits.jerk, motion.limits.jerk);
 }
 

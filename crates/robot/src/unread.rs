@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, HashSet};
 
 use cranny_file::{counted, nearest_names};
 
-use crate::xml::{Element, XmlText};
 use crate::RobotError;
+use crate::xml::{Element, XmlText};
 
 /// Elements of a URDF that no plan depends on, by the element that holds them (`*` for any).
 const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
