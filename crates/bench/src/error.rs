@@ -2,8 +2,6 @@ use std::path::{Path, PathBuf};
 
 use cranny_file::{nearest_files, suggested};
 
-use crate::Shard;
-
 /// What can be wrong with a campaign, its results or a worker. What a planner does wrong is none of these: it is
 /// an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
@@ -135,7 +133,7 @@ pub enum BenchError {
         /// The results.
         results: PathBuf,
         /// The part that is to be run.
-        part: Shard,
+        part: String,
         /// How many trials of other parts there are.
         trials: usize,
     },

@@ -45,7 +45,7 @@ impl Shard {
         if trials == 0 {
             return Ok(());
         }
-        Err(BenchError::OtherPart { results: results.path().to_owned(), part: self, trials })
+        Err(BenchError::OtherPart { results: results.path().to_owned(), part: self.to_string(), trials })
     }
 }
 

@@ -57,6 +57,7 @@ mod simulate_steps;
 mod simulate_subject;
 mod slurm;
 mod start;
+mod statements;
 mod task;
 mod text;
 mod unfinished;

@@ -14,9 +14,9 @@ use crate::file_kind::FileKind;
 use crate::output_file;
 use crate::plan_task::check_scenario;
 use crate::progress::{SearchProgress, stop_on_interrupt};
+use crate::statements::{Brought, statement_lines};
 use crate::task::{Demand, Task};
 use crate::text;
-use crate::verify::{Brought, statement_lines};
 
 /// What `plan --steps --json` prints; the keys stay.
 #[derive(Serialize)]

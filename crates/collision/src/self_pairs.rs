@@ -2,7 +2,7 @@ use cranny_robot::Robot;
 
 use crate::link_body::LinkBody;
 use crate::pair_range::{PairRange, PairRanges, Question};
-use crate::unchecked::UncheckedReason;
+use crate::unchecked::{Exempt, UncheckedReason};
 
 /// Which links can be compared with which, as indices into the link bodies, and which of them are not, and why.
 ///
@@ -12,13 +12,6 @@ use crate::unchecked::UncheckedReason;
 /// to touch at their joint alone: every answer names them.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
-
-/// Why a pair is not compared, and the least depth that was seen (m).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Exempt {
-    pub reason: UncheckedReason,
-    pub depth_m: f64,
-}
 
 impl SelfPairs {
     /// All pairs but those that the robot's SRDF or its options disable, and those that never move against each other.

@@ -5,7 +5,6 @@ use cranny_spatial::CONTACT_M;
 use crate::contact::Collider;
 use crate::held_body::Spared;
 use crate::link_body::{LinkBody, group_separation};
-use crate::self_pairs::Exempt;
 use crate::world::Part;
 
 /// Two things that no check and no proof compares, or only as far as an allowance: each answer names them.
@@ -43,6 +42,13 @@ pub enum UncheckedReason {
     /// What is held, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper in it
     /// than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
     Resting,
+}
+
+/// Why a pair is not compared, and the least depth that was seen (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Exempt {
+    pub reason: UncheckedReason,
+    pub depth_m: f64,
 }
 
 impl UncheckedReason {

@@ -21,9 +21,8 @@ pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
 pub use hand::{BoxHand, Finger, Hand};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
-pub use import::{
-    ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, GraspFormat, ImportSettings, Imported, import_grasps,
-};
+pub use import::format::{ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, GraspFormat, ImportSettings};
+pub use import::{Imported, import_grasps};
 pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};
 pub use robust_score::RobustScore;
 pub use sampler::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, sample_grasps};

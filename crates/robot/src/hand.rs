@@ -1,13 +1,14 @@
 use std::collections::BTreeMap;
 
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::Pose;
 
 use crate::hand_description::{FingerRange, HandDescription};
+use crate::hand_joint::HandJoint;
 use crate::pad_distance::PadDistance;
 use crate::rate_limits::RateLimits;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
-use crate::{JointKind, Link, Mover, RobotOptions};
+use crate::{Link, Mover, RobotOptions};
 
 /// The hand of a robot, as it is described.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,27 +23,6 @@ pub struct RobotHand {
     pub fingers: usize,
     /// How far its pads are apart, and how long they take.
     pub pads: PadDistance,
-}
-
-/// A joint that moves while a hand closes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandJoint {
-    /// The link right below it.
-    pub link: usize,
-    /// The joint of the hand above it, by its number among them; `None` right on the palm.
-    pub parent: Option<usize>,
-    /// How it moves.
-    pub kind: JointKind,
-    /// Its axis in the frame of `link`, a unit vector.
-    pub axis_in_link: Vector,
-    /// How far it moves from open to closed (m, rad).
-    pub stroke: f64,
-    /// The finger that it belongs to, counted from 0.
-    pub finger: usize,
-    /// Greatest speed, in m/s or rad/s, if known.
-    pub velocity: Option<f64>,
-    /// Greatest acceleration, in m/s² or rad/s², if known.
-    pub acceleration: Option<f64>,
 }
 
 impl RobotHand {

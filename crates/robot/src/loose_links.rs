@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Translation3 as Translation;
 use cranny_spatial::{Pose, Rotation};
 
-use crate::hand::HandJoint;
+use crate::hand_joint::HandJoint;
 use crate::link::JointKind;
 
 /// How a hand holds something: what a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010).

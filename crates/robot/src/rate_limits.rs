@@ -5,7 +5,8 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_saphyr::Spanned;
 
-use crate::error::{Hindrance, Location, RobotError};
+use crate::error::{Location, RobotError};
+use crate::hindrance::Hindrance;
 use crate::urdf_model::{UrdfJoint, UrdfJointKind};
 
 /// The figures of a `limits.yaml` for one joint, and where they stand.

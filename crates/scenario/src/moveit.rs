@@ -8,6 +8,7 @@ pub(crate) mod file;
 pub(crate) mod form;
 pub(crate) mod frames;
 pub(crate) mod matrix;
+pub(crate) mod message_file;
 pub(crate) mod problem;
 pub(crate) mod request;
 pub(crate) mod robot;

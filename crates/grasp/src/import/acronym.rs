@@ -2,7 +2,7 @@
 
 use hdf5_reader::{Dataset, Hdf5File, OpenOptions};
 
-use crate::import::{GraspFormat, Read};
+use crate::import::format::{GraspFormat, Read};
 use crate::{Grasp, pose_of_rows};
 
 const TRANSFORMS: &str = "grasps/transforms";

@@ -5,7 +5,8 @@ use std::io::{Cursor, Read as Source};
 use npyz::{NpyFile, Order};
 use zip::ZipArchive;
 
-use crate::import::{GraspFormat, ImportSettings, MOST_GRASPS, Read, graspnet};
+use crate::import::format::{GraspFormat, ImportSettings, MOST_GRASPS, Read};
+use crate::import::graspnet;
 use crate::{Grasp, pose_of_rows};
 
 /// An array whose numbers are read one after the other, in C order.

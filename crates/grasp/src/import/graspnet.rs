@@ -9,7 +9,7 @@ use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::import::arrays::{Archive, Array};
-use crate::import::{GraspFormat, ImportSettings, MOST_GRASPS, Read};
+use crate::import::format::{GraspFormat, ImportSettings, MOST_GRASPS, Read};
 use crate::{Grasp, pose_of_rows};
 
 const VIEWS: u64 = 300;

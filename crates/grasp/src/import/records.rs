@@ -7,7 +7,7 @@ use cranny_spatial::{Pose, Rotation, Vector};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::import::{GraspFormat, Read};
+use crate::import::format::{GraspFormat, Read};
 use crate::{Grasp, pose_of_rows};
 
 /// Keys that nothing is made of; they are named.

@@ -3,7 +3,7 @@ use cranny_spatial::Pose;
 
 use crate::moveit::file::StateEntry;
 use crate::moveit::frames::{bare, planning_frames};
-use crate::moveit::world::MessageFile;
+use crate::moveit::message_file::MessageFile;
 use crate::{MoveItDeviation, MoveItError, ScenarioError};
 
 /// The pose in the planning frame of the robot's root: that of the first state with a floating joint.

@@ -10,7 +10,8 @@ use cranny_spatial::Pose;
 
 use crate::moveit::base::world_from_root;
 use crate::moveit::form::read_scene;
-use crate::moveit::world::{MessageFile, bodies};
+use crate::moveit::message_file::MessageFile;
+use crate::moveit::world::bodies;
 use crate::{RecipeShape, ScenarioError, write_whole_file};
 
 /// A floor is written as a box this long and wide, in metres, with its upper side in the plane of the floor:

@@ -4,7 +4,7 @@ use cranny_robot::{Robot, VirtualJoint};
 use cranny_spatial::Pose;
 
 use crate::moveit::file::{HeaderEntry, SceneFile};
-use crate::moveit::world::MessageFile;
+use crate::moveit::message_file::MessageFile;
 use crate::{MoveItError, ScenarioError};
 
 /// The frames that poses can be given in: the planning frame, links that stand still, and what the scene fixes.

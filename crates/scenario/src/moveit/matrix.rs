@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use cranny_robot::Robot;
 
 use crate::moveit::file::MatrixEntry;
-use crate::moveit::world::MessageFile;
+use crate::moveit::message_file::MessageFile;
 use crate::{MoveItDeviation, MoveItError, ScenarioError};
 
 /// Pairs of a matrix, by name, and whether each may touch.

@@ -9,8 +9,9 @@ use cranny_robot::Robot;
 use crate::moveit::base::world_from_root;
 use crate::moveit::form::{read_request, read_scene};
 use crate::moveit::matrix::Matrix;
+use crate::moveit::message_file::MessageFile;
 use crate::moveit::request::Files;
-use crate::moveit::world::{MessageFile, bodies};
+use crate::moveit::world::bodies;
 use crate::{MoveItDeviation, ScenarioError};
 
 /// A problem in `MoveIt`'s YAML, as `MotionBenchMaker` publishes them: a `PlanningScene`, and a

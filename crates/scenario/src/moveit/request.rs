@@ -7,7 +7,7 @@ use crate::MoveItDeviation;
 use crate::MoveItError;
 use crate::ScenarioError;
 use crate::moveit::file::{ConstraintsEntry, JointStateEntry, RequestFile, SceneFile, StateEntry};
-use crate::moveit::world::MessageFile;
+use crate::moveit::message_file::MessageFile;
 
 /// Both files, and what errors call them.
 pub(crate) struct Files<'a> {

@@ -2,19 +2,18 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use cranny_collision::{Body, Part};
-use cranny_robot::{Location, Robot};
+use cranny_robot::Robot;
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
-use cranny_spatial::{Point, Pose, Rotation, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 use serde_saphyr::Spanned;
 
 use crate::MoveItError;
 use crate::ScenarioError;
 use crate::files::sizes;
 use crate::files::yaml;
-use crate::moveit::file::{
-    MeshEntry, ObjectEntry, OctreeData, PoseEntry, PrimitiveEntry, Refused, SceneFile, TriangleEntry,
-};
+use crate::moveit::file::{MeshEntry, ObjectEntry, OctreeData, PrimitiveEntry, SceneFile, TriangleEntry};
 use crate::moveit::frames::Frames;
+use crate::moveit::message_file::MessageFile;
 
 /// The bodies of a scene, in the root frame of the robot; `world_from_root` is where the robot stands.
 pub(crate) fn bodies(
@@ -48,65 +47,7 @@ pub(crate) fn bodies(
     Ok(bodies)
 }
 
-/// A file of messages: what errors name, and what its entries mean.
-pub(crate) struct MessageFile<'a> {
-    pub path: &'a Path,
-}
-
 impl MessageFile<'_> {
-    pub fn at(&self, location: serde_saphyr::Location) -> Location {
-        yaml::at(self.path, location)
-    }
-
-    pub fn line(&self, line: usize) -> Location {
-        yaml::line(self.path, line)
-    }
-
-    pub fn finite(&self, number: &Spanned<f64>) -> Result<f64, ScenarioError> {
-        yaml::finite(self.path, number.value, number.referenced)
-    }
-
-    /// A quaternion of four zeros, which is what a message holds that nobody filled in, turns nothing.
-    pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
-        let position = entry.value.position.map_or([0.0; 3], |position| position.0);
-        let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);
-        for number in position.into_iter().chain(orientation) {
-            yaml::finite(self.path, number, entry.referenced)?;
-        }
-        let rotation = if orientation.iter().all(|value| *value == 0.0) {
-            Rotation::identity()
-        } else {
-            yaml::rotation(self.path, orientation, entry.referenced)?
-        };
-        Ok(Pose::from_parts(Vector::from(position).into(), rotation))
-    }
-
-    fn optional_pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
-        entry.map_or_else(|| Ok(Pose::identity()), |entry| self.pose(entry))
-    }
-
-    pub fn unsupported(
-        &self,
-        location: serde_saphyr::Location,
-        what: &'static str,
-        hint: &'static str,
-    ) -> ScenarioError {
-        ScenarioError::Unsupported { at: self.at(location), what, hint }
-    }
-
-    /// Refuses a list that is not empty.
-    pub fn refuse(
-        &self,
-        list: &Refused,
-        what: &'static str,
-        hint: &'static str,
-    ) -> Result<(), ScenarioError> {
-        match list {
-            Some(list) if !list.value.is_empty() => Err(self.unsupported(list.referenced, what, hint)),
-            _ => Ok(()),
-        }
-    }
-
     /// What would make the world another one than is read.
     fn refuse_what_is_not_read(&self, scene: &SceneFile) -> Result<(), ScenarioError> {
         if let Some(is_diff) = scene.is_diff.as_ref().filter(|is_diff| is_diff.value) {

@@ -1,0 +1,84 @@
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use cranny_collision::Margins;
+use cranny_file::counted;
+use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement, PlanPlace};
+use serde::Serialize;
+
+use crate::arguments::VerifyArguments;
+use crate::task::Demand;
+use crate::text::millimetres;
+
+/// Files that a plan brings along in place of the scenario's own, for which nothing but the plan vouches. Flags go before
+/// them.
+#[derive(Default, Serialize)]
+pub struct Brought {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robot: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grasps: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    geometry: Option<&'static str>,
+}
+
+impl Brought {
+    pub fn of(demand: &Demand, arguments: &VerifyArguments) -> Self {
+        if !arguments.moveit.is_empty() {
+            return Self::default();
+        }
+        let task = &arguments.task;
+        let grasps = match &demand.grasps {
+            GivenGrasps::File(file) if task.grasps.is_none() => Some(file.clone()),
+            _ => None,
+        };
+        Self {
+            robot: demand.robot.clone().filter(|_| task.robot.is_none()),
+            grasps,
+            geometry: demand.geometry.filter(|_| task.geometry.is_none()).map(Geometry::name),
+        }
+    }
+
+    pub fn lines(&self) -> String {
+        let file = |file: &PathBuf| file.display().to_string();
+        let named = [
+            ("robot", self.robot.as_ref().map(file)),
+            ("grasps", self.grasps.as_ref().map(file)),
+            ("geometry", self.geometry.map(str::to_owned)),
+        ];
+        let named = named.into_iter().filter_map(|(what, name)| Some((what, name?)));
+        named.map(|(what, name)| format!("  {what:<12}{name}, which the plan names\n")).collect()
+    }
+}
+
+/// Lines on everything in a plan file that is not its path.
+pub fn statement_lines(judgement: &Judgement) -> String {
+    let Judgement { demanded: Demanded { margins, carry_to, carry_clear_m, place }, .. } = judgement;
+    let Margins { margin_m, grasp_margin_m, object_margin_m } = *margins;
+    let margins =
+        [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
+    let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
+    let margins = margins.map(|(name, margin_m)| format!("{name} {}", millimetres(margin_m)));
+    let ends = [
+        carry_to.as_ref().map(|ends| format!("carried to one of {}", counted(ends.len(), "configuration"))),
+        carry_clear_m.map(|clear_m| format!("carried until {} clear", millimetres(clear_m))),
+        place.as_ref().map(|PlanPlace { name, clear_m, then }| {
+            format!("put down in '{name}', the hand {} off it, then {}", millimetres(*clear_m), then.name())
+        }),
+    ];
+    let demanded: Vec<String> = margins.chain(ends.into_iter().flatten()).collect();
+    let mut lines = String::new();
+    for statement in &judgement.differs {
+        let _ = writeln!(lines, "  differs     {statement}");
+    }
+    for (name, values) in [
+        ("demanded", demanded.join(", ")),
+        ("as stated", judgement.compared.join(", ")),
+        ("unjudged", judgement.not_compared.join(", ")),
+    ] {
+        if !values.is_empty() {
+            let _ = writeln!(lines, "  {name:<12}{values}");
+        }
+    }
+    lines
+}

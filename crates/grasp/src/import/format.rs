@@ -1,0 +1,127 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantNames};
+
+use crate::Grasp;
+
+/// Formats of grasps of other projects.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    EnumString,
+    IntoStaticStr,
+    VariantNames,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum GraspFormat {
+    /// HDF5 of ACRONYM (Eppner, Mousavian & Fox 2021): `grasps/transforms`, z approach, x closing, origin at the base of the
+    /// Franka hand.
+    Acronym,
+    /// Object labels of GraspNet-1Billion (Fang et al. 2020): an `.npz` with `points`, `offsets`, `scores`.
+    GraspnetLabels,
+    /// `GraspGroup` of its API: an `.npy` of shape (N, 17), x approach, y closing.
+    GraspnetGroup,
+    /// JSON of `GraspGen`: `grasps.transforms`, z approach, x closing, origin at the base of the hand.
+    Graspgen,
+    /// YAML of Isaac Sim, `isaac_grasp` 1.0: a frame of the user's choice.
+    Isaac,
+    /// Poses alone: an `.npy` of shape (N, 4, 4), or an `.npz` with such an array and, if wanted, `scores`, `widths` and
+    /// `mask`; z approach.
+    Poses,
+}
+
+/// The axis of a gripper frame along which its fingers close; its z is the approach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, EnumString, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum ClosingAxis {
+    /// As in ACRONYM and `GraspGen`.
+    X,
+    /// As in this project and in the Franka URDF.
+    Y,
+}
+
+/// Choices of an import. The default leaves all to the file and its format.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImportSettings {
+    /// The format; `None`: by the content.
+    pub format: Option<GraspFormat>,
+    /// The closing axis; `None`: that of the format. Isaac's has none.
+    pub closing: Option<ClosingAxis>,
+    /// From the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the format for the
+    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For GraspNet, whose grasps know the depth of the fingertips, it is
+    /// measured from these.
+    pub offset_m: Option<f64>,
+    /// Least score of the grasps that are kept; those without a score are not.
+    pub min_score: Option<f64>,
+    /// The object whose grasps a `GraspGroup` is read for; `None`: it must hold those of one object.
+    pub object: Option<i64>,
+}
+
+/// From the base of the Franka hand to the gripper frame of the built-in robots with that hand, in metres: between the pads
+/// (`panda_grasptarget`; the TCP of libfranka is 1.6 mm behind it).
+pub const FRANKA_PADS_M: f64 = 0.105;
+
+/// From the tips of the Franka fingers to that frame, in metres, negative as it is behind them: the tips are 0.1122 m from the base
+/// (`acronym_tools`, `create_gripper_marker`).
+pub const FRANKA_TIPS_TO_PADS_M: f64 = FRANKA_PADS_M - 0.1122;
+
+/// No file holds more grasps that are kept: a gigabyte of memory and of text.
+pub(crate) const MOST_GRASPS: usize = 2_000_000;
+
+/// Grasps as their file has them: `object_from_theirs`, with approach z, before [`ImportSettings`] apply.
+pub(crate) struct Read {
+    pub format: GraspFormat,
+    pub grasps: Vec<Grasp>,
+    pub in_file: usize,
+    pub masked: usize,
+    /// Grasps left out while reading because of the least score, where there may be too many to keep.
+    pub below: usize,
+    pub object_scale: Option<f64>,
+    pub notes: Vec<String>,
+    /// What holds unless somebody says otherwise.
+    pub closing: Option<ClosingAxis>,
+    pub offset_m: Option<f64>,
+}
+
+impl Read {
+    pub fn new(format: GraspFormat) -> Self {
+        let (closing, offset_m) = match format {
+            GraspFormat::Acronym | GraspFormat::Graspgen => (Some(ClosingAxis::X), Some(FRANKA_PADS_M)),
+            // Turned to z when they are read.
+            GraspFormat::GraspnetLabels | GraspFormat::GraspnetGroup => {
+                (Some(ClosingAxis::Y), Some(FRANKA_TIPS_TO_PADS_M))
+            }
+            GraspFormat::Isaac => (None, None),
+            GraspFormat::Poses => (Some(ClosingAxis::Y), Some(0.0)),
+        };
+        let notes = Vec::new();
+        Self {
+            format,
+            grasps: Vec::new(),
+            in_file: 0,
+            masked: 0,
+            below: 0,
+            object_scale: None,
+            notes,
+            closing,
+            offset_m,
+        }
+    }
+
+    /// Adds a grasp, which errors call by its place.
+    pub fn push(&mut self, place: usize, grasp: Grasp) -> Result<(), String> {
+        if self.grasps.len() >= MOST_GRASPS {
+            return Err(format!("it holds more than {MOST_GRASPS} grasps; keep the best with a least score"));
+        }
+        self.grasps.push(grasp.checked(place).map_err(|fault| fault.to_string())?);
+        Ok(())
+    }
+}
