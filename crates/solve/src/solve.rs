@@ -119,10 +119,7 @@ fn solve_once(
     } else {
         (report, None)
     };
-    let PlanReport { outcome, path, statistics, mut failures } = report;
-    if outcome == Outcome::GoalsInvalid && failures.is_empty() {
-        failures = problem.goal_faults();
-    }
+    let PlanReport { outcome, path, statistics, mut failures } = with_goal_faults(&problem, report);
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     let (mut carrier, mut carry_to) = (None, None);
@@ -154,11 +151,7 @@ fn solve_once(
     if let (Some(audit), [only]) = (&mut audit, &segments[..]) {
         audit_cut_corners(&problem, &only.waypoints, cut_corners, request.audit, audit);
     }
-    let mut clearances_m = audit.iter().flat_map(|audit| &audit.clearances_per_edge_m);
-    for segment in &mut segments {
-        let edges = segment.waypoints.len().max(2) - 1;
-        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
-    }
+    give_clearances(audit.as_ref(), &mut segments);
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     // 5.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
@@ -193,6 +186,21 @@ fn solve_once(
         failures,
         not_checked,
     })
+}
+
+/// The same, with what keeps every goal from being one where none is.
+fn with_goal_faults(problem: &Problem, report: PlanReport) -> PlanReport {
+    let is_asked = report.outcome == Outcome::GoalsInvalid && report.failures.is_empty();
+    if is_asked { PlanReport { failures: problem.goal_faults(), ..report } } else { report }
+}
+
+/// Gives each segment the clearances of its edges.
+fn give_clearances(audit: Option<&Audit>, segments: &mut [Segment]) {
+    let mut clearances_m = audit.into_iter().flat_map(|audit| &audit.clearances_per_edge_m);
+    for segment in segments {
+        let edges = segment.waypoints.len().max(2) - 1;
+        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
+    }
 }
 
 /// Step 4 for a path that holds; `None` for a robot without the limits for it.

@@ -41,7 +41,9 @@ pub fn audit_cut_corners(
         };
         lower(&mut audit.clearance_m);
         if settings.clearances == Clearances::OfEdges {
-            corner.edges.iter().for_each(|&edge| lower(&mut audit.clearances_per_edge_m[edge]));
+            for edge in corner.edges {
+                lower(&mut audit.clearances_per_edge_m[edge]);
+            }
         }
     }
     audit.valid = audit.violations.is_empty();

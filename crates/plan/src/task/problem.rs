@@ -337,7 +337,9 @@ impl Problem {
             robot.wrap_towards(&vec![0.0; robot.dof()], start);
         }
         if let Goal::Configurations(goals) = &mut self.goal {
-            goals.iter_mut().for_each(|goal| robot.wrap_towards(start, goal));
+            for goal in goals {
+                robot.wrap_towards(start, goal);
+            }
         }
         Ok(self)
     }
