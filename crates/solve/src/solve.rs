@@ -152,11 +152,7 @@ fn solve_once(
     if let Some(audit) = &mut audit {
         audit_cut_corners(&problem, cut_corners, request.audit, audit);
     }
-    let mut clearances_m = audit.iter().flat_map(|audit| &audit.clearances_per_edge_m);
-    for segment in &mut segments {
-        let edges = segment.waypoints.len().max(2) - 1;
-        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
-    }
+    give_clearances(audit.as_ref(), &mut segments);
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     let is_grasp_missed = matches!(
         outcome,
@@ -205,6 +201,15 @@ fn solve_once(
         (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
         _ => answer,
     })
+}
+
+/// Gives each segment the clearances of its edges.
+fn give_clearances(audit: Option<&Audit>, segments: &mut [Segment]) {
+    let mut clearances_m = audit.into_iter().flat_map(|audit| &audit.clearances_per_edge_m);
+    for segment in segments {
+        let edges = segment.waypoints.len().max(2) - 1;
+        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
+    }
 }
 
 /// Step 4 for a path that holds; `None` for a robot without the limits for it.

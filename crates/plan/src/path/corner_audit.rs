@@ -38,7 +38,9 @@ pub fn audit_cut_corners(
             audit.clearance_limit = None;
         }
         if settings.clearances == Clearances::OfEdges {
-            corner.edges.iter().for_each(|&edge| lower(&mut audit.clearances_per_edge_m[edge]));
+            for edge in corner.edges {
+                lower(&mut audit.clearances_per_edge_m[edge]);
+            }
         }
     }
     audit.valid = audit.violations.is_empty();

@@ -320,7 +320,9 @@ impl Problem {
         let (robot, start) = (self.robot.clone(), &mut self.start);
         robot.turn_into_limits(start);
         if let Goal::Configurations(goals) = &mut self.goal {
-            goals.iter_mut().for_each(|goal| robot.wrap_towards(start, goal));
+            for goal in goals {
+                robot.wrap_towards(start, goal);
+            }
         }
         Ok(self)
     }
