@@ -123,7 +123,7 @@ impl Files<'_> {
                 joint: joint.clone(),
             }),
         };
-        let mut q = robot.joint_names().iter().map(value).collect::<Result<_, _>>()?;
+        let mut q: Vec<f64> = robot.joint_names().iter().map(value).collect::<Result<_, _>>()?;
         take_into_limits(robot, &mut q, "start", deviations);
         Ok(q)
     }
