@@ -156,14 +156,6 @@ pub enum RobotError {
         /// What is understood there.
         known: Vec<String>,
     },
-    /// An `<origin>` has roll, pitch and yaw, and a quaternion.
-    #[error("{at}: the <origin> in {owner} has both `rpy` and `quat_xyzw`; leave out one")]
-    TwoRotations {
-        /// Where it stands.
-        at: Location,
-        /// The element that it is in.
-        owner: String,
-    },
     /// A quaternion is not of length 1.
     #[error("{at}: `quat_xyzw` of {element} has the length {norm}, but that of a rotation is 1")]
     NoRotation {

@@ -297,7 +297,8 @@ impl<'a> Element<'a> {
         let rotation = match origin.numbers("quat_xyzw")? {
             None => rotation_of(angles.unwrap_or_default()),
             Some(_) if angles.is_some() => {
-                return Err(RobotError::TwoRotations { at: origin.at(), owner: self.title() });
+                let (what, owner) = ("`quat_xyzw` beside `rpy`".to_owned(), origin.title());
+                return Err(RobotError::NotUnderstood { at: origin.at(), what, owner, known: Vec::new() });
             }
             Some([x, y, z, w]) => {
                 let given = Quaternion::new(w, x, y, z);

@@ -118,7 +118,7 @@ fn what_may_change_geometry_or_motion_is_refused_with_its_place() {
         (
             "quat_xyzw=",
             "rpy=\"0 0 0\" quat_xyzw=",
-            "r.urdf:3: the <origin> in <collision> of link `bar` has both",
+            "r.urdf:3: `quat_xyzw` beside `rpy` in <origin> of link `bar`",
         ),
         (
             "quat_xyzw=\"0 0 0 1\"",

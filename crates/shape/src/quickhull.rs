@@ -34,6 +34,9 @@ struct Face {
     is_alive: bool,
 }
 
+/// A side of a gap: from a corner to a corner, the face beyond, and the number of the side there.
+type RimSide = (u32, u32, usize, usize);
+
 impl<'a> Quickhull<'a> {
     fn of(points: &'a [ParryVector]) -> Option<HullFaces> {
         let mut hull = Self { points, faces: Vec::new() };
@@ -130,9 +133,8 @@ impl<'a> Quickhull<'a> {
         self.hand_out(left, first);
     }
 
-    /// Removes the faces that a point takes the place of, and returns them with their rim: each side from a corner to a
-    /// corner, with the face beyond and the number of its side there.
-    fn gap(&mut self, face: usize, top: u32) -> (Vec<usize>, Vec<(u32, u32, usize, usize)>) {
+    /// Removes the faces that a point takes the place of, and returns them with their rim.
+    fn gap(&mut self, face: usize, top: u32) -> (Vec<usize>, Vec<RimSide>) {
         let mut gap = vec![face];
         self.faces[face].is_alive = false;
         loop {
@@ -164,7 +166,7 @@ impl<'a> Quickhull<'a> {
         }
     }
 
-    fn rim(&self, gap: &[usize]) -> Vec<(u32, u32, usize, usize)> {
+    fn rim(&self, gap: &[usize]) -> Vec<RimSide> {
         let sides = gap.iter().flat_map(|&face| (0..3).map(move |side| (face, side)));
         sides
             .filter_map(|(face, side)| {
