@@ -4,7 +4,9 @@ use cranny_grasp::{pose_of_rows, rows_of_pose};
 use cranny_robot::Robot;
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods as _};
+use numpy::{
+    PyArray1, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods as _,
+};
 use pyo3::prelude::*;
 
 use crate::fault::{bad_type, bad_value, fault};
@@ -17,8 +19,9 @@ pub struct Numbers<'py> {
 }
 
 impl<'py> Numbers<'py> {
-    /// Reads `value`, which errors call `what`.
+    /// Reads `value`, which errors call `what`. Masked values are NaN: not known, or not finite.
     pub fn read(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
+        let value = &unmasked(value)?;
         let array = match value.cast::<PyArrayDyn<f64>>() {
             Ok(array) if is_plain(array) => array.clone(),
             _ => converted(value, what)?,
@@ -66,6 +69,20 @@ impl<'py> Numbers<'py> {
 /// Whether the numbers lie one behind the other where numbers may lie.
 fn is_plain(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
     array.is_c_contiguous() && (array.data() as usize).is_multiple_of(align_of::<f64>())
+}
+
+/// A masked array with NaN where it is masked, anything else as it is: NumPy's conversions drop the mask.
+fn unmasked<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let is_derived =
+        value.is_instance_of::<PyUntypedArray>() && !value.is_exact_instance_of::<PyUntypedArray>();
+    if !is_derived || !value.hasattr("filled")? {
+        return Ok(value.clone());
+    }
+    let kind: String = value.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !matches!(kind.as_str(), "f" | "i" | "u") {
+        return Ok(value.clone());
+    }
+    value.call_method1("astype", ("float64",))?.call_method1("filled", (f64::NAN,))
 }
 
 /// As NumPy converts it: numbers only, nothing that loses digits.

@@ -324,3 +324,15 @@ def test_nothing_that_a_caller_passes_crashes_the_interpreter(
     except (ValueError, TypeError, KeyError, OSError):
         # What a caller is told; a KeyError is a link that is not there, an OSError a path that is none.
         pass
+
+
+def test_a_masked_value_is_not_the_one_below_its_mask() -> None:
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    scores = np.ma.masked_array([0.5, 0.7], mask=[False, True])
+    found = cranny.Grasps(poses, scores).scores
+    assert found[0] == 0.5
+    assert np.isnan(found[1])
+    mask = np.zeros((2, 4, 4), dtype=bool)
+    mask[1, 0, 3] = True
+    with pytest.raises(ValueError, match="nan|NaN"):
+        cranny.Grasps(np.ma.masked_array(poses, mask=mask))

@@ -69,8 +69,16 @@ fn the_score_that_counts_is_a_setting_of_a_built_in_planner() {
     let settings = |planner: &str| campaign(planner).expect("a campaign").planners[0].call.settings();
     assert_eq!(settings("planner: reach"), settings("planner: reach, score: geometric"));
     assert!(settings("planner: reach, score: physics").contains("\"score\":\"physics\""));
-    let fault = campaign("exec: [sh, planner.sh], score: physics").expect_err("a fault").to_string();
-    assert!(fault.contains("campaign.yaml:2: `score` is for a built-in `planner`"), "{fault}");
+    assert!(settings("planner: reach, min_score: 0.5").contains("\"min_score\":0.5"));
+    for key in ["score: physics", "min_score: 0.5"] {
+        let fault = campaign(&format!("exec: [sh, planner.sh], {key}")).expect_err("a fault").to_string();
+        assert!(
+            fault.contains("campaign.yaml:2: `score` and `min_score` are for a built-in `planner`"),
+            "{fault}"
+        );
+    }
+    let fault = campaign("planner: reach, min_score: 1.5").expect_err("a fault").to_string();
+    assert!(fault.contains("`min_score` is 1.5, but a score is from 0 to 1"), "{fault}");
     // Said before the first trial: nobody has tried the grasps of a built-in scenario.
     let schedule =
         campaign("planner: reach, score: physics").expect("a campaign").schedule(&Registry::default());

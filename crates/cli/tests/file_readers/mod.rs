@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_bench::{Campaign, read_output};
-use cranny_grasp::check_csv;
+use cranny_grasp::{ImportSettings, check_csv, import_grasps};
 use cranny_plan::Registry;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
@@ -35,7 +35,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All of them.
-pub const FILE_READERS: [FileReader; 27] = [
+pub const FILE_READERS: [FileReader; 30] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
@@ -52,6 +52,9 @@ pub const FILE_READERS: [FileReader; 27] = [
         }
     }),
     reader("grasps_npy", "released/scenarios/desk/grasps.npy", read_released),
+    reader("import_hdf5", "import/acronym.h5", |folder| import(&folder.join("import/acronym.h5"))),
+    reader("import_npz", "import/poses.npz", |folder| import(&folder.join("import/poses.npz"))),
+    reader("import_json", "import/graspgen.json", |folder| import(&folder.join("import/graspgen.json"))),
     reader("scene", "released/scenarios/desk/scene.yaml", read_released),
     reader("object_library", "released/library/object_library.yaml", read_released),
     reader("moveit_scene", "moveit/scene.yaml", read_moveit),
@@ -89,6 +92,10 @@ pub const FILE_READERS: [FileReader; 27] = [
     reader("results", "results.changes", stored_results::read),
     reader("question", "question.json", asked_page::ask),
 ];
+
+fn import(path: &Path) {
+    let _ = import_grasps(path, &ImportSettings::default());
+}
 
 /// A whole folder: each of its files begins with a line `=== name`.
 fn read_folder(folder: &Path) {
