@@ -42,7 +42,11 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     let clearance_m = plan["clearance_m"].as_f64().unwrap();
     for (pointer, value, says) in [
         ("/clearance_m", json!(0.00509), "clearance_m: the file states 5.09 mm, measured 4.96 mm"),
-        ("/robustness/base/translation_m", json!(0.01898), "robustness.base.translation_m: the file states 18.98 mm"),
+        (
+            "/robustness/base/translation_m",
+            json!(0.01898),
+            "robustness.base.translation_m: the file states 18.98 mm",
+        ),
         ("/robustness/base", Value::Null, "robustness.base: the file states nothing"),
         ("/outcome", json!("gave-up"), "outcome: the file states \"gave-up\", measured \"solved\""),
         ("/path_length", json!(1.0), "path_length: the file states 1.00, measured 2.97"),
@@ -53,7 +57,10 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
         let other = changed(&plan, pointer, value);
         let found = judge(&other, &source);
         let violations: Vec<String> = found.audit.violations.iter().map(ToString::to_string).collect();
-        assert!(!found.audit.valid && violations.iter().any(|line| line.starts_with(says)), "{says}: {violations:?}");
+        assert!(
+            !found.audit.valid && violations.iter().any(|line| line.starts_with(says)),
+            "{says}: {violations:?}"
+        );
         // In another task nothing is false, but all is named.
         let task = PlanSource { scenario: "mine".to_owned(), ..source.clone() };
         let found = judge(&other, &task);
@@ -85,7 +92,16 @@ fn ends_and_times_that_no_path_can_have_are_refused() {
     refused(two, "is no clearance");
     refused(changed(&plan, "/format", Value::Null), "no 'format'");
     refused(changed(&plan, "/geometry", json!("true")), "its 'geometry' is 'true'");
-    for pointer in ["", "/margins", "/budget", "/statistics", "/timing", "/robustness", "/robustness/base", "/segments/1"] {
+    for pointer in [
+        "",
+        "/margins",
+        "/budget",
+        "/statistics",
+        "/timing",
+        "/robustness",
+        "/robustness/base",
+        "/segments/1",
+    ] {
         let mut other = plan.clone();
         other.pointer_mut(pointer).unwrap()["clearence_m"] = json!(1);
         refused(other, "clearence_m");
