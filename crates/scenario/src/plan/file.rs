@@ -418,7 +418,7 @@ mod tests {
         for (pointer, value, says) in [
             ("/format", "cranny-plan/2".into(), "'cranny-plan/2', but this version reads 'cranny-plan/1'"),
             ("/segments/0/kind", "spline".into(), "segment 0 is of kind 'spline'"),
-            ("/segments/0", serde_json::json!({"kind": "arc", "radius_m": 1}), "segment 0 is of kind 'arc'"),
+            ("/segments/0", serde_json::json!({"kind": "arc"}), "segment 0 is of kind 'arc'"),
             ("/segments/0/mode", "place".into(), "segment 0 is of mode 'place'"),
             ("/segments/0/mode", "carry".into(), "its segments are neither a reach nor"),
             ("/segments/0/attached", "ball".into(), "segment 0 carries 'ball'"),
