@@ -149,7 +149,8 @@ impl PyPlan {
     }
 
     /// Everything that stands in a plan file, as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and
-    /// `failures`, what stood between the robot and each grasp, from planners that keep account of it.
+    /// `failures`, what stood between the robot and each grasp, from planners that keep account of it, and `no_grasp`, why
+    /// none was taken at all, where the arm came to none.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let report = python_of(py, &self.measured)?;

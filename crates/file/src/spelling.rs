@@ -51,19 +51,26 @@ pub fn did_you_mean_here<'a>(name: &str, known: impl IntoIterator<Item = &'a str
 pub fn nearest_files(path: &Path) -> Vec<String> {
     /// In a folder of more entries a slip is not looked for.
     const MOST_ENTRIES: usize = 10_000;
-    let (Some(name), Some(folder)) = (path.file_name().and_then(OsStr::to_str), path.parent()) else {
+    // A common ending makes no two names alike.
+    let (Some(stem), Some(folder)) = (path.file_stem().and_then(OsStr::to_str), path.parent()) else {
         return Vec::new();
+    };
+    let stem_of = |name: &OsStr| {
+        let name = Path::new(name);
+        let is_alike = name.extension() == path.extension();
+        name.file_stem().filter(|_| is_alike).and_then(OsStr::to_str).map(str::to_owned)
     };
     let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let Ok(entries) = fs::read_dir(listed) else { return Vec::new() };
-    let mut known: Vec<String> = entries
-        .take(MOST_ENTRIES)
-        .flatten()
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .collect();
+    let mut known: Vec<String> =
+        entries.take(MOST_ENTRIES).flatten().filter_map(|entry| stem_of(&entry.file_name())).collect();
     known.sort();
-    let near = likeliest_names(name, known.iter().map(String::as_str));
-    near.into_iter().map(|near| folder.join(near).display().to_string()).collect()
+    let near = likeliest_names(stem, known.iter().map(String::as_str));
+    let named = |stem: String| match path.extension().and_then(OsStr::to_str) {
+        Some(ending) => format!("{stem}.{ending}"),
+        None => stem,
+    };
+    near.into_iter().map(|near| folder.join(named(near)).display().to_string()).collect()
 }
 
 /// How many letters must be inserted, removed or replaced to turn `a` into `b` (Levenshtein 1966).
