@@ -2,6 +2,7 @@
 //! the origin between the pads.
 
 mod acronym;
+mod array;
 mod arrays;
 pub(crate) mod format;
 mod graspnet;

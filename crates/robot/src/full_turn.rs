@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use crate::limits::wrapped;
 use crate::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::{JointKind, JointLimits, Mover, Robot};
 
@@ -105,15 +106,6 @@ pub(crate) fn endless<'a>(kinds: impl Iterator<Item = &'a UrdfJoint>, full_turns
 /// `value` and whole turns, within the limits as near to `reference` as can be; `value` itself if none is within.
 fn nearest_turn(value: f64, reference: f64, limits: &JointLimits) -> f64 {
     wrapped(value, reference, [limits.lower, limits.upper]).unwrap_or(value)
-}
-
-/// `value` and whole turns, within [lower, upper] as near to `reference` as can be; `None` if none is within.
-pub(crate) fn wrapped(value: f64, reference: f64, [lower, upper]: [f64; 2]) -> Option<f64> {
-    let most = ((upper - value) / TAU).floor();
-    let least = ((lower - value) / TAU).ceil();
-    let turns = ((reference - value) / TAU).round().min(most).max(least);
-    let turned = value + turns * TAU;
-    (lower..=upper).contains(&turned).then_some(turned)
 }
 
 #[cfg(test)]

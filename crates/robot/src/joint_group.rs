@@ -2,7 +2,7 @@ use std::collections::HashSet;
 
 use cranny_file::nearest_names;
 
-use crate::full_turn::wrapped;
+use crate::limits::wrapped;
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup};

@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 /// The limits of a continuous joint are minus and plus this, in radians: one and a half turns either way, so that from
 /// any start within a full turn the nearest way to every other angle stays inside, and cables are not wound up for ever.
 pub const CONTINUOUS_LIMIT_RAD: f64 = 3.0 * std::f64::consts::PI;
@@ -65,3 +67,12 @@ pub struct LimitViolation {
 /// Along each of its axes, a planar or floating joint without limits goes from minus to plus this, in metres: about what
 /// stands around a task.
 pub const FREE_JOINT_LIMIT_M: f64 = 2.0;
+
+/// `value` and whole turns, within [lower, upper] as near to `reference` as can be; `None` if none is within.
+pub(crate) fn wrapped(value: f64, reference: f64, [lower, upper]: [f64; 2]) -> Option<f64> {
+    let most = ((upper - value) / TAU).floor();
+    let least = ((lower - value) / TAU).ceil();
+    let turns = ((reference - value) / TAU).round().min(most).max(least);
+    let turned = value + turns * TAU;
+    (lower..=upper).contains(&turned).then_some(turned)
+}

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Pose, Rotation, Vector};
 
-use crate::import::arrays::{Archive, Array};
+use crate::import::array::{Archive, Array};
 use crate::import::format::{GraspFormat, ImportSettings, MOST_GRASPS, Read};
 use crate::{Grasp, pose_of_rows};
 
