@@ -90,10 +90,10 @@ impl Surroundings {
     }
 
     /// The same with further parts of its bodies, numbered after all others.
-    pub fn with_parts(&self, further: Vec<(usize, Part)>) -> Self {
+    pub fn with_parts(&self, further: &[(usize, Part)]) -> Self {
         let lanes = self.lanes.iter().cloned().chain(further.iter().map(|(_, part)| LanePart::of(part)));
         let lanes = lanes.collect();
-        let parts = [&self.parts[..], &further].concat();
+        let parts = [&self.parts[..], further].concat();
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
         Self { world: self.world.clone(), parts, lanes, tree }
     }

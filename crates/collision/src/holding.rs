@@ -72,8 +72,8 @@ impl Cell {
         }
         let held = self.held.clone().map(|held| HeldBody { spared: spared.into(), ..held });
         let around =
-            if higher.is_empty() { self.around.clone() } else { Arc::new(self.around.with_parts(higher)) };
-        Self::of(CellParts { held, around, ..self.parts_of() })
+            if higher.is_empty() { self.around.clone() } else { Arc::new(self.around.with_parts(&higher)) };
+        Self::of(CellParts { around, held, ..self.parts_of() })
     }
 
     /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.

@@ -44,14 +44,17 @@ fn cell(bodies: Vec<Body>, margin_m: f64) -> Cell {
     Cell::new(Arc::new(robot), World::new(bodies).unwrap(), margins).unwrap()
 }
 
+/// A length (m) in tenths of a millimetre.
+fn tenths(length_m: f64) -> String {
+    // No negative zero.
+    ((length_m * 1e4).round() + 0.0).to_string()
+}
+
 /// How the first of some bodies rests on the others, by name, with the height above each in tenths of a millimetre.
-fn carried(bodies: &[Body]) -> Result<Vec<(String, i64)>, CollisionError> {
+fn carried(bodies: &[Body]) -> Result<Vec<(String, String)>, CollisionError> {
     let cell = cell(bodies.to_vec(), 0.0);
     let resting = cell.resting(0)?;
-    Ok(resting
-        .supports()
-        .map(|(body, height_m)| (bodies[body].name.clone(), (height_m * 1e4).round() as i64))
-        .collect())
+    Ok(resting.supports().map(|(body, height_m)| (bodies[body].name.clone(), tenths(height_m))).collect())
 }
 
 fn touches(bodies: &[Body]) -> (String, f64) {
@@ -93,7 +96,7 @@ fn moved(mut body: Body, by: &Pose) -> Body {
 
 #[test]
 fn only_what_is_below_an_object_carries_it() {
-    let on_table = [("table".to_owned(), 0)];
+    let on_table = [("table".to_owned(), tenths(0.0))];
     assert_eq!(carried(&[object(0.0), table()]).unwrap(), on_table);
     // A post and a curb beside it, one that is flush with the table too, and a lid above it.
     let post = block("post", [0.041, 0.0, 0.1], [0.01, 0.01, 0.1]);
@@ -124,7 +127,7 @@ fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
     {
         let bodies = [object(height_m), table()];
         if rests {
-            assert_eq!(carried(&bodies).unwrap(), [("table".to_owned(), (height_m * 1e4).round() as i64)]);
+            assert_eq!(carried(&bodies).unwrap(), [("table".to_owned(), tenths(height_m))]);
             let (lifting, _) = lifting(&cell(bodies.to_vec(), 0.0));
             assert!((lifting.unchecked()[0].depth_m - (-height_m).max(0.0)).abs() < 1e-9);
         } else {
@@ -155,7 +158,7 @@ fn what_touches_an_object_at_its_side_does_not_carry_it() {
 #[test]
 fn the_lip_of_a_tray_is_an_obstacle_and_its_floor_carries() {
     let at = |gap_m: f64| moved(object(0.0), &Pose::translation(0.06 - gap_m, 0.0, 0.0));
-    assert_eq!(carried(&[at(0.0015), tray()]).unwrap(), [("tray".to_owned(), 0)]);
+    assert_eq!(carried(&[at(0.0015), tray()]).unwrap(), [("tray".to_owned(), tenths(0.0))]);
     for (margin_m, is_free) in [(0.0, true), (0.001, true), (0.004, false)] {
         let (lifting, _) = lifting(&cell(vec![at(0.0015), tray()], margin_m));
         let mut scratch = lifting.scratch();
@@ -167,7 +170,7 @@ fn the_lip_of_a_tray_is_an_obstacle_and_its_floor_carries() {
     }
     // On the lip it is carried by that, where its middle is over it.
     let on_lip = moved(object(0.03), &Pose::translation(0.095, 0.0, 0.0));
-    assert_eq!(carried(&[on_lip, tray()]).unwrap(), [("tray".to_owned(), 0)]);
+    assert_eq!(carried(&[on_lip, tray()]).unwrap(), [("tray".to_owned(), tenths(0.0))]);
     // Deep in it, it is nowhere.
     let sunk = moved(object(0.0), &Pose::translation(0.0608, 0.0, 0.0));
     assert_eq!(touches(&[sunk, tray()]).0, "tray");
@@ -181,7 +184,10 @@ fn the_centre_of_mass_is_over_what_carries() {
     // A little lower, one that is needed carries too; one that is not does not.
     let lower = moved(beam("right", 0.02), &Pose::translation(0.0, 0.0, -5e-4));
     assert_eq!(carried(&[object(0.0), beam("left", -0.02), lower.clone()]).unwrap().len(), 2);
-    assert_eq!(carried(&[object(0.0), beam("left", 0.0), lower]).unwrap(), [("left".to_owned(), 0)]);
+    assert_eq!(
+        carried(&[object(0.0), beam("left", 0.0), lower]).unwrap(),
+        [("left".to_owned(), tenths(0.0))]
+    );
     for bodies in [&both[..2], &[object(0.0), beam("left", -0.02), beam("left too", -0.01)]] {
         match carried(bodies) {
             Err(CollisionError::Topples { name, off_m, .. }) => {
@@ -204,8 +210,8 @@ fn the_centre_of_mass_is_over_what_carries() {
 #[test]
 fn points_and_lines_of_contact_carry_what_is_right_above_them() {
     let ball = Body::new("ball", Pose::translation(0.0, 0.0, 0.03), Solid::sphere(0.03).unwrap());
-    assert_eq!(carried(&[ball.clone(), table()]).unwrap(), [("table".to_owned(), 0)]);
-    assert_eq!(carried(&[ball.clone(), Body::floor(0.0)]).unwrap(), [("floor".to_owned(), 0)]);
+    assert_eq!(carried(&[ball.clone(), table()]).unwrap(), [("table".to_owned(), tenths(0.0))]);
+    assert_eq!(carried(&[ball.clone(), Body::floor(0.0)]).unwrap(), [("floor".to_owned(), tenths(0.0))]);
     let mesh = Solid::mesh(&ball.parts[0].solid.tessellation().unwrap()).unwrap();
     assert_eq!(
         carried(&[Body::new("mesh", Pose::translation(0.0, 0.0, 0.03), mesh), table()]).unwrap().len(),
@@ -260,7 +266,7 @@ fn uneven_ground_carries_by_what_is_under_the_object() {
             [index % (side + 1), index / (side + 1)].map(|at| (f64::from(at) / f64::from(side) - 0.5) * 0.4);
         soup.vertices.push(Point::new(x, y, height(x, y)));
     }
-    let top = soup.vertices.len() as u32;
+    let top = u32::try_from(soup.vertices.len()).unwrap();
     let below: Vec<Point> = soup.vertices.iter().map(|vertex| Point::new(vertex.x, vertex.y, -0.1)).collect();
     soup.vertices.extend(below);
     let at = |x: u32, y: u32| y * (side + 1) + x;

@@ -7,7 +7,7 @@ use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
 
 use crate::task::placed::{MOST_RETREAT_M, Placed};
-use crate::task::rests::{AS_IT_RESTS_RAD, rests, stable_rests};
+use crate::task::rests::{rests, stable_rests};
 use crate::{Carrier, FailureReason, Grip, PlaceSettings, PlaceSpot, PlanError};
 
 /// An object is let go so far above what it is put down on, in metres: far less than matters to it, and far more than
@@ -15,6 +15,9 @@ use crate::{Carrier, FailureReason, Grip, PlaceSettings, PlaceSpot, PlanError};
 const GAP_M: f64 = 3e-4;
 /// How far above it may be at most, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
+/// An object at a given pose is within this of a stable one, as the chord of an angle (20°): one that is round rolls a little
+/// (the banana of the gate lies 12° off), on an edge it lies farther off.
+const MOST_TILT_RAD: f64 = 0.35;
 /// How far an object may reach over the edge of a surface, in metres: rounding.
 const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
@@ -198,7 +201,7 @@ impl Placer {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
                     return Some(format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be"));
                 }
-                return self.fault_of_rest(resting, None).or_else(|| tilted(AS_IT_RESTS_RAD));
+                return self.fault_of_rest(resting, None).or_else(|| tilted(MOST_TILT_RAD));
             }
             PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
         };

@@ -5,7 +5,7 @@ use cranny_spatial::{Rotation, Vector};
 /// Ways to rest that are less likely when the object is dropped are not asked for.
 const LEAST_PROBABILITY: f64 = 0.05;
 /// At rest, an object is within this of a stable pose, as the chord of an angle (rad): such a one is tried first.
-pub(crate) const AS_IT_RESTS_RAD: f64 = 0.1;
+const AS_IT_RESTS_RAD: f64 = 0.1;
 
 /// The rotations of a body's first solid in which it rests on level ground, turns about the vertical aside, from a frame
 /// whose z axis is up: those that are likely ([`stable_rests`]), first the one in which it is now. A sphere rests in any,
