@@ -13,6 +13,9 @@ use crate::unchecked::UncheckedReason;
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
+/// A pair that is not compared, by link body, and why.
+pub(crate) type ExemptPair = ((usize, usize), Exempt);
+
 /// Why a pair is not compared, and the least depth that was seen (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Exempt {
@@ -66,7 +69,7 @@ impl SelfPairs {
         &self,
         bodies: &[LinkBody],
         asked_for: &[(usize, usize)],
-    ) -> (Vec<(usize, usize)>, Vec<((usize, usize), Exempt)>) {
+    ) -> (Vec<(usize, usize)>, Vec<ExemptPair>) {
         let (mut checked, mut left_out) = (Vec::new(), Vec::new());
         for &(pair, exempt) in &self.0 {
             match exempt.filter(|_| !asked_for.contains(&links_of(bodies, pair))) {

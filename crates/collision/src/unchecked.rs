@@ -4,7 +4,7 @@ use cranny_spatial::CONTACT_M;
 
 use crate::contact::Collider;
 use crate::link_body::{LinkBody, group_separation};
-use crate::self_pairs::Exempt;
+use crate::self_pairs::ExemptPair;
 use crate::world::Part;
 
 /// Two things that no check and no proof compares: whoever says "free" or "proven" names them.
@@ -49,8 +49,8 @@ impl UncheckedReason {
 }
 
 impl Unchecked {
-    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[((usize, usize), Exempt)]) -> Vec<Self> {
-        let of_pair = |&((first, second), exempt): &((usize, usize), Exempt)| Self {
+    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[ExemptPair]) -> Vec<Self> {
+        let of_pair = |&((first, second), exempt): &ExemptPair| Self {
             first: Collider::Link(bodies[first].link),
             second: Collider::Link(bodies[second].link),
             depth_m: exempt.depth_m,
