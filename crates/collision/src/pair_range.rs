@@ -228,3 +228,76 @@ impl<'a> PairRanges<'a> {
         thickness_m(pair.0) + thickness_m(pair.1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use cranny_robot::RobotOptions;
+    use cranny_spatial::Stream;
+
+    use super::*;
+
+    /// A chain of up to five links, each a box, a ball or a capsule of random size and place.
+    fn chain(random: &mut Stream) -> Robot {
+        let mut draw = |low: f64, high: f64| random.uniform_between(low, high);
+        let mut text = String::from(r#"<robot name="chain">"#);
+        for link in 0..5 {
+            let (x, y, z) = (draw(0.01, 0.2), draw(0.01, 0.2), draw(0.01, 0.2));
+            let shape = match draw(0.0, 3.0) {
+                kind if kind < 1.0 => format!(r#"<sphere radius="{x}"/>"#),
+                kind if kind < 2.0 => format!(r#"<capsule radius="{}" length="{z}"/>"#, 0.5 * x),
+                _ => format!(r#"<box size="{x} {y} {z}"/>"#),
+            };
+            let (a, b, c) = (draw(-0.1, 0.1), draw(-0.1, 0.1), draw(-0.1, 0.1));
+            let _ = write!(
+                text,
+                r#"<link name="l{link}"><collision><origin xyz="{a} {b} {c}" rpy="{b} {c} {a}"/><geometry>{shape}</geometry></collision></link>"#
+            );
+            if link > 0 {
+                let kind = if draw(0.0, 1.0) < 0.8 { "revolute" } else { "prismatic" };
+                let reach = if kind == "revolute" { draw(0.2, 3.0) } else { draw(0.01, 0.2) };
+                let (x, y, z) = (draw(-0.15, 0.15), draw(-0.15, 0.15), draw(-0.15, 0.15));
+                let _ = write!(
+                    text,
+                    r#"<joint name="j{link}" type="{kind}"><origin xyz="{x} {y} {z}"/><parent link="l{}"/><child link="l{link}"/>
+                    <axis xyz="{} {} {}"/><limit lower="-{reach}" upper="{reach}" velocity="1" effort="1"/></joint>"#,
+                    link - 1,
+                    draw(-1.0, 1.0),
+                    draw(-1.0, 1.0),
+                    draw(0.1, 1.0)
+                );
+            }
+        }
+        Robot::from_urdf_text(&(text + "</robot>"), "chain.urdf", None, &RobotOptions::default())
+            .expect("a good URDF")
+    }
+
+    #[test]
+    fn what_is_proven_of_a_pair_holds_at_every_sample() {
+        let (chains, samples) = if std::env::var("CRANNY_LONG").is_ok() { (1000, 2000) } else { (20, 200) };
+        let mut random = Stream::new(11, 0);
+        let (mut always, mut never) = (0, 0);
+        for _ in 0..chains {
+            let robot = chain(&mut random);
+            let bodies = LinkBody::all(&robot);
+            let mut ranges = PairRanges::new(&robot, &bodies);
+            for pair in [(0, 1), (1, 2), (3, 4), (0, 2), (1, 3), (0, 3)] {
+                let range = ranges.of(pair, Question::DoTheyEverChange);
+                let is_touching = match range {
+                    PairRange::AlwaysTouching { .. } => true,
+                    PairRange::NeverTouching => false,
+                    _ => continue,
+                };
+                *(if is_touching { &mut always } else { &mut never }) += 1;
+                for _ in 0..samples {
+                    let frames = robot.frames_at(&robot.random_configuration(&mut random));
+                    let others = bodies[pair.1].placed(&frames);
+                    let gap = group_separation(bodies[pair.0].placed(&frames), &others, 1.0);
+                    assert_eq!(gap.lower_m <= CONTACT_M, is_touching, "{pair:?}: {range:?}, but {gap:?}");
+                }
+            }
+        }
+        assert!(always > 10 && never > 10, "{always} always, {never} never");
+    }
+}

@@ -2,7 +2,7 @@ use cranny_robot::Robot;
 
 use crate::link_body::LinkBody;
 use crate::pair_range::{PairRange, PairRanges, Question};
-use crate::unchecked::{Exempt, UncheckedReason};
+use crate::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
 /// Which links can be compared with which, as indices into the link bodies, and which of them are not, and why.
 ///
@@ -59,7 +59,7 @@ impl SelfPairs {
         &self,
         bodies: &[LinkBody],
         asked_for: &[(usize, usize)],
-    ) -> (Vec<(usize, usize)>, Vec<((usize, usize), Exempt)>) {
+    ) -> (Vec<(usize, usize)>, Vec<ExemptPair>) {
         let (mut checked, mut left_out) = (Vec::new(), Vec::new());
         for &(pair, exempt) in &self.0 {
             match exempt.filter(|_| !asked_for.contains(&links_of(bodies, pair))) {

@@ -51,6 +51,9 @@ pub(crate) struct Exempt {
     pub depth_m: f64,
 }
 
+/// A pair that is not compared, by link body, and why.
+pub(crate) type ExemptPair = ((usize, usize), Exempt);
+
 impl UncheckedReason {
     /// Whether the pair was seen free at no value of its joint: to compare it would make every configuration unfree.
     pub(crate) fn is_never_free(self) -> bool {
@@ -59,8 +62,8 @@ impl UncheckedReason {
 }
 
 impl Unchecked {
-    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[((usize, usize), Exempt)]) -> Vec<Self> {
-        let of_pair = |&((first, second), exempt): &((usize, usize), Exempt)| Self {
+    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[ExemptPair]) -> Vec<Self> {
+        let of_pair = |&((first, second), exempt): &ExemptPair| Self {
             first: Collider::Link(bodies[first].link),
             second: Collider::Link(bodies[second].link),
             depth_m: exempt.depth_m,

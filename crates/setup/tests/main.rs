@@ -3,3 +3,4 @@
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
 mod built_in;
+mod windows;

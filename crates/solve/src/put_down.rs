@@ -195,7 +195,7 @@ impl PutDown {
         observer: &dyn Observer,
     ) -> Option<(Vec<Vec<f64>>, Problem)> {
         let problem = placed.leaving(retreat.last()?, vec![self.home.clone()]).ok()?;
-        let path = ways_out.search(problem.clone(), observer).ok()??;
+        let path = ways_out.search(&problem, observer).ok()??;
         Some((path, problem))
     }
 }
@@ -215,13 +215,13 @@ fn transfer(
     let by_start = |ways_out: &mut WaysOut, observer: &mut dyn Observer| {
         let (mut out, _) = ways_out.find(grip, off, reach, observer)?;
         let from = out.pop().ok_or(FailureReason::NotCarried)?;
-        let on = ways_out.search(carrying(&from, &ends)?, observer).map_err(not_there)?;
+        let on = ways_out.search(&carrying(&from, &ends)?, observer).map_err(not_there)?;
         Ok(on.map(|on| [out, on].concat()))
     };
     let path = match by_start(ways_out, observer) {
         Ok(Some(path)) => Some(path),
         Ok(None) | Err(FailureReason::NotCarried) => {
-            ways_out.search(carrying(off, &ends)?, observer).map_err(not_there)?
+            ways_out.search(&carrying(off, &ends)?, observer).map_err(not_there)?
         }
         Err(reason) => return Err(reason),
     };

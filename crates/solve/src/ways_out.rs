@@ -81,7 +81,7 @@ impl WaysOut {
         let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
         let narrow = grip.carrying(from, joints).map_err(not_carried)?;
         let mut path =
-            self.search(narrow, observer).map_err(not_carried)?.ok_or(FailureReason::NotCarried)?;
+            self.search(&narrow, observer).map_err(not_carried)?.ok_or(FailureReason::NotCarried)?;
         let joined = back.iter().position(|q| path.last() == Some(q)).unwrap_or(0);
         path.extend(back[..joined].iter().rev().cloned());
         let ends = match self.end {
@@ -104,16 +104,16 @@ impl WaysOut {
     /// A way that solves a problem, if a search finds it that is as long as is worth it here.
     pub fn search(
         &mut self,
-        problem: Problem,
+        problem: &Problem,
         observer: &dyn Observer,
     ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
-        let planner = cranny_plan::default_planner(&problem);
+        let planner = cranny_plan::default_planner(problem);
         let iterations = match self.end {
             CarryEnd::Place(_) => PLACE_ITERATIONS * luby(self.exhausted + 1),
             _ => FIRST_ITERATIONS << (self.exhausted / SEARCHES_PER_DOUBLING).min(u64::BITS / 2),
         };
         let budget = Budget { iterations, time: self.left() };
-        let report = search(planner.as_ref(), &problem, &budget, self.seed, &mut Stop(observer))?;
+        let report = search(planner.as_ref(), problem, &budget, self.seed, &mut Stop(observer))?;
         self.exhausted += u32::from(report.outcome == Outcome::BudgetExhausted);
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
     }
