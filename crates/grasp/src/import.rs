@@ -67,7 +67,7 @@ pub struct ImportSettings {
     /// The closing axis; `None`: that of the format. Isaac's has none.
     pub closing: Option<ClosingAxis>,
     /// From the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the format for the
-    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For GraspNet, whose grasps know the depth of the fingertips, it is
+    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For `GraspNet`, whose grasps know the depth of the fingertips, it is
     /// measured from these.
     pub offset_m: Option<f64>,
     /// Least score of the grasps that are kept; those without a score are not.
@@ -174,7 +174,7 @@ pub fn import_grasps(path: &Path, settings: &ImportSettings) -> Result<Imported,
 }
 
 fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String> {
-    if let Some(offset_m) = settings.offset_m.filter(|offset_m| !(offset_m.abs() <= 1.0)) {
+    if let Some(offset_m) = settings.offset_m.filter(|offset_m| offset_m.is_nan() || offset_m.abs() > 1.0) {
         return Err(format!("an offset of {offset_m} m is none of a gripper"));
     }
     let read = if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
