@@ -51,7 +51,7 @@ pub fn import_grasps(path: &Path, settings: &ImportSettings) -> Result<Imported,
 }
 
 fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String> {
-    if let Some(offset_m) = settings.offset_m.filter(|offset_m| !(offset_m.abs() <= 1.0)) {
+    if let Some(offset_m) = settings.offset_m.filter(|offset_m| offset_m.is_nan() || offset_m.abs() > 1.0) {
         return Err(format!("an offset of {offset_m} m is none of a gripper"));
     }
     let read = if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {

@@ -1,4 +1,4 @@
-//! One array of NumPy, and archives of them.
+//! One array of `NumPy`, and archives of them.
 
 use std::io::{Cursor, Read as Source};
 

@@ -1,4 +1,4 @@
-//! Grasps in arrays of NumPy: `.npy` and `.npz`.
+//! Grasps in arrays of `NumPy`: `.npy` and `.npz`.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ pub fn read_npy(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
     let array = Array::of(Cursor::new(bytes), "the array")?;
     match array.shape[..] {
         [_, 17] => graspnet::read_group(array, settings),
-        [_, 4, 4] => poses(array, "the array", None, None, None),
+        [_, 4, 4] => poses(array, "the array", &None, &None, &None),
         _ => Err(format!(
             "the array is of shape {:?}, not (N, 4, 4) for poses nor (N, 17) for a GraspGroup of GraspNet",
             array.shape
@@ -38,7 +38,7 @@ pub fn read_npz(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
         archive.with(name, |array| Ok((array.shape.clone(), array.all(16 * MOST_GRASPS, name)?)))
     };
     let (scores, widths, mask) = (column("scores")?, column("widths")?, column("mask")?);
-    let read = archive.with(name, |array| poses(array, name, scores, widths, mask))?;
+    let read = archive.with(name, |array| poses(array, name, &scores, &widths, &mask))?;
     let mut read = read.ok_or_else(|| format!("it has no {name}"))?;
     let known = [name, "scores", "widths", "mask"];
     let unread: Vec<&str> =
@@ -52,13 +52,13 @@ pub fn read_npz(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
 type Column = Option<(Vec<u64>, Vec<f64>)>;
 
 /// Poses (N, 4, 4), with scores and widths (N,) where NaN is none, and a mask, (N,) or (N, 4, 4), that is true where a grasp
-/// is none, as in NumPy's masked arrays.
-fn poses(array: Array, name: &str, scores: Column, widths: Column, mask: Column) -> Result<Read, String> {
+/// is none, as in `NumPy`'s masked arrays.
+fn poses(array: Array, name: &str, scores: &Column, widths: &Column, mask: &Column) -> Result<Read, String> {
     let &[count, 4, 4] = &array.shape[..] else {
         return Err(format!("{name} is of shape {:?}, not (N, 4, 4)", array.shape));
     };
     for (column, name, is_mask) in
-        [(&scores, "scores", false), (&widths, "widths", false), (&mask, "mask", true)]
+        [(scores, "scores", false), (widths, "widths", false), (mask, "mask", true)]
     {
         if let Some((shape, _)) = column
             && *shape != [count]
@@ -86,7 +86,7 @@ fn poses(array: Array, name: &str, scores: Column, widths: Column, mask: Column)
             continue;
         }
         let world_from_gripper = pose_of_rows(rows).map_err(|fault| format!("grasp {place}: {fault}"))?;
-        let (score, width_m) = (known(&scores, place), known(&widths, place));
+        let (score, width_m) = (known(scores, place), known(widths, place));
         read.push(place, Grasp { world_from_gripper, score, width_m, robust: None })?;
     }
     Ok(read)

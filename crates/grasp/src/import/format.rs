@@ -56,7 +56,7 @@ pub struct ImportSettings {
     /// The closing axis; `None`: that of the format. Isaac's has none.
     pub closing: Option<ClosingAxis>,
     /// From the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the format for the
-    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For GraspNet, whose grasps know the depth of the fingertips, it is
+    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For `GraspNet`, whose grasps know the depth of the fingertips, it is
     /// measured from these.
     pub offset_m: Option<f64>,
     /// Least score of the grasps that are kept; those without a score are not.

@@ -18,6 +18,7 @@ const DEPTHS: u64 = 4;
 
 /// Each has 14 400 labels.
 const MOST_POINTS: u64 = 20_000;
+const MOST_COORDINATES: usize = 60_000;
 
 /// `theirs_from_z`: a frame whose z is their approach and whose y is their closing axis, at the fingertips.
 fn tips(depth_m: f64) -> Pose {
@@ -79,7 +80,7 @@ pub fn read_labels(archive: &Archive, settings: &ImportSettings) -> Result<Read,
                 array.shape
             ));
         };
-        Ok((count, array.all(3 * MOST_POINTS as usize, "points")?))
+        Ok((count, array.all(MOST_COORDINATES, "points")?))
     })?;
     let (count, points) = points.ok_or("it has no points")?;
     let expected = [count, VIEWS, ANGLES, DEPTHS];

@@ -1,5 +1,7 @@
 //! Grasps as text: JSON of `GraspGen`, YAML of Isaac Sim.
 
+#![allow(clippy::zero_sized_map_values, reason = "what serde gathers other keys in is a map")]
+
 use std::collections::BTreeMap;
 
 use cranny_spatial::nalgebra::Quaternion;
@@ -144,7 +146,7 @@ fn isaac(file: IsaacGrasps) -> Result<Read, String> {
         let IsaacGrasp { confidence, position, orientation: Orientation { w, xyz: [x, y, z] } } = grasp;
         let quaternion = Quaternion::new(*w, *x, *y, *z);
         let norm = quaternion.norm();
-        if !((norm - 1.0).abs() <= NORM_TOLERANCE) {
+        if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
             return Err(format!("grasp '{name}': its orientation is of norm {norm}, not a rotation"));
         }
         let world_from_gripper =
