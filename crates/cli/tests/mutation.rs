@@ -296,14 +296,14 @@ fn no_key_of_a_scenario_is_changed_unseen() {
     let own = folder.path().join("own");
     fs::create_dir(&own).unwrap();
     fs::write(own.join("cart.urdf"), CART).unwrap();
-    fs::write(own.join("cart.srdf"), SRDF).unwrap();
+    fs::write(own.join("other.srdf"), SLIDE).unwrap();
     fs::write(own.join("part.obj"), tetrahedron()).unwrap();
     let pose = json!({"position": [0.1, 0.2, 0.3], "rotation_rpy_deg": [0.0, 0.0, 30.0]});
     let whole = json!({
-        "robot": "cart.urdf", "srdf": "cart.srdf", "group": "arm", "tip": "ball",
+        "robot": "cart.urdf", "srdf": "other.srdf", "group": "arm", "tip": "carriage",
         "about": {"title": "a", "author": "b", "licence": "MIT", "citation": "d"},
         "fixed": {"z": 0.1}, "unchecked_pairs": [["ball", "bridge"]], "frame": pose,
-        "start": {"x": 0.1, "y": 0.2}, "floor": -1.5,
+        "start": {"x": 0.1}, "floor": -1.5,
         "obstacles": [
             {"name": "wall", "pose": pose, "shapes": [
                 {"pose": {"position": [0.0, 0.1, 0.0], "quaternion_xyzw": [0.0, 0.6, 0.0, 0.8]},
@@ -424,6 +424,9 @@ const CART: &str = r#"<robot name="cart">
   <joint name="z" type="prismatic"><parent link="carriage"/><child link="ball"/><axis xyz="0 0 1"/>
     <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
 </robot>"#;
+
+/// The group of a single slide, in a file that is not found beside the URDF: what reads it must be asked to.
+const SLIDE: &str = r#"<robot name="cart"><group name="arm"><joint name="x"/></group></robot>"#;
 
 const SRDF: &str =
     r#"<robot name="cart"><group name="arm"><joint name="x"/><joint name="y"/></group></robot>"#;
