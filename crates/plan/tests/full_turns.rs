@@ -122,7 +122,7 @@ fn continuous_joints_wrap() {
         assert!(
             last.iter().zip(first).all(|(end, start)| (end - start).abs() <= std::f64::consts::PI + 1e-9)
         );
-        beyond += usize::from(path.iter().flatten().any(|value| value.abs() > std::f64::consts::TAU));
+        beyond += usize::from(path.iter().flatten().any(|value| value.abs() > TAU));
     }
     assert!(beyond > 3, "{beyond} of 10 paths go past a full turn");
 }
