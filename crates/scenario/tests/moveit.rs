@@ -412,9 +412,7 @@ fn of_five_hundred_published_problems_all_but_one_are_valid() {
             let opened = open(&folder.join(family), number, &MoveItOptions::default());
             assert_eq!((opened.robot.dof(), opened.goals.len()), (7, 1), "{family} {number}");
             // The spheres of the fingers are fixed in this URDF; the states have the fingers open.
-            let is_finger = |deviation: &MoveItDeviation| {
-                matches!(deviation, MoveItDeviation::NotFree { joint, .. } if joint.starts_with("panda_finger"))
-            };
+            let is_finger = |deviation: &MoveItDeviation| matches!(deviation, MoveItDeviation::NotFree { joint, .. } if joint.starts_with("panda_finger"));
             assert!(opened.deviations.iter().all(is_finger), "{family} {number}: {:?}", opened.deviations);
             let faults = faults(&opened.problem(Margins::default()).unwrap());
             valid += usize::from(faults.is_empty());
