@@ -411,7 +411,9 @@ fn of_five_hundred_published_problems_all_but_one_are_valid() {
         for number in 1..=100 {
             let opened = open(&folder.join(family), number, &MoveItOptions::default());
             assert_eq!((opened.robot.dof(), opened.goals.len()), (7, 1), "{family} {number}");
-            assert_eq!(opened.deviations, [], "{family} {number}");
+            // The spheres of the fingers are fixed in this URDF; the states have the fingers open.
+            let is_finger = |deviation: &MoveItDeviation| matches!(deviation, MoveItDeviation::NotFree { joint, .. } if joint.starts_with("panda_finger"));
+            assert!(opened.deviations.iter().all(is_finger), "{family} {number}: {:?}", opened.deviations);
             let faults = faults(&opened.problem(Margins::default()).unwrap());
             valid += usize::from(faults.is_empty());
             invalid.extend(faults.into_iter().map(|fault| format!("{family} {number}: {fault}")));
