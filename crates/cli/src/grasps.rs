@@ -37,8 +37,10 @@ pub enum GraspsCommand {
     Coverage(CoverageArguments),
     /// How far the grasps of a file are from each other
     Distances(DistancesArguments),
-    /// Read grasps of other projects: ACRONYM, GraspNet, GraspGen, Isaac, NumPy
-    #[command(name = "import")]
+    #[command(
+        name = "import",
+        about = "Read grasps of other projects: ACRONYM, GraspNet, GraspGen, Isaac, NumPy"
+    )]
     Import(ImportArguments),
 }
 
@@ -286,10 +288,10 @@ impl Filtered {
         }
         if self.stopped {
             page.push_str("stopped before all grasps were tried");
-            page.push_str(&match &self.file {
-                Some(file) => format!("; those that are free so far are in {}\n", file.display()),
-                None => "\n".to_owned(),
-            });
+            if let Some(file) = &self.file {
+                let _ = write!(page, "; those that are free so far are in {}", file.display());
+            }
+            page.push('\n');
         }
         page
     }

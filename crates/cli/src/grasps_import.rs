@@ -29,8 +29,10 @@ fingers close, the origin between the pads. ACRONYM and GraspGen close along x a
 hand, 105 mm behind; GraspNet approaches along x, and its depth is that of the fingertips, 7.2 mm ahead. Without --scenario
 the poses stay in the frame of the file, mostly that of the object's mesh.")]
 pub struct ImportArguments {
-    /// HDF5 of ACRONYM, .npz or .npy of GraspNet or with poses, JSON of GraspGen, YAML of Isaac
-    #[arg(value_name = "FILE")]
+    #[arg(
+        value_name = "FILE",
+        help = "HDF5 of ACRONYM, .npz or .npy of GraspNet or with poses, JSON of GraspGen, YAML of Isaac"
+    )]
     file: PathBuf,
     /// Where to write the grasps
     #[arg(long, short, value_name = "FILE")]
@@ -44,8 +46,8 @@ pub struct ImportArguments {
     /// The axis of the file's gripper frame along which the fingers close [default: that of the format]
     #[arg(long, value_parser = PossibleValuesParser::new(["x", "y"]).try_map(|word| word.parse::<ClosingAxis>()))]
     closing: Option<ClosingAxis>,
-    /// How far along the approach the origin between the pads is from that of the file, in millimetres; for GraspNet from its
-    /// fingertips [default: that of the format for the Franka hand]
+    /// How far along the approach the origin between the pads is from that of the file, in millimetres; from the fingertips
+    /// where the file knows their depth [default: that of the format for the Franka hand]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     offset: Option<f64>,
     /// Keep the grasps of at least this score, from 0 to 1

@@ -238,10 +238,10 @@ impl Simulated {
         if self.stopped {
             let left = self.wanted - self.grasps;
             let _ = write!(page, "stopped: {left} of {} not tried", counted(self.wanted, "grasp"));
-            page.push_str(&match &self.unfinished {
-                Some(file) => format!("; the same command goes on from {}\n", file.display()),
-                None => "\n".to_owned(),
-            });
+            if let Some(file) = &self.unfinished {
+                let _ = write!(page, "; the same command goes on from {}", file.display());
+            }
+            page.push('\n');
         }
         page
     }

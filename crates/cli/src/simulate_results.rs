@@ -104,6 +104,7 @@ type ScenarioKey = (String, String);
 /// What came of each grasp of a scenario.
 type Rows = BTreeMap<(ScenarioKey, usize), GraspRow>;
 
+#[allow(clippy::too_many_lines, reason = "one step after the other")]
 pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answer, Failure> {
     let file = &arguments.results;
     let results = Results::open(file)?;

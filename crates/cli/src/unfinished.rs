@@ -1,5 +1,6 @@
 //! The finished part of a long work that is stopped: kept beside the output until the same command finishes the rest.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::write_whole_file;
@@ -41,7 +42,10 @@ impl Unfinished {
             sum.update(part.len().to_le_bytes());
             sum.update(part);
         }
-        let identity: String = sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let mut identity = String::new();
+        for byte in sum.finalize() {
+            let _ = write!(identity, "{byte:02x}");
+        }
         let mut name = output.as_os_str().to_owned();
         name.push(format!(".unfinished-{}.json", &identity[..8]));
         let file = PathBuf::from(name);

@@ -14,7 +14,13 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
+/// Stopped while it works: before that nothing is to be kept, and it says nothing.
 fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
+    let output = stopped_once(seconds, folder, arguments);
+    if output.stdout.is_empty() { stopped_after(2.0 * seconds, folder, arguments) } else { output }
+}
+
+fn stopped_once(seconds: f64, folder: &Path, arguments: &str) -> Output {
     let child = command(folder, arguments).spawn().expect("it starts");
     std::thread::sleep(Duration::from_secs_f64(seconds));
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");

@@ -82,8 +82,20 @@ fn solve_once(
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let given = problem;
-    let (problem, numbers) = request.asked(given)?;
+    let (asked, numbers) = request.asked(problem)?;
+    let answer = solve_asked(asked, request, observer)?;
+    Ok(match (numbers, problem.grasps()) {
+        (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
+        _ => answer,
+    })
+}
+
+/// The same of the problem as the request asks it.
+fn solve_asked(
+    problem: Problem,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Answer, SolveError> {
     let planner = request.planner_for(&problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
@@ -171,7 +183,7 @@ fn solve_once(
     };
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
-    let answer = Answer {
+    Ok(Answer {
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
@@ -196,10 +208,6 @@ fn solve_once(
         goal_faults,
         no_grasp,
         not_checked,
-    };
-    Ok(match (numbers, given.grasps()) {
-        (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
-        _ => answer,
     })
 }
 
