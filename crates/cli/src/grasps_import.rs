@@ -18,7 +18,7 @@ use crate::{Answer, output_file, text};
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny grasps import Mug_10f6.h5 -o mug.csv                           ACRONYM
-  cranny grasps import Mug_10f6.h5 --scenario my_shelf --min-score 1 -o my_shelf/grasps.csv
+  cranny grasps import Mug.h5 --scenario my_shelf --min-score 1 -o mug.csv
   cranny grasps import 000_labels.npz --min-score 0.8 -o drill.csv      object labels of GraspNet
   cranny grasps import grasps.npy --object 5 -o scene.csv               a GraspGroup of GraspNet, or poses (N, 4, 4)
   cranny grasps import mug.json -o mug.csv                              GraspGen

@@ -18,7 +18,10 @@ fn rounded(bound: f64, per_unit: f64, digits: usize, direction: f64) -> String {
     }
     let step = direction * 0.1_f64.powi(i32::try_from(digits).unwrap_or(i32::MAX));
     let read: f64 = text.parse().unwrap_or(bound * per_unit);
-    format!("{:.digits$}", read + step)
+    let next = read + step;
+    // The difference of two decimals is not always 0 where it should be, and no zero has a sign.
+    let next = if next.abs() < 0.5 * step.abs() { 0.0 } else { next };
+    format!("{next:.digits$}")
 }
 
 #[cfg(test)]
@@ -33,7 +36,9 @@ mod tests {
             (0.002_29, "2.29", "2.29"),
             (0.000_001, "0.00", "0.01"),
             (0.0, "0.00", "0.00"),
-            (-0.000_001, "-0.01", "-0.00"),
+            (0.000_098, "0.09", "0.10"),
+            (0.000_009_8, "0.00", "0.01"),
+            (-0.000_001, "-0.01", "0.00"),
             (0.999_999_9, "999.99", "1000.00"),
         ] {
             assert_eq!((&*at_least(bound, 1e3, 2), &*at_most(bound, 1e3, 2)), (lower, upper), "{bound}");
