@@ -112,7 +112,7 @@ impl Robot {
             full_turns,
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
-            hand: RobotHand::of(&urdf, &tree, options, &rates, (&links, &rest, resolved.tip)),
+            hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
             start,
             floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,

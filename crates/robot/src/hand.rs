@@ -5,7 +5,6 @@ use cranny_spatial::Pose;
 use crate::hand_description::{FingerRange, HandDescription};
 use crate::hand_joint::HandJoint;
 use crate::pad_distance::PadDistance;
-use crate::rate_limits::RateLimits;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
 use crate::{Link, Mover, RobotOptions};
@@ -32,7 +31,6 @@ impl RobotHand {
         urdf: &Urdf,
         tree: &Tree,
         options: &RobotOptions,
-        rates: &BTreeMap<String, RateLimits>,
         (links, rest, tip): (&[Link], &[Pose], usize),
     ) -> Option<Self> {
         let has =
@@ -52,18 +50,8 @@ impl RobotHand {
             let (kind, axis_in_link) = (motion.kind.into(), motion.axis_in_child);
             // A velocity of zero is none that a joint could have: many files have it where nobody knows better.
             let velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
-            let acceleration = rates.get(&urdf.joints[joint].name).and_then(|rates| rates.acceleration);
-            let finger = 0;
-            joints.push(HandJoint {
-                link,
-                parent,
-                kind,
-                axis_in_link,
-                stroke,
-                finger,
-                velocity,
-                acceleration,
-            });
+            let (finger, acceleration) = (0, motion.limits.acceleration);
+            joints.push(HandJoint { link, parent, kind, axis_in_link, stroke, finger, velocity, acceleration });
         }
         let fingers = sides(&mut joints, links, rest, tip);
         let pads = PadDistance::of(description, (&joints, fingers), (links, rest, tip));

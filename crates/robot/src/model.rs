@@ -1,5 +1,5 @@
 use std::any::Any;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use cranny_spatial::Pose;
@@ -41,7 +41,7 @@ pub struct Robot {
     pub(crate) adjacent_pairs: Vec<(usize, usize)>,
     pub(crate) group_states: Vec<(String, Vec<f64>)>,
     /// The value of every joint of the URDF, by name.
-    pub(crate) values: HashMap<String, JointValue>,
+    pub(crate) values: BTreeMap<String, JointValue>,
     pub(crate) virtual_joints: Vec<VirtualJoint>,
     pub(crate) passive_joints: Vec<String>,
     /// Forward kinematics of every link that moves, parents first.

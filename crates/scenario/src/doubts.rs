@@ -43,9 +43,8 @@ pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
         format!("the meshes of {count} bodies were repaired: `cranny scenario check` lists them")
     });
     let unseen = brief(unseen_notes(robot), &|count| {
-        format!(
-            "{count} links have a <visual> and no <collision>: no proof keeps them from touching anything; {see}"
-        )
+        let names = seen_only_links(robot).map(|link| format!("'{link}'")).collect::<Vec<_>>().join(", ");
+        format!("{count} links have a <visual> and no <collision>: no proof keeps {names} from touching anything")
     });
     [unread, links, bodies, unseen, wide_opening(robot).into_iter().collect()].concat()
 }

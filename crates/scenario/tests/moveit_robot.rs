@@ -151,13 +151,13 @@ fn limits_of_moveit_go_before_those_of_the_urdf() {
     let folder = Folder::new();
     let limits = "default_velocity_scaling_factor: 0.1
 joint_limits:
-  j1: {has_position_limits: true, min_position: -0.5, max_position: 2.5, has_velocity_limits: true, max_velocity: 0.4, max_acceleration: 2}
+  j1: {has_position_limits: true, min_position: -0.5, max_position: 1.5, has_velocity_limits: true, max_velocity: 0.4, max_acceleration: 2}
 ";
     for file in ["joint_limits.yaml", "config/joint_limits.yaml"] {
         folder.write(file, limits);
         let problem = folder.open().unwrap();
         let [first, second] = problem.robot.limits() else { panic!("two joints") };
-        assert_eq!((first.lower, first.upper, first.acceleration), (-0.5, 2.5, Some(2.0)));
+        assert_eq!((first.lower, first.upper, first.acceleration), (-0.5, 1.5, Some(2.0)));
         // Of the request, which goes before the file's default.
         assert!((first.velocity - 0.2).abs() < 1e-12 && (second.velocity - 0.5).abs() < 1e-12);
         assert!(problem.deviations[0].to_string().contains("joint_limits.yaml"));
