@@ -103,7 +103,7 @@ def test_robots_with_narrow_windows_are_never_called_free_where_coal_finds_conta
         robot = cranny.Robot.from_urdf(folder)
         judge = Robot(folder / urdf.name, None)
         cell = cranny.Cell(robot, [])
-        # Declared by nobody: every pair counts.
+        # No file declares a pair: every pair counts.
         pairs = judge.pairs()
         described = package("yaml").safe_load((folder / "robot.yaml").read_text())
         start = np.array([described["start"].get(name, 0.0) for name in robot.joint_names])

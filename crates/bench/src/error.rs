@@ -134,7 +134,7 @@ pub enum BenchError {
         results: PathBuf,
         /// The part that is to be run.
         part: String,
-        /// How many trials of other parts there are.
+        /// Number of trials of other parts.
         trials: usize,
     },
     /// Two files of results have the same trial, and it went differently.

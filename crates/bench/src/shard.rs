@@ -20,9 +20,9 @@ impl Shard {
         (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { index, count })
     }
 
-    /// Of the trials of a campaign those of this part. The parts of any `count` are the whole, each trial in one of them, and
-    /// their sizes differ by at most one, in all, for each planner, and for each planner on each scenario; which trials are in
-    /// the results already does not matter. See [`dealt`].
+    /// Trials of a campaign that belong to this part. The parts of any `count` partition the campaign, and their sizes
+    /// differ by at most one: in all, for each planner, and for each planner on each scenario. Trials that are already
+    /// in the results make no difference. See [`dealt`].
     #[must_use]
     pub fn of(self, schedule: Schedule) -> Schedule {
         let parts = dealt(&schedule.questions, self.count);

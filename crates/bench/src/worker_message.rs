@@ -11,9 +11,9 @@ use crate::{Question, TrialRecord};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Request {
     pub question: Question,
-    /// Where scenarios are exported to for the programs of others: a folder of this worker alone.
+    /// Folder that scenarios are exported to for external planners; no other worker uses it.
     pub exports: PathBuf,
-    /// What the program of others may take, in bytes.
+    /// Memory limit of the external planner, in bytes.
     pub memory_limit_bytes: u64,
     /// What stands around the worker and around that program.
     pub walls: Walls,

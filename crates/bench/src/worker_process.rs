@@ -29,7 +29,8 @@ pub struct WorkerProcess {
     complaint: Arc<Mutex<String>>,
     /// Reads the complaint until the worker's end.
     listener: Option<JoinHandle<()>>,
-    /// Where it exports scenarios to for the programs of others: of no other worker, which may all be process 1 of a namespace.
+    /// Folder that it exports scenarios to for external planners, used by no other worker. Process ids do not
+    /// distinguish the workers: each may be process 1 of its namespace.
     exports: TempDir,
 }
 
@@ -218,7 +219,7 @@ impl WorkerProcess {
         system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
     }
 
-    /// Where it exports scenarios to.
+    /// Folder that it exports scenarios to.
     pub fn exports(&self) -> &Path {
         self.exports.path()
     }

@@ -1,4 +1,4 @@
-//! Reports of few runs: they call no difference significant that chance makes, and say where runs are too few.
+//! Reports of few runs: they call no difference significant that chance makes, and mark where runs are too few.
 
 use cranny_bench::TrialOutcome;
 use cranny_bench::report::{Enclosure, Finding, Summary};
@@ -89,7 +89,7 @@ fn add_runs(
     }
 }
 
-/// Whether any of a report's comparisons calls a difference significant, in whatever form.
+/// Returns whether any of a report's comparisons calls a difference significant, in whatever form.
 fn calls_a_difference(summary: &Summary) -> bool {
     summary.comparisons.iter().any(|own| {
         let is_small = |p: Option<f64>| p.is_some_and(|p| p < 0.05);

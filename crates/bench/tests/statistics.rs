@@ -180,7 +180,7 @@ fn permutation_tests_of_small_groups_are_exact() {
 
 #[test]
 fn random_divisions_of_large_groups_agree_with_the_normal_approximation() {
-    // Freireich 1963, 21 against 21: lifelines has p = 4.2e-5; no p-value is below two of the divisions looked at.
+    // Freireich 1963, 21 against 21: lifelines has p = 4.2e-5; no p-value is below two of the divisions drawn.
     let test = TwoSampleTest::of(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO), 35.0, 1);
     assert!(test.log_rank_p <= 1e-3 && test.log_rank_p >= 2.0 / 10_000.0);
     assert_near(test.log_rank_excess, 9.0 - 19.25, 5e-3);

@@ -218,7 +218,7 @@ struct Filtered {
     grasps: usize,
     free: usize,
     blocked_by: Vec<Blocking>,
-    /// Whether Ctrl-C left grasps over.
+    /// True if Ctrl-C left grasps unprocessed.
     stopped: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,

@@ -46,8 +46,8 @@ pub struct ImportArguments {
     /// The axis of the file's gripper frame along which the fingers close [default: that of the format]
     #[arg(long, value_parser = PossibleValuesParser::new(["x", "y"]).try_map(|word| word.parse::<ClosingAxis>()))]
     closing: Option<ClosingAxis>,
-    /// How far along the approach the origin between the pads is from that of the file, in millimetres; from the fingertips
-    /// where the file knows their depth [default: that of the format for the Franka hand]
+    /// Offset along the approach from the origin of the file's gripper frame to the point between the pads, in
+    /// millimetres; from the fingertips if the file has their depth [default: that of the format for the Franka hand]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     offset: Option<f64>,
     /// Keep the grasps of at least this score, from 0 to 1
@@ -58,7 +58,7 @@ pub struct ImportArguments {
     object: Option<i64>,
 }
 
-/// What `grasps import --json` prints; the keys stay.
+/// Output of `grasps import --json`; its keys are stable.
 #[derive(Serialize)]
 struct Answered<'a> {
     format: GraspFormat,

@@ -120,7 +120,7 @@ struct Shown {
     picture: Option<PathBuf>,
 }
 
-/// What `object show` prints of a mesh file.
+/// Output of `object show` for a mesh file.
 #[derive(Serialize)]
 struct ShownMesh {
     mesh: PathBuf,

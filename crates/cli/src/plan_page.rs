@@ -21,7 +21,7 @@ pub struct Answered<'a> {
     pub iterations: u64,
     pub valid: bool,
     pub start_faults: Vec<String>,
-    /// Where the problem is not what its files say, in sentences.
+    /// Points at which the problem differs from its files, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,
     pub plan_file: Option<&'a Path>,

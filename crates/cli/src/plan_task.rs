@@ -20,7 +20,7 @@ pub struct PlanTask {
     /// What can be grasped; nothing where the goal is a configuration.
     pub grasps: GraspSet,
     pub problem: Problem,
-    /// Where the problem is not what its files say, in sentences.
+    /// Points at which the problem differs from its files, in sentences.
     pub deviations: Vec<String>,
 }
 

@@ -70,14 +70,14 @@ struct Simulated {
     wilson_interval: Option<[f64; 2]>,
     /// Whether Ctrl-C left grasps over.
     stopped: bool,
-    /// How many rows an earlier run of the same command had finished.
+    /// Number of rows that an earlier run of the same command had finished.
     known: usize,
     /// Grasps that are to be tried, in all.
     wanted: usize,
     /// Where the grasps with their robust scores stand.
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,
-    /// Where the finished rows are kept, from which the same command goes on.
+    /// File of the finished rows, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
     rows: Vec<Row>,

@@ -57,9 +57,9 @@ struct Simulated {
     held: usize,
     /// Scenarios that cannot be simulated: their trials count nowhere.
     skipped: Vec<Skipped>,
-    /// Whether Ctrl-C left grasps over; then the table is not written.
+    /// True if Ctrl-C left grasps unprocessed; the table is then not written.
     stopped: bool,
-    /// Where the finished rows are kept, from which the same command goes on.
+    /// File of the finished rows, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
     planners: Vec<PlannerGrasps>,

@@ -16,7 +16,7 @@ use crate::text;
 pub struct Task {
     pub scenario: Scenario,
     pub problem: Problem,
-    /// What they were made of.
+    /// Source of both.
     pub source: PlanSource,
 }
 

@@ -113,7 +113,7 @@ pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
     }
 }
 
-/// What follows "proven" or "valid" where something was not compared, or may touch.
+/// Text after "proven" or "valid" where something was not compared, or may touch; empty elsewhere.
 pub fn but_for(not_checked: &[NotChecked]) -> String {
     NotChecked::summary(not_checked).map_or_else(String::new, |summary| format!(", but for {summary}"))
 }

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file;
 
-/// Where the finished part of one work is kept, and by what that work is known.
+/// File of the finished part of one computation, and the identity of that computation.
 pub struct Unfinished {
     file: PathBuf,
     identity: String,

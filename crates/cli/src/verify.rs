@@ -53,7 +53,7 @@ struct Answered {
     criterion: Criterion,
     #[serde(flatten)]
     brought: Brought,
-    /// Where the problem is not what its files say, in sentences.
+    /// Points at which the problem differs from its files, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     deviations: Vec<String>,
     #[serde(flatten)]

@@ -23,7 +23,7 @@ struct Format<'a> {
     read: Box<dyn Fn(&str) -> Option<String> + 'a>,
 }
 
-/// What became of the changes.
+/// Number of changes by their effect.
 #[derive(Default)]
 struct Counts {
     refused: usize,
@@ -32,7 +32,7 @@ struct Counts {
 }
 
 impl Format<'_> {
-    /// Reads every change, or so many drawn ones unless the run is long.
+    /// Reads every change, or `most` drawn ones unless the run is long.
     fn check(&self, most: usize) -> Vec<String> {
         let text = self.whole.to_string();
         let base = (self.read)(&text).unwrap_or_else(|| panic!("{}: the file itself is refused", self.name));
@@ -127,7 +127,7 @@ fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
                 };
                 let within = format!(".{key}");
                 visit(path, &within, "another name", &rename);
-                // A key without a value says as much as none.
+                // A key without a value is equivalent to a missing key.
                 if !inner.is_null() {
                     visit(path, &within, "no such key", &|place| drop(take(place)));
                 }

@@ -14,7 +14,7 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// Stopped while it works: before that nothing is to be kept, and it says nothing.
+/// Output of a command that is stopped while it works. Before that it has nothing to keep and prints nothing.
 fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
     let output = stopped_once(seconds, folder, arguments);
     if output.stdout.is_empty() { stopped_after(2.0 * seconds, folder, arguments) } else { output }

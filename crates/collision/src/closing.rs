@@ -16,7 +16,7 @@ pub struct Closing {
     pub closing: f64,
     /// How much farther the finger that touches last would have to go, in metres of its own way.
     pub uneven_m: f64,
-    /// How far each finger has closed when it touches, by its number.
+    /// Share of its travel, from 0, open, to 1, at which each finger touches, by the number of the finger.
     pub touching: Vec<f64>,
 }
 
@@ -198,7 +198,7 @@ impl Cell {
     }
 }
 
-/// How far what is measured of a sweep may lie below the truth, in metres.
+/// Greatest amount by which the measured clearance of a sweep may lie below the true one, in metres.
 const SWEEP_TOLERANCE_M: f64 = 1e-5;
 
 /// As in a proof of a motion, in metres.

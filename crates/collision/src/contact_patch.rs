@@ -31,8 +31,8 @@ impl Across {
         (self.axes[0] * x + self.axes[1] * y + self.direction * height_m).into()
     }
 
-    /// What of a triangle lies between two heights (m) along the direction, seen along it: a convex polygon, in the order
-    /// of the triangle's corners; empty where nothing does.
+    /// Part of a triangle between two heights (m) along the direction, projected along it: a convex polygon, in the
+    /// order of the triangle's corners; empty if no part lies there.
     pub fn slice(&self, triangle: &[Point; 3], [low_m, high_m]: [f64; 2]) -> Vec<PlanePoint> {
         let height = |point: &Point| self.direction.dot(&point.coords);
         let above = clipped(triangle, |point| height(point) - low_m);
@@ -41,7 +41,7 @@ impl Across {
     }
 }
 
-/// What of a convex polygon has no negative height.
+/// Part of a convex polygon whose height is not negative.
 fn clipped(polygon: &[Point], height: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut kept = Vec::new();
     for (index, a) in polygon.iter().enumerate() {
@@ -109,7 +109,7 @@ fn shared(first: &[PlanePoint], second: &[PlanePoint]) -> Vec<PlanePoint> {
     rest
 }
 
-/// How far a point lies outside the convex hull of others, in metres: 0 within it, infinite where there are none.
+/// Distance of a point from the convex hull of others, in metres: 0 inside it, infinite if there are no others.
 pub(crate) fn distance_to_hull(points: &[PlanePoint], point: PlanePoint) -> f64 {
     let corners = hull(points);
     let edges = || (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]));

@@ -44,7 +44,7 @@ pub enum CollisionError {
     Touches {
         /// The body.
         name: String,
-        /// What it touches.
+        /// The body that it touches.
         other: String,
         /// Their depth in each other, in metres.
         depth_m: f64,
@@ -57,7 +57,7 @@ pub enum CollisionError {
     Topples {
         /// The body.
         name: String,
-        /// What it touches.
+        /// The body that it touches.
         other: String,
         /// Distance of the centre of mass from what is below the body, seen along gravity, in metres.
         off_m: f64,

@@ -16,12 +16,12 @@ pub struct Extent {
     corners: Arc<[Point]>,
     /// Its surface.
     triangles: Arc<[[Point; 3]]>,
-    /// Of uniform density; where its solids overlap, the shared volume counts for each.
+    /// Centre of mass at uniform density; where its solids overlap, the shared volume counts for each.
     center_of_mass: Point,
 }
 
 impl Extent {
-    /// Of a body.
+    /// Extent of a body.
     ///
     /// # Errors
     /// [`CollisionError::Hold`] for one that has no end.

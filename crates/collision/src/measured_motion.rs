@@ -46,7 +46,7 @@ pub struct NearestPair {
     pub second: Collider,
     /// The least distance of the two that counts as free, in metres.
     pub required_m: f64,
-    /// Whether [`Margins::grasp_margin_m`](crate::Margins::grasp_margin_m) applies to it instead of
+    /// True if [`Margins::grasp_margin_m`](crate::Margins::grasp_margin_m) applies to it instead of
     /// [`Margins::margin_m`](crate::Margins::margin_m).
     pub has_grasp_margin: bool,
 }

@@ -7,7 +7,7 @@ use cranny_spatial::{CONTACT_M, ROUNDING_M, Vector};
 use crate::link_body::{LinkBody, group_separation};
 use crate::travel::{Travel, shared_joints};
 
-/// What is proven of two links for all values of the joints between them.
+/// Result proven of two links for all values of the joints between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PairRange {
     /// They touch at every value, at the least that deep where it was measured (m).
@@ -18,30 +18,30 @@ pub(crate) enum PairRange {
     Both { is_at_joint: bool },
     /// They are free at one value; the others were not asked about.
     SomewhereFree,
-    /// Nothing, before as many boxes were used up as are looked at: they touched in the middle of every box, at the least that deep (m), or
-    /// in none.
+    /// Nothing is proven with the allowed number of boxes: the links touched in the middle of every box, with at least
+    /// this depth (m), or in none.
     Unproven { depth_m: f64 },
 }
 
-/// What is to be proven of two links.
+/// Property of two links that is to be proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Question {
-    /// Whether they touch at every value: the first at which they are free answers it.
+    /// Contact at every value: the first value at which they are free refutes it.
     DoTheyAlwaysTouch,
-    /// Whether they touch at every value, or at none.
+    /// Contact at every value, or at none.
     DoTheyEverChange,
 }
 
 /// Proofs about pairs of links over the whole range of the joints between them.
 ///
-/// 1. A box of joint values is looked at in its middle. No point of either link moves farther against the other within the
-///    box than the travel `t` ([`Travel::between`]).
-/// 2. Links farther apart than `t` touch nowhere in the box. Convex solids deeper than `t` in each other touch everywhere in
-///    it: were they apart, the plane between them would have to be passed by `t` at most.
-/// 3. Any other box is cut in halves across the joint that moves the links most.
+/// 1. A box of joint values is evaluated at its middle. No point of either link moves farther against the other within
+///    the box than the travel `t` ([`Travel::between`]).
+/// 2. Links farther apart than `t` touch nowhere in the box. Convex solids deeper than `t` in each other touch
+///    everywhere in it: to separate them takes a relative motion of more than `t`.
+/// 3. Any other box is bisected across the joint that moves the links most.
 ///
-/// Boxes are looked at from the widest on, so that a window in which the links are free is found if it is wider than the
-/// boxes in the end: for a single joint a thousandth of its range.
+/// Boxes are evaluated from the widest on, so that a window in which the links are free is found if it is wider than
+/// the last boxes: for a single joint a thousandth of its range.
 pub(crate) struct PairRanges<'a> {
     robot: &'a Robot,
     bodies: &'a [LinkBody],
@@ -51,10 +51,10 @@ pub(crate) struct PairRanges<'a> {
     slope: Vec<f64>,
 }
 
-/// More boxes are not looked at for one pair: each takes some 10 to 200 µs.
+/// Greatest number of boxes for one pair: each takes some 10 to 200 µs.
 const MOST_BOXES: usize = 20_000;
 
-/// Nor more pieces of the range of a single joint: in the end they are less than a thousandth of it.
+/// Greatest number of pieces of the range of a single joint: the last are less than a thousandth of it.
 const MOST_PIECES: usize = 4095;
 
 /// Steps of a sweep over the range of a joint.
@@ -78,7 +78,7 @@ impl<'a> PairRanges<'a> {
         }
     }
 
-    /// What is proven of a pair of link bodies.
+    /// Result proven of a pair of link bodies.
     pub fn of(&mut self, pair: (usize, usize), question: Question) -> PairRange {
         let shared = shared_joints(self.robot, self.bodies[pair.0].link, self.bodies[pair.1].link);
         let joints = self.joints_between(pair, shared);
@@ -205,7 +205,8 @@ impl<'a> PairRanges<'a> {
         (depth_m, from_axis_m.unwrap_or(0.0))
     }
 
-    /// Whether two links that one joint moves touch near its axis alone, wherever they touch in a sweep over its range.
+    /// Returns whether two links that one joint moves touch only near its axis, in all samples of a sweep over its
+    /// range.
     fn touch_at_joint_alone(
         &mut self,
         pair: (usize, usize),
@@ -222,7 +223,8 @@ impl<'a> PairRanges<'a> {
         })
     }
 
-    /// How far from the axis of their joint two links count as being at the joint, in metres: as far as both are thick.
+    /// Distance from the axis of their joint within which two links count as being at the joint, in metres: the sum of
+    /// their thicknesses.
     fn joint_neighbourhood_m(&self, pair: (usize, usize)) -> f64 {
         let thickness_m = |body: usize| 2.0 * self.bodies[body].bounds.aabb.half_extents.min();
         thickness_m(pair.0) + thickness_m(pair.1)

@@ -241,9 +241,9 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Where on the straight motion from `a` to `b`, in [0, 1], the held body comes nearer to a face that it rested on than at
-    /// rest, by more than `slack_m`, or deeper in it than [`CONTACT_ALLOWANCE_M`], or that cannot be excluded, and to which
-    /// body of the world; `None` if it is proven to stay off all of them.
+    /// Parameter in [0, 1] of a place on the straight motion from `a` to `b` where the held body comes nearer to a face
+    /// that it rested on than at rest, by more than `slack_m`, or deeper into it than [`CONTACT_ALLOWANCE_M`], or where
+    /// neither can be excluded, and the index of the body of that face; `None` if it is proven to stay off all of them.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -309,7 +309,7 @@ impl Resting {
         self.contacts.iter().map(|contact| contact.direction.angle(up)).fold(0.0, f64::max)
     }
 
-    /// Whether a cell that spares the one ([`Cell::sparing`]) spares the other.
+    /// Returns whether a cell that spares these contacts ([`Cell::sparing`]) spares the other ones as well.
     pub fn is_spared_alike(&self, other: &Self) -> bool {
         let is_alike = |(a, b): (&RestingContact, &RestingContact)| {
             a.part == b.part
@@ -349,12 +349,12 @@ impl RestingContact {
         (-self.separation_m).max(0.0)
     }
 
-    /// What of the part is higher is none of the face.
+    /// Height along the direction above which the part no longer counts as the face, in metres.
     fn cut_m(&self) -> f64 {
         self.top_m + CONTACT_ALLOWANCE_M
     }
 
-    /// What of a part is higher than its face: an obstacle like any other.
+    /// Portion of a part that is higher than its face: an obstacle like any other.
     fn lip(&self, part: &Part) -> Option<Part> {
         let Part { world_from_solid, solid } = part;
         let own = world_from_solid.rotation.inverse() * self.direction;

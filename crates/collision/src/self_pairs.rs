@@ -4,12 +4,12 @@ use crate::link_body::LinkBody;
 use crate::pair_range::{PairRange, PairRanges, Question};
 use crate::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
-/// Which links can be compared with which, as indices into the link bodies, and which of them are not, and why.
+/// Pairs of links that can be compared, as indices into the link bodies, each with the reason if it is exempt.
 ///
-/// A pair is left out if its SRDF or whoever loads the robot declares it, if no joint moves one link against the other, or if
-/// it is proven over the whole range of the joints between them that comparing them shows nothing new. All others are
-/// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were seen
-/// to touch at their joint alone: every answer names them.
+/// A pair is left out if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is
+/// proven over the whole range of the joints between them that comparing them shows nothing new. All others are
+/// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were
+/// found to touch only at their joint: every answer names them.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
@@ -35,8 +35,8 @@ impl SelfPairs {
         Self(pairs)
     }
 
-    /// The same with what is held, the last of `bodies`, against all links that move against it. What is proven of an open
-    /// hand says nothing of fingers that have closed.
+    /// The same with the held body, the last of `bodies`, against all links that move against it. A proof about an open
+    /// hand does not hold for fingers that have closed.
     pub fn with_held(&self, robot: &Robot, bodies: &[LinkBody]) -> Self {
         let held = bodies.len() - 1;
         let moves = |other: &usize| {
@@ -77,7 +77,7 @@ fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usi
     (a.min(b), a.max(b))
 }
 
-/// Whether a pair is not to be compared.
+/// Exemption of a pair, with its reason and least depth (m), if there is one.
 fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) -> Option<Exempt> {
     let of = |reason, depth_m| Some(Exempt { reason, depth_m });
     if !is_adjacent {

@@ -52,7 +52,7 @@ impl Cell {
         })
     }
 
-    /// Whether a body of the world is what is to be grasped, and not held.
+    /// Returns whether a body of the world is the one that is to be grasped, and is not held.
     fn is_target(&self, body: usize) -> bool {
         self.held.is_none() && self.grasp_bodies.last() == Some(&body)
     }

@@ -9,7 +9,7 @@ use crate::world::Part;
 
 /// Two things that no check and no proof compares, or only as far as an allowance: each answer names them.
 ///
-/// Pairs that are exempt by declaration (those of an SRDF, or of whoever loads the robot) are not among them.
+/// Pairs that are exempt by declaration (in an SRDF, or by the caller) are not among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unchecked {
     /// A link.
@@ -30,17 +30,17 @@ pub enum UncheckedReason {
     AlwaysTouching,
     /// Two adjacent links, proven to touch at every value of their joint.
     AdjacentTouching,
-    /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all values that were looked at.
+    /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all sampled values.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
-    /// it was looked at.
+    /// Two adjacent links that are free at some values of their joint, and touch at others: only near the joint, in all
+    /// samples.
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
     AdjacentFree,
     /// A link that no joint moves, on what it stands on.
     NeverMoves,
-    /// What is held, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper in it
-    /// than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
+    /// The held body, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper
+    /// in it than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
     Resting,
 }
 
@@ -55,7 +55,8 @@ pub(crate) struct Exempt {
 pub(crate) type ExemptPair = ((usize, usize), Exempt);
 
 impl UncheckedReason {
-    /// Whether the pair was seen free at no value of its joint: to compare it would make every configuration unfree.
+    /// Returns whether the pair was found free at no value of its joint: comparing it would leave no free
+    /// configuration.
     pub(crate) fn is_never_free(self) -> bool {
         matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
     }
@@ -101,7 +102,7 @@ impl Unchecked {
         found
     }
 
-    /// What is held, on what it may rest on.
+    /// The held body, paired with the bodies that it may rest on.
     pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for &Spared { part, depth_m } in spared {

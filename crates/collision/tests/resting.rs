@@ -50,7 +50,7 @@ fn tenths(length_m: f64) -> String {
     ((length_m * 1e4).round() + 0.0).to_string()
 }
 
-/// How the first of some bodies rests on the others, by name, with the height above each in tenths of a millimetre.
+/// Names of the bodies that the first of `bodies` rests on, with its height above each in tenths of a millimetre.
 fn carried(bodies: &[Body]) -> Result<Vec<(String, String)>, CollisionError> {
     let cell = cell(bodies.to_vec(), 0.0);
     let resting = cell.resting(0)?;

@@ -168,7 +168,7 @@ fn links_that_are_free_in_a_window_of_their_joint_alone_are_checked() {
     }
 }
 
-/// What an answer names as an exception.
+/// Pairs that an answer names as exceptions.
 fn unchecked(cell: &Cell) -> Vec<Unchecked> {
     let exceptions = cell.unchecked().iter().filter(|pair| pair.reason != UncheckedReason::AdjacentFree);
     exceptions.copied().collect()

@@ -3,7 +3,7 @@
 ///
 /// `distinct(x, d)[i] = distinct(x, d)[j]` only where `x[i] = x[j]`, or one of them is no number.
 pub fn distinct<const N: usize>(numbers: [f64; N], decimals: usize) -> [String; N] {
-    /// With so many decimals all numbers differ that can stand in a message.
+    /// Decimals that suffice to distinguish all numbers that can stand in a message.
     const MOST: usize = 17;
     let printed = |decimals: usize| numbers.map(|number| format!("{number:.decimals$}"));
     let differ = |texts: &[String; N]| {
@@ -15,7 +15,7 @@ pub fn distinct<const N: usize>(numbers: [f64; N], decimals: usize) -> [String; 
         })
     };
     let enough = (decimals..MOST).map(printed).find(differ);
-    // Those that differ by less than that are told apart by all their digits.
+    // Numbers that differ by less are distinguished by all their digits.
     enough.unwrap_or_else(|| numbers.map(|number| format!("{number:?}")))
 }
 

@@ -14,7 +14,7 @@ pub enum FileFault {
     /// Nothing is there.
     #[error("there is no such file{}", suggested(near))]
     Missing {
-        /// What is beside it under a similar name.
+        /// Files beside it with a similar name.
         near: Vec<String>,
     },
     /// The operating system does not let this user read it, or enter the folder that it is in.

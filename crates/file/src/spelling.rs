@@ -20,7 +20,7 @@ pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -
     ranked.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
-/// Of [`nearest_names`] those that are as near as the first.
+/// Those of the [`nearest_names`] that are as near as the first.
 fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut near = nearest_names(name, known);
     let least = near.first().map(|first| edit_distance(name, first));
@@ -73,7 +73,7 @@ pub fn nearest_files(path: &Path) -> Vec<String> {
     near.into_iter().map(|near| folder.join(named(near)).display().to_string()).collect()
 }
 
-/// How many letters must be inserted, removed or replaced to turn `a` into `b` (Levenshtein 1966).
+/// Least number of letters to insert, remove or replace to turn `a` into `b` (Levenshtein 1966).
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -14,7 +14,7 @@ pub struct TextFault {
     pub problem: String,
 }
 
-/// What a YAML text says. Lines of `---` and `...` at its end, as a dump of a topic has them, hold no other document.
+/// Value of a YAML text. Lines of `---` and `...` at its end, as in a dump of a topic, begin no other document.
 ///
 /// # Errors
 /// The first fault.

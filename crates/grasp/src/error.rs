@@ -145,7 +145,7 @@ pub enum GraspError {
     Import {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, with the grasp if it is one's.
+        /// The problem, with the number of the grasp if it concerns one.
         problem: String,
     },
     /// A line of a file is wrong.

@@ -21,11 +21,11 @@ pub struct Imported {
     pub format: GraspFormat,
     /// The grasps that are kept, in the order of the file.
     pub grasps: GraspSet,
-    /// How many grasps the file holds.
+    /// Number of grasps in the file.
     pub in_file: usize,
-    /// How many of them are masked or marked invalid.
+    /// Number of them that are masked or marked invalid.
     pub masked: usize,
-    /// How many have a score below the least, or none.
+    /// Number of them with a score below the least, or none.
     pub below: usize,
     /// The axis along which fingers close in the file.
     pub closing: ClosingAxis,
@@ -33,11 +33,11 @@ pub struct Imported {
     pub offset_m: f64,
     /// By how much the file scales the mesh of its object.
     pub object_scale: Option<f64>,
-    /// What the score is, and what else the file holds that was not read.
+    /// Meaning of the score, and contents of the file that were not read.
     pub notes: Vec<String>,
 }
 
-/// Reads a file of grasps of another project; the format is told by the content.
+/// Reads a file of grasps of another project; the format is recognized by its content.
 ///
 /// # Errors
 /// [`GraspError::Unreadable`]; [`GraspError::Import`] for a file of no such format, of a wrong shape, with a grasp that is no

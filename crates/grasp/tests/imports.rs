@@ -72,7 +72,7 @@ fn json(transforms: &[[f64; 16]], labels: &str) -> Vec<u8> {
     .into_bytes()
 }
 
-/// Where the origin, the closing axis and the approach of a gripper are.
+/// Origin, closing axis and approach direction of a gripper at a pose.
 fn axes(pose: &Pose) -> (Point, Vector, Vector) {
     (pose * Point::origin(), pose * Vector::y(), pose * Vector::z())
 }
@@ -308,7 +308,7 @@ fn acronym_is_read_as_h5py_wrote_it() {
         let pads = [1.0 + shift as f64, 2.0 - FRANKA_PADS_M, 3.0];
         assert_axes(&grasp.world_from_gripper, pads, [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
     }
-    // A file that ends early, or is not what it says, is a fault and no panic.
+    // A file that ends early, or whose content contradicts its header, gives an error and no panic.
     let (files, whole) = (Files::new(), std::fs::read(&path).expect("a file"));
     for place in (0..whole.len()).step_by(211) {
         let mut damaged = whole.clone();

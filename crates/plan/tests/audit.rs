@@ -53,7 +53,7 @@ fn kinds(verification: &Audit) -> Vec<&'static str> {
     verification.violations.iter().map(Violation::kind).collect()
 }
 
-/// What holds for the edges does not hold for the curve that cuts their corner past a post.
+/// The clearance of the edges is not that of the curve that cuts their corner past a post.
 #[test]
 fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
     let corner = [[-0.98, 0.0, 0.0], [0.0; 3], [0.0, 0.98, 0.0]];

@@ -65,7 +65,7 @@ fn pads_that_meet_a_rib_each_hold_nothing_unless_the_ribs_are_opposite() {
     assert!(score <= 0.0, "{score}");
 }
 
-/// What is measured of the sweep of the fingers is the least of what is measured at many places of it.
+/// The measured clearance of the sweep of the fingers is the least of those measured at many places along it.
 #[test]
 fn the_clearance_of_a_closing_hand_is_that_of_its_whole_sweep() {
     let [x, y, z] = OBJECT;

@@ -60,7 +60,7 @@ fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f6
     let slower = |known: Option<f64>, own: Option<f64>| {
         known.into_iter().chain(own.map(|rate| rate / multiplier.abs())).reduce(f64::min)
     };
-    // A velocity of zero is none that a joint could have: many files have it where nobody knows better.
+    // No joint has a velocity limit of zero: many files have it as a placeholder for an unknown one.
     let own_velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
     let own_velocity = scaled(own_velocity, scales.velocity);
     limits.velocity = slower(Some(limits.velocity), own_velocity).unwrap_or(limits.velocity);

@@ -47,7 +47,7 @@ pub enum RobotError {
     /// A file holds more of something than any robot has.
     #[error("{at}: {actual} {what}, but at most {most} are read; leave out what no motion needs")]
     TooMany {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// What there is too much of.
         what: &'static str,
@@ -73,7 +73,7 @@ pub enum RobotError {
     /// The outermost element is not `<robot>`.
     #[error("{at}: expected <robot> as the outermost element, found <{found}>")]
     NotARobot {
-        /// Where it stands.
+        /// Location in the file.
         at: Location,
         /// The element found.
         found: String,
@@ -91,7 +91,7 @@ pub enum RobotError {
     /// A needed attribute is missing.
     #[error("{at}: <{element}> has no attribute `{attribute}`")]
     MissingAttribute {
-        /// Where the element stands.
+        /// Location of the element in the file.
         at: Location,
         /// The element.
         element: String,
@@ -101,7 +101,7 @@ pub enum RobotError {
     /// An attribute does not hold the numbers it should.
     #[error("{at}: {attribute}=\"{text}\" of <{element}>: expected {expected} finite number(s)")]
     NotNumbers {
-        /// Where the element stands.
+        /// Location of the element in the file.
         at: Location,
         /// The element.
         element: String,
@@ -147,19 +147,19 @@ pub enum RobotError {
         known_there(known)
     )]
     NotUnderstood {
-        /// Where it stands.
+        /// Location in the file.
         at: Location,
         /// The element, attribute or text.
         what: String,
         /// The element that it is in.
         owner: String,
-        /// What is understood there.
+        /// Names that are understood there.
         known: Vec<String>,
     },
     /// A quaternion is not of length 1.
     #[error("{at}: `quat_xyzw` of {element} has the length {norm}, but that of a rotation is 1")]
     NoRotation {
-        /// Where the element stands.
+        /// Location of the element in the file.
         at: Location,
         /// The element.
         element: String,
@@ -169,7 +169,7 @@ pub enum RobotError {
     /// A quantity that must be greater than zero is not.
     #[error("{at}: {attribute} of {element} must be greater than 0, but is {value}")]
     NotPositive {
-        /// Where the element stands.
+        /// Location of the element in the file.
         at: Location,
         /// The element or joint.
         element: String,
@@ -183,7 +183,7 @@ pub enum RobotError {
         "{at}: link `{link}`: unknown geometry <{geometry}> (known: box, sphere, cylinder, capsule, mesh)"
     )]
     UnknownGeometry {
-        /// Where it stands.
+        /// Location in the file.
         at: Location,
         /// The link.
         link: String,
@@ -195,7 +195,7 @@ pub enum RobotError {
         "{at}: joint `{joint}` is of type `{kind}`; supported: fixed, revolute, continuous, prismatic, planar, floating"
     )]
     UnsupportedJoint {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -228,7 +228,7 @@ pub enum RobotError {
          one, or multiplier and offset of <mimic>)"
     )]
     CoupledLimits {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint that mimics.
         joint: String,
@@ -241,7 +241,7 @@ pub enum RobotError {
          or let `cranny robot add` write one)"
     )]
     MissingVelocity {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -295,7 +295,7 @@ pub enum RobotError {
     /// A mimic joint follows itself, directly or through others.
     #[error("{at}: joint `{joint}` mimics itself")]
     MimicLoop {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -345,7 +345,7 @@ pub enum RobotError {
     /// A joint that is to be moved or held cannot move by itself.
     #[error("{at}: joint `{joint}` cannot be {wanted}: {hindrance}")]
     NotFree {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -357,7 +357,7 @@ pub enum RobotError {
     /// An SRDF holds something that is not known.
     #[error("{at}: unknown {kind} `{name}` in an SRDF (known here: {known})")]
     UnknownInSrdf {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// `element`, `attribute`, …
         kind: &'static str,
@@ -369,7 +369,7 @@ pub enum RobotError {
     /// A joint is to be held at a value outside its limits.
     #[error("{at}: joint `{joint}` cannot be held at {value}: its limits are {lower} to {upper}")]
     HeldOutsideLimits {
-        /// Where the joint stands.
+        /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -408,7 +408,7 @@ pub enum RobotError {
     /// A figure of a `robot.yaml` or `limits.yaml` cannot be.
     #[error("{at}: {attribute} of {element} is {value}, but must be {range}")]
     HandFigure {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The hand or finger.
         element: String,
@@ -440,7 +440,7 @@ pub enum RobotError {
     /// A `limits.yaml` or `robot.yaml` is malformed.
     #[error("{at}: {reason}")]
     Yaml {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// What is wrong with it.
         reason: cranny_file::TextFault,

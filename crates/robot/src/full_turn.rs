@@ -95,7 +95,7 @@ pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<b
     limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
 }
 
-/// Per joint of the group whether its URDF says that it has no end (`continuous`), and it has a full turn.
+/// Flag per joint of the group, true if its URDF declares it `continuous` and it has a full turn.
 pub(crate) fn endless<'a>(kinds: impl Iterator<Item = &'a UrdfJoint>, full_turns: &[bool]) -> Vec<bool> {
     let is_endless = |joint: &UrdfJoint| {
         joint.motion.as_ref().is_some_and(|motion| motion.kind == UrdfJointKind::Continuous)

@@ -20,7 +20,7 @@ pub struct RobotHand {
     /// How many fingers there are: of the joints right on the palm, all those on one side of the plane in which the pads
     /// meet move one finger, as the two knuckles of a parallel linkage do.
     pub fingers: usize,
-    /// How far its pads are apart, and how long they take.
+    /// Distance of its pads as it closes, and the time that this takes.
     pub pads: PadDistance,
 }
 
@@ -48,7 +48,7 @@ impl RobotHand {
             let mut above = std::iter::successors(node.above, |&(node, _)| tree.nodes[node].above);
             let parent = above.find_map(|(node, _)| joints.iter().position(|joint| joint.link == node));
             let (kind, axis_in_link) = (motion.kind.into(), motion.axis_in_child);
-            // A velocity of zero is none that a joint could have: many files have it where nobody knows better.
+            // No joint has a velocity limit of zero: many files have it as a placeholder for an unknown one.
             let velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
             let (finger, acceleration) = (0, motion.limits.acceleration);
             joints.push(HandJoint { link, parent, kind, axis_in_link, stroke, finger, velocity, acceleration });

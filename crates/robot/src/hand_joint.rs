@@ -9,11 +9,11 @@ pub struct HandJoint {
     pub link: usize,
     /// The joint of the hand above it, by its number among them; `None` right on the palm.
     pub parent: Option<usize>,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: JointKind,
     /// Its axis in the frame of `link`, a unit vector.
     pub axis_in_link: Vector,
-    /// How far it moves from open to closed (m, rad).
+    /// Signed travel from open to closed (m, rad).
     pub stroke: f64,
     /// The finger that it belongs to, counted from 0.
     pub finger: usize,

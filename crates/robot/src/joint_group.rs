@@ -22,7 +22,7 @@ pub(crate) struct Resolved {
 pub(crate) struct JointValue {
     pub(crate) follows: Option<(usize, f64)>,
     pub(crate) offset: f64,
-    /// Whether the joint could choose its value, but is held.
+    /// True if the joint is free to move, but is held.
     pub(crate) stands: bool,
 }
 
@@ -142,7 +142,7 @@ impl Resolver<'_> {
         if parts.is_empty() { Ok(vec![self.known_joint(name, place)?]) } else { Ok(parts) }
     }
 
-    /// Whether the SRDF has a virtual joint of that name, and the URDF none.
+    /// Returns whether the SRDF has a virtual joint of that name, and the URDF no joint.
     fn is_virtual(&self, name: &str) -> bool {
         self.tree.joint(name).is_none() && self.srdf.is_some_and(|srdf| srdf.virtual_joint(name).is_some())
     }
@@ -394,7 +394,7 @@ pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
     (motion.limits.lower, motion.limits.upper)
 }
 
-/// Whether a joint may be held at `value`: one without an end at any number of whole turns.
+/// Returns whether a joint may be held at `value`; for a continuous joint, up to any number of whole turns.
 pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     let (lower, upper) = range(motion);
     (lower..=upper).contains(&wrapped_if_endless(motion, value))

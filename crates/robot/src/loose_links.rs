@@ -49,7 +49,7 @@ impl LooseJoint {
         joints.iter().map(loose).collect()
     }
 
-    /// Where the link below each joint stands in the frame of the tip.
+    /// Pose of the link below each joint in the frame of the tip.
     pub fn poses(joints: &[Self], closing: f64) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(joints.len() + 1);
         for joint in joints {

@@ -167,7 +167,7 @@ impl Robot {
         Some(follows.map_or(offset, |(joint, multiplier)| multiplier * q[joint] + offset))
     }
 
-    /// Whether the URDF has a joint of that name, whether of the group or not.
+    /// Returns whether the URDF has a joint of that name, inside or outside the group.
     pub fn has_joint(&self, joint: &str) -> bool {
         self.values.contains_key(joint)
     }

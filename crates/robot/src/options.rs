@@ -12,8 +12,8 @@ pub struct RobotOptions {
     pub srdf: Option<TextSource>,
     /// `MoveIt`'s `joint_limits.yaml`: what it gives replaces what the URDF gives. Default: none.
     pub joint_limits: Option<TextSource>,
-    /// What is taken of the speed and acceleration limits, from 0 to 1. Default: what `joint_limits` has as
-    /// `default_velocity_scaling_factor` and `default_acceleration_scaling_factor`, else 1.
+    /// Shares of the velocity and acceleration limits that are used, from 0 to 1. Default: those that `joint_limits`
+    /// has as `default_velocity_scaling_factor` and `default_acceleration_scaling_factor`, else 1.
     pub rate_scales: RateScales,
     /// Acceleration and jerk limits. Default: `limits.yaml` beside the URDF, if there is one.
     pub limits: Option<TextSource>,
@@ -46,12 +46,12 @@ pub struct RobotOptions {
     pub checked_pairs: Vec<[String; 2]>,
 }
 
-/// What is taken of the limits of speed and acceleration, each from 0 to 1.
+/// Shares of the velocity and acceleration limits that are used, each from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateScales {
-    /// Of the greatest speeds.
+    /// Share of the velocity limits.
     pub velocity: Option<f64>,
-    /// Of the greatest accelerations.
+    /// Share of the acceleration limits.
     pub acceleration: Option<f64>,
 }
 

@@ -4,19 +4,19 @@ use cranny_spatial::{Point, Pose};
 use crate::loose_links::LooseJoint;
 use crate::{HandDescription, HandJoint, Link};
 
-/// How far the pads of a hand are apart, and how long they take, as the hand closes.
+/// Distance of the pads of a hand as it closes, and the time that closing takes.
 ///
-/// A pad is followed by the point of a finger that is on the axis of closing (y of the gripper frame) while the hand stands
-/// open. With `y_f(c)` the place of that of finger f on the axis, once all joints of the hand have gone the share c of their
-/// strokes, the distance is `opening + Σ_f sign_f·(y_f(c) − y_f(0))`: for fingers that slide along the axis a linear function,
-/// for jaws that turn not.
+/// A pad is represented by the point of a finger that lies on the axis of closing (y of the gripper frame) while the
+/// hand is open. With `y_f(c)` the coordinate of that point of finger f on the axis, once all joints of the hand have
+/// moved by the share c of their strokes, the distance is `opening + Σ_f sign_f·(y_f(c) − y_f(0))`: linear in c for
+/// fingers that slide along the axis, not for jaws that turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PadDistance {
     opening_m: f64,
     joints: Vec<LooseJoint>,
-    /// Of each finger.
+    /// Pad of each finger.
     pads: Vec<Pad>,
-    /// Whether the distance is `opening · (1 − c)`.
+    /// True if the distance is `opening · (1 − c)`.
     is_linear: bool,
 }
 
@@ -37,7 +37,7 @@ const LINEAR_M: f64 = 1e-9;
 const BISECTIONS: usize = 60;
 
 impl PadDistance {
-    /// Of the hand of a robot whose links stand where `rest` has them, the hand open.
+    /// Pad distance of the hand of a robot whose links have the poses `rest` while the hand is open.
     pub(crate) fn of(
         description: &HandDescription,
         (joints, fingers): (&[HandJoint], usize),
@@ -82,7 +82,8 @@ impl PadDistance {
         if self.is_linear { self.opening_m * (1.0 - closing) } else { self.by_pads_m(closing).max(0.0) }
     }
 
-    /// The share of its way, from 0, open, to 1, that the hand has closed when its pads are so far apart, in metres.
+    /// Share of its travel, from 0, open, to 1, that the hand has closed when the distance of its pads is `opening_m`,
+    /// in metres.
     pub fn closing(&self, opening_m: f64) -> f64 {
         if self.is_linear {
             return (1.0 - opening_m / self.opening_m).clamp(0.0, 1.0);
@@ -107,8 +108,9 @@ impl PadDistance {
         self.opening_m(before + share * (after - before))
     }
 
-    /// The least time in which the pads can come from so far apart to so far, in metres, from rest to rest: seconds; 0 where no
-    /// joint of the hand has a limit. Each joint keeps its limit of velocity, and that of acceleration where it has one.
+    /// Least time, in seconds, in which the distance of the pads can change from the first value to the second (m),
+    /// from rest to rest; 0 if no joint of the hand has a limit. Each joint keeps its limits of velocity and of
+    /// acceleration, as far as it has them.
     pub fn least_time_s(&self, openings_m: [f64; 2]) -> f64 {
         let [before, after] = openings_m.map(|opening_m| self.closing(opening_m));
         let of_joint = |joint: &LooseJoint| {

@@ -14,7 +14,7 @@ pub(crate) struct RateLimits {
     pub(crate) at: Location,
     pub(crate) joint: String,
     pub(crate) range: [Option<f64>; 2],
-    /// Whether the range may be wider than that of the URDF.
+    /// True if the range may be wider than that of the URDF.
     pub(crate) replaces: bool,
     pub(crate) velocity: Option<f64>,
     pub(crate) acceleration: Option<f64>,
@@ -26,7 +26,7 @@ impl RateLimits {
         &self.at
     }
 
-    /// Whether its rates can be.
+    /// Checks that its rates are positive and finite.
     pub(crate) fn check_rates(&self) -> Result<(), RobotError> {
         for (attribute, value) in
             [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)]

@@ -23,7 +23,7 @@ pub struct Srdf {
     pub virtual_joints: Vec<VirtualJoint>,
     /// Joints that no motor drives.
     pub passive_joints: Vec<String>,
-    /// Where each of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` stands.
+    /// Locations of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` in the file.
     pub(crate) places: Places,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Places {
 pub struct VirtualJoint {
     /// Its name.
     pub name: String,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: VirtualJointKind,
     /// The frame that the robot stands in.
     pub parent_frame: String,
@@ -49,7 +49,7 @@ pub struct VirtualJoint {
     pub child_link: String,
 }
 
-/// How a [`VirtualJoint`] moves.
+/// Kind of motion of a [`VirtualJoint`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumString, strum::IntoStaticStr)]
 #[strum(serialize_all = "lowercase")]
 pub enum VirtualJointKind {
@@ -172,17 +172,17 @@ impl Srdf {
         self.groups.iter().find(|group| group.name == name)
     }
 
-    /// Whether a group, or one within it, names that joint.
+    /// Returns whether a group, or one within it, names that joint.
     pub fn has_joint(&self, group: &str, joint: &str) -> bool {
         self.any_group(group, |group| group.joints.iter().any(|name| name == joint))
     }
 
-    /// Whether a chain of a group, or of one within it, begins at that frame or link.
+    /// Returns whether a chain of a group, or of one within it, begins at that frame or link.
     pub fn has_chain_from(&self, group: &str, base: &str) -> bool {
         self.any_group(group, |group| group.chains.iter().any(|(from, _)| from == base))
     }
 
-    /// Whether something holds for a group, or for one within it.
+    /// Returns whether a condition holds for a group, or for one within it.
     fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
         let mut names = vec![name];
         // Groups within groups may be a loop.

@@ -153,7 +153,8 @@ fn is_asked_for(element: Element<'_>, name: &str) -> bool {
     element.asked_attributes().iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
-/// Whether an element that was passed over is meant as a link, joint or geometry, holds one, or brings in other files.
+/// Returns whether an element that was skipped is meant as a link, joint or geometry, contains one, or includes other
+/// files.
 fn resembles_structure(element: Element<'_>) -> bool {
     const STRUCTURE: [&str; 4] = ["link", "joint", "collision", "geometry"];
     element.within().any(|element| {

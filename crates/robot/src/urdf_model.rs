@@ -12,7 +12,7 @@ pub(crate) struct Urdf {
     pub(crate) file: String,
     pub(crate) links: Vec<UrdfLink>,
     pub(crate) joints: Vec<UrdfJoint>,
-    /// What was not read and changes neither geometry nor motion, a line for each kind.
+    /// Notes on content that was not read and changes neither geometry nor motion, a line for each kind.
     pub(crate) notes: Vec<String>,
 }
 

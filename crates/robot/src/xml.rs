@@ -21,7 +21,7 @@ pub(crate) struct XmlText<'a> {
 /// The part of a document that its reader asked for.
 #[derive(Default)]
 struct Asked {
-    /// Where the elements and attributes begin that were there.
+    /// Offsets of the elements and attributes that were found.
     read: RefCell<HashSet<usize>>,
     /// Names that were asked for, by where the element begins.
     attributes: RefCell<HashSet<(usize, &'static str)>>,
@@ -31,9 +31,9 @@ struct Asked {
 /// An element with more is no link or joint, and to see that no two are alike takes a while.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// The text with every namespace prefix that nobody declares made part of the names that it stands before, with a dot, as
-/// programs write them that read XML without namespaces (`<drake:acceleration …>`). All places in the text stay as they are.
-/// `xacro` stays what it is: its file is not yet a URDF.
+/// The text with every undeclared namespace prefix made part of the name that follows it, joined by a dot. Programs
+/// that read XML without namespaces write such prefixes (`<drake:acceleration …>`). All offsets in the text stay the
+/// same, and so does the prefix `xacro`: its file is not yet a URDF.
 pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
     /// More kinds of them has no file.
     const MOST: usize = 16;

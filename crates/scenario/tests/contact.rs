@@ -1,4 +1,4 @@
-//! What an object may touch where it is lifted off and put down, in scenarios with something beside it.
+//! Contacts allowed of an object where it is lifted off and put down, in scenarios with another body beside it.
 
 use cranny_collision::{Body, CollisionError, Margins};
 use cranny_plan::{
@@ -41,7 +41,7 @@ fn block(name: &str, low: Point, high: Point) -> Body {
     Body::new(name, Pose::translation(middle.x, middle.y, middle.z), solid)
 }
 
-/// The ball of 021 with a post so far beside it, below the hand.
+/// The ball of 021 with a post at the distance `gap_m` beside it, below the hand.
 fn with_post(gap_m: f64) -> Scenario {
     let scenario = opened("021");
     let [low, high] = target_box(&scenario);
@@ -113,7 +113,7 @@ fn what_does_not_carry_the_object_is_not_touched_at_the_start() {
     }
 }
 
-/// What is wrong with putting the target down where it stands, moved so.
+/// Fault of putting the target down at its present pose moved by `motion`, if any.
 fn fault(scenario: &Scenario, motion: &Pose) -> Option<String> {
     let problem = problem(scenario, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();

@@ -8,7 +8,7 @@ use cranny_spatial::Vector;
 
 use crate::moveit_folder::{Folder, REQUEST, SCENE, SRDF};
 
-/// Where the first body stands, in the root frame.
+/// Position of the first body, in the root frame.
 fn place(problem: &MoveItProblem) -> Vector {
     problem.world.bodies()[0].parts[0].world_from_solid.translation.vector
 }
@@ -109,7 +109,7 @@ mesh
     }
 }
 
-/// Where the keys of a text end, each before its `:`.
+/// Offsets of the ends of the keys of a text, each before its `:`.
 fn keys(text: &str) -> Vec<usize> {
     let is_key = |(at, _): &(usize, &str)| text[..*at].ends_with(|c: char| c.is_ascii_alphanumeric());
     text.match_indices(':').filter(is_key).map(|(at, _)| at).collect()
@@ -224,7 +224,7 @@ fn the_planning_frame_is_that_of_the_virtual_joint() {
     assert!(folder.fault().contains("unknown frame 'world'"));
     let text = SCENE.replace("frame_id: world", "frame_id: odom");
     assert!((place(&folder.write("scene.yaml", &text).open().unwrap()).x - 0.4).abs() < 1e-12);
-    // A frame that the scene fixes is where it says, whatever it is called.
+    // A frame that the scene fixes is where the scene puts it, whatever its name.
     folder.write("bot.srdf", &SRDF.replace("<virtual_joint name=\"stand\" type=\"floating\" parent_frame=\"world\" child_link=\"base_link\"/>", ""));
     let text = SCENE.replace(
         "{header: {frame_id: world}, child_frame_id: shelf",

@@ -1,4 +1,4 @@
-//! What a plan file states besides its path is measured, and what is not so is false or named.
+//! Statements of a plan file besides its path are measured; one that differs is false, or is named.
 
 use cranny_plan::{AuditSettings, CarryEnd, Problem, Unobserved};
 use cranny_scenario::{Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError};

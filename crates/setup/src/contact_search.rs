@@ -2,7 +2,7 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Solid, overlap, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Stream};
 
-/// As many configurations are looked at for one in which two links are free of each other.
+/// Number of configurations that are searched for one in which two links are free of each other.
 pub const SEARCH_SAMPLES: usize = 100_000;
 
 /// Values of each of two joints in a grid of about [`SEARCH_SAMPLES`]: less than 0.5 % of a range apart.
@@ -84,7 +84,7 @@ impl<'r> PairSearch<'r> {
         None
     }
 
-    /// How large a window can be, at the most, in which the links are free and that the search has missed.
+    /// Greatest size of a window in which the links are free and that the search can have missed.
     pub fn missed(&self) -> &'static str {
         match self.joints.len() {
             0 | 1 => "a window of 0.001 % of the joint's range",

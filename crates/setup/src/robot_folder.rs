@@ -103,7 +103,7 @@ impl Written {
     }
 }
 
-/// An SRDF with the pairs of links that need not be compared, and those that touch wherever it was looked.
+/// An SRDF with the pairs of links that need not be compared, and those that touch in every sample.
 pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[String; 2]]) -> String {
     let name = |link: usize| robot.links()[link].name.as_str();
     let mut text = format!(
@@ -124,7 +124,7 @@ pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[Strin
     text + "</robot>\n"
 }
 
-/// An SRDF with the pairs besides that it checks, and that need not be compared or touch wherever it was looked.
+/// An SRDF extended by those of the pairs it checks that need not be compared, or touch in every sample.
 pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContact]) -> String {
     let name = |link: usize| robot.links()[link].name.as_str();
     let line = |c: &SelfContact| Some(disabled(name(c.links.0), name(c.links.1), &reason(c)?));

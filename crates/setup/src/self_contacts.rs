@@ -14,17 +14,17 @@ pub struct SelfContact {
     pub links: (usize, usize),
     /// In how many of [`SELF_CONTACT_SAMPLES`] configurations they touched.
     pub touching: usize,
-    /// Whether no third link with geometry is between them, and one joint.
+    /// True if one joint and no third link with geometry is between them.
     pub is_adjacent: bool,
-    /// Whether the robot's SRDF, or whoever loads it, says not to compare them.
+    /// True if the robot's SRDF, or the caller, exempts them from comparison.
     pub is_declared: bool,
     /// How deep they were in each other at the least, of those where they touched, in metres.
     pub least_depth_m: f64,
-    /// Why no check compares them, though no file says so.
+    /// Reason why no check compares them, though no file exempts them.
     pub unchecked: Option<UncheckedReason>,
     /// A configuration in which they are free of each other (m, rad), of pairs that touched in nine of ten or more.
     pub free_at: Option<Vec<f64>>,
-    /// How large a window the search for it can have missed.
+    /// Greatest size of a window that the search for it can have missed.
     pub missed: &'static str,
 }
 
@@ -35,19 +35,19 @@ pub const SELF_CONTACT_SAMPLES: usize = 1000;
 const DEPTH_SAMPLES: usize = 10;
 
 impl SelfContact {
-    /// Whether they touched wherever it was looked, which proves nothing, and no file declares them.
+    /// Returns whether they touched in every sample, which proves nothing, and no file declares them.
     pub fn is_always(&self) -> bool {
         let is_known = self.is_declared || self.is_proven();
         self.touching == SELF_CONTACT_SAMPLES && self.free_at.is_none() && !is_known
     }
 
-    /// Whether to compare them is proven to show nothing new.
+    /// Returns whether it is proven that comparing them shows nothing new.
     pub fn is_proven(&self) -> bool {
         use UncheckedReason::{AdjacentFree, AdjacentTouching, AlwaysTouching};
         matches!(self.unchecked, Some(AlwaysTouching | AdjacentTouching | AdjacentFree))
     }
 
-    /// Whether they touch so often that a configuration in which they do not is seldom drawn.
+    /// Returns whether they touch so often that a configuration in which they do not is seldom drawn.
     fn is_often(&self) -> bool {
         self.touching * 10 >= 9 * SELF_CONTACT_SAMPLES
     }

@@ -21,8 +21,8 @@ impl StartChoice {
     /// A start free of the robot itself and of the ground: a named state that keeps the arm in front of its base, else the
     /// drawn configuration that does so best. None if no drawn one is free.
     ///
-    /// Where pairs of links are seldom free of each other, `seldom_free` has a configuration for each in which they are: if
-    /// none of those drawn is free, others are drawn with some joints as they stand there.
+    /// `seldom_free` has a free configuration for each pair of links that is seldom free: if none of those drawn is
+    /// free, others are drawn that take the values of some joints from there.
     pub fn of(
         robot: &Arc<Robot>,
         floor_m: f64,

@@ -58,7 +58,7 @@ fn a_pair_that_is_free_in_a_window_is_checked_and_the_start_lies_in_it() {
     }
 }
 
-/// What touches everywhere is dropped as proven; the files say so.
+/// A pair that touches everywhere is dropped as proven, and the files state it.
 #[test]
 fn a_pair_that_is_proven_to_touch_always_is_written_down_as_that() {
     let urdf = ring(0.0, "0.01").replace(r#"<box size="0.05 0.002 0.01"/>"#, r#"<sphere radius="0.025"/>"#);

@@ -27,8 +27,8 @@ impl Mesh {
         Ok(Self { inside: Some(inside), ..Self::of_corners(&corners, one_vertex_per_body(&soup), repairs) })
     }
 
-    /// What of the surface lies higher than `height_m` (m) along a direction, a unit vector; `None` if nothing does. It
-    /// encloses nothing.
+    /// Part of the surface that lies higher than `height_m` (m) along a direction, a unit vector; `None` if no part
+    /// does. It encloses nothing.
     pub fn above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let higher = |corner: &Point| direction.dot(&corner.coords) - height_m;
         let mut kept: Vec<[Point; 3]> = Vec::new();
@@ -96,7 +96,7 @@ impl Mesh {
     }
 }
 
-/// What of a triangle has a positive height: a convex polygon, in order.
+/// Part of a triangle that has a positive height: a convex polygon, in order.
 fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut polygon = Vec::new();
     for (index, a) in triangle.iter().enumerate() {

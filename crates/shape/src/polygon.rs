@@ -26,7 +26,7 @@ pub(crate) fn triangulate(polygon: &[Point]) -> Option<Vec<[usize; 3]>> {
     if shadow.crosses_itself() { None } else { shadow.ears() }
 }
 
-/// Whether all corners lie on one line, up to rounding, or one is no finite number, which is reported elsewhere.
+/// Returns whether all corners lie on one line, up to rounding, or one is not finite, which is reported elsewhere.
 fn is_sliver(polygon: &[Point]) -> bool {
     /// Width by length: rounding in single precision.
     const WIDTH: f64 = 1e-7;
@@ -62,7 +62,7 @@ impl Shadow {
         orient2d(self.0[a], self.0[b], self.0[c])
     }
 
-    /// Whether the first corner sees all others in their order within half a turn.
+    /// Returns whether the first corner sees all others in their order within half a turn.
     fn holds_its_fan(&self) -> bool {
         let last = self.0.len() - 1;
         (1..last).all(|corner| {
@@ -72,7 +72,7 @@ impl Shadow {
         })
     }
 
-    /// Whether two sides cross at a point that is inside both.
+    /// Returns whether two sides cross at a point that is inside both.
     fn crosses_itself(&self) -> bool {
         let count = self.0.len();
         let low = |side: usize| self.0[side].x.min(self.0[(side + 1) % count].x);
@@ -123,7 +123,8 @@ impl Shadow {
         Some(triangles)
     }
 
-    /// Whether a corner is inside a triangle, or on its side opposite the second corner, but not at one of its corners.
+    /// Returns whether a corner is inside a triangle, or on its side opposite the second corner, but not at one of its
+    /// corners.
     fn hinders(&self, [a, b, c]: [usize; 3], corner: usize) -> bool {
         let place = self.0[corner];
         ![a, b, c].iter().any(|&own| own == corner || self.0[own] == place)

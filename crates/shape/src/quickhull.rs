@@ -9,7 +9,8 @@ pub(crate) type HullFaces = (Vec<ParryVector>, Vec<[u32; 3]>);
 
 /// The convex hull of points; `None` if they lie in one plane.
 pub(crate) fn hull_faces(points: &[ParryVector]) -> Option<HullFaces> {
-    /// Of more, of which most lie in few planes (a disc, a flange), the library's hull takes memory and time with the square.
+    /// Greatest number of points for the library's hull. Memory and time that it takes are quadratic for points that
+    /// lie mostly in few planes (a disc, a flange).
     const MOST_FOR_LIBRARY: usize = 2000;
     if points.len() <= MOST_FOR_LIBRARY { try_convex_hull(points).ok() } else { Quickhull::of(points) }
 }

@@ -189,8 +189,8 @@ impl Solid {
         }
     }
 
-    /// What of a mesh lies higher than `height_m` (m) along a direction, a unit vector, in its own frame: a surface, which
-    /// encloses nothing. `None` if nothing does, or for what is no mesh.
+    /// Part of a mesh that lies higher than `height_m` (m) along a direction, a unit vector, in its own frame: a
+    /// surface, which encloses nothing. `None` if no part does, or if the solid is not a mesh.
     #[must_use]
     pub fn surface_above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let Kind::Mesh(mesh) = &self.kind else { return None };

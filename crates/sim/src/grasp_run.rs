@@ -45,9 +45,9 @@ pub struct GraspRun {
     pub contact_force_n: f64,
     /// Where the object ended, in the planning frame.
     pub world_from_object: Pose,
-    /// Whether a finger touches it there.
+    /// True if a finger touches it there.
     pub is_in_hand: bool,
-    /// Where the object was when the hand opened again to let it go, in the planning frame; `None` where it did not.
+    /// Pose of the object when the hand opened again to release it, in the planning frame; `None` if it did not.
     pub world_from_released: Option<Pose>,
     /// What was simulated, in seconds.
     pub simulated_s: f64,

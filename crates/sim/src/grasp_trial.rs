@@ -41,7 +41,7 @@ pub(crate) struct GraspTrial<'a> {
     steps_open: u32,
     /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
     opens_from: Option<(u32, f64)>,
-    /// Where the object was then.
+    /// Pose of the object at that time.
     world_from_released: Option<Pose>,
     recording: Option<Recording>,
     /// What the recording has, besides object and hand.
@@ -270,7 +270,7 @@ impl<'a> GraspTrial<'a> {
         self.ended(outcome, error, held_s, contact_force_n)
     }
 
-    /// Whether a finger touches the object.
+    /// Returns whether a finger touches the object.
     fn is_touched(&self) -> bool {
         self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
     }

@@ -50,9 +50,9 @@ pub struct PlanRow {
 pub struct Released {
     /// Its origin, in metres.
     pub position_m: [f64; 3],
-    /// How it was turned, of unit length.
+    /// Its orientation, of unit length.
     pub quaternion_xyzw: [f64; 4],
-    /// How far it was from where it was to be put down.
+    /// Its error against the pose at which it was to be put down.
     #[serde(flatten)]
     pub off: PlacedError,
 }

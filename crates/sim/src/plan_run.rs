@@ -20,7 +20,8 @@ pub struct PlanRun {
     pub lift_m: f64,
     /// Where the object was before anything moved, in the planning frame.
     pub world_from_resting: Pose,
-    /// How far the object was, when the hand let it go, from where it was to be put down; `None` where it did not.
+    /// Error of the object, when the hand released it, against the pose at which it was to be put down; `None` if it
+    /// did not.
     pub released: Option<PlacedError>,
     /// How far the object is in the end from where it was to be put down, of a plan that puts it down.
     pub placed: Option<PlacedError>,
@@ -35,7 +36,7 @@ pub struct PlacedError {
     pub translation_m: f64,
     /// How far it is turned, in radians.
     pub rotation_rad: f64,
-    /// Whether both are within [`Self::MOST_M`] and [`Self::MOST_RAD`].
+    /// True if both are within [`Self::MOST_M`] and [`Self::MOST_RAD`].
     pub is_there: bool,
 }
 
@@ -82,7 +83,7 @@ impl PlacedError {
 }
 
 impl PlanRun {
-    /// What became of the object.
+    /// Fate of the object.
     pub fn outcome(&self) -> PlanOutcome {
         match (self.released, self.placed) {
             (Some(_), Some(PlacedError { is_there: true, .. })) => PlanOutcome::Placed,

@@ -20,7 +20,7 @@ pub struct Answer {
     pub score: ScoreKind,
     /// Least score of the grasps that were goals, if that was asked.
     pub min_score: Option<f64>,
-    /// How many grasps were no goals for it.
+    /// Number of grasps that were excluded by it.
     pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
@@ -53,11 +53,11 @@ pub struct Answer {
     pub carry_to: Option<CarryEnd>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     pub failures: Vec<GraspFailure>,
-    /// Where every goal configuration is refused: for each all reasons.
+    /// All reasons why each goal configuration is refused, if all of them are.
     pub goal_faults: Vec<Vec<ConfigurationFault>>,
     /// Why no grasp was taken at all, after a search without a path in which the arm came to none.
     pub no_grasp: Option<NoGrasp>,
-    /// What touches and was not compared: all that is said holds but for these.
+    /// Pairs that touch and were not compared: the whole answer holds except for these.
     pub not_checked: Vec<NotChecked>,
 }
 

@@ -86,7 +86,8 @@ impl JointRadius {
 }
 
 impl Robustness {
-    /// Of a path that is proven, and of the corners that its trajectory cuts; `None` under `paper`, which proves nothing.
+    /// Robustness of a path that is proven, and of the corners that its trajectory cuts; `None` under `paper`, which
+    /// proves nothing.
     pub fn of(
         problem: &Problem,
         cells: Option<&TaskCells>,

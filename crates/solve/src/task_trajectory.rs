@@ -17,7 +17,7 @@ pub struct TaskTrajectory {
     legs: Vec<Trajectory>,
     /// How far the fingers are apart on each leg, in metres.
     openings_m: Vec<f64>,
-    /// Of the robot's hand, if it has one.
+    /// Pad distance of the robot's hand, if it has one.
     pads: Option<PadDistance>,
 }
 
@@ -117,8 +117,8 @@ impl TaskTrajectory {
         motions.map(|([from_s, until_s], openings_m)| HandMotion { from_s, until_s, openings_m }).collect()
     }
 
-    /// How long the robot stands between the legs, in seconds each, while its hand closes or opens: [`CLOSING_S`], or as long
-    /// as the limits of the joints of the hand demand.
+    /// Times for which the robot stands between the legs, in seconds, while its hand closes or opens: [`CLOSING_S`], or
+    /// as long as the limits of the joints of the hand demand.
     pub fn hand_times_s(&self) -> Vec<f64> {
         let least_s = |openings_m: &[f64]| {
             self.pads.as_ref().map_or(0.0, |pads| pads.least_time_s([openings_m[0], openings_m[1]]))

@@ -17,7 +17,7 @@ pub(crate) struct Translucency {
     pub opacity: f32,
     /// How much more it does where it is seen from the side, so that its form can be told.
     pub rim: f32,
-    /// Whether its edges are drawn too: a flat body is otherwise told from nothing.
+    /// True if its edges are drawn too: a flat body could otherwise not be distinguished from its background.
     pub has_edges: bool,
 }
 
@@ -27,11 +27,11 @@ const SMOOTH: f32 = 0.866;
 /// How much darker the line around a thing is.
 const OUTLINE: f32 = 0.5;
 
-/// Opacity of the edges of what can be seen through, and how much darker they are than it: on a bright floor its faces are
-/// hardly told from nothing.
+/// Opacity of the edges of a translucent thing, and the factor by which they are darker than it: on a bright floor its
+/// faces are hardly visible.
 const EDGE: [f32; 2] = [0.95, 0.75];
 
-/// At most so many different surfaces are told apart in a point: as many as there can be samples.
+/// Greatest number of surfaces that are distinguished in a point: that of its samples.
 const MOST_SURFACES: usize = 8;
 
 /// What some samples of a point show.
@@ -204,7 +204,7 @@ impl SkyMemory {
 struct Things<'a> {
     list: &'a DrawList,
     buffer: &'a SampleBuffer,
-    /// Whether the edges between faces of one thing are lines too.
+    /// True if the edges between faces of one thing are lines too.
     has_edges: bool,
 }
 
@@ -260,7 +260,7 @@ impl Things<'_> {
         self.buffer.triangle[(row * self.buffer.offsets.len() + sample) * self.buffer.width + column]
     }
 
-    /// Whether two triangles of one thing, if they are any, meet at an edge.
+    /// Returns whether two triangles, if both are triangles of a thing, meet at an edge.
     fn is_edge(&self, one: u32, other: u32) -> bool {
         let normal = |triangle: u32| {
             let [a, b, c] = self.list.corners(triangle as usize);

@@ -69,7 +69,7 @@ const GHOST_OPACITY: f32 = 0.44;
 /// How much denser a ghost is at its edges, which show its form.
 const GHOST_RIM: f32 = 0.9;
 
-/// What can be seen through is glass in the colour of what it is made of, with its edges.
+/// Opacity of translucent things: glass in their own colour, with edges.
 const GLASS_OPACITY: f32 = 0.45;
 const GLASS_RIM: f32 = 0.35;
 

@@ -118,7 +118,7 @@ impl ShownPath {
         self
     }
 
-    /// The path, a stop of so many seconds in which the hand moves, and the leg that follows.
+    /// The path, a stop of `hand_s` seconds in which the hand moves, and the leg that follows.
     fn then(mut self, leg: Self, hand_s: f64, rate_hz: f64) -> Self {
         let stops_s = self.ends_s();
         let goes_on_s = stops_s + hand_s;

@@ -21,9 +21,9 @@ pub struct Comparison {
     pub first_runs: usize,
     /// Number of runs of the second.
     pub second_runs: usize,
-    /// What the tests find.
+    /// Finding of the tests.
     pub finding: Finding,
-    /// How many comparisons the family has, each with two tests.
+    /// Number of comparisons in the family, each with two tests.
     pub family: usize,
     /// Statistic of the log-rank test; none where nothing was solved, which leaves nothing to compare.
     pub log_rank_chi_square: Option<f64>,
@@ -45,7 +45,7 @@ pub struct Comparison {
     pub difference_p_holm: Option<f64>,
 }
 
-/// What the tests of a comparison find, at level 5 % over the whole report.
+/// Finding of the tests of a comparison, at a significance level of 5 % over the whole report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Finding {

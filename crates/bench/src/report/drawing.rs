@@ -114,7 +114,7 @@ pub fn shortened(text: &str, size: u32, width: f64) -> String {
     letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect()
 }
 
-/// How many letters are at most so wide.
+/// Greatest number of letters that fit into a width, of a font size.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, not negative")]
 pub fn letters_within(width: f64, size: u32) -> usize {
     (width / text_width("m", size)).max(0.0) as usize

@@ -361,7 +361,7 @@ pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown)
     }
 }
 
-/// In place of tests that so many runs cannot support.
+/// Text in place of tests for which there are too few runs.
 const TOO_FEW_RUNS: &str = "too few runs";
 
 /// Rows that pool what should not be pooled, by what it is.

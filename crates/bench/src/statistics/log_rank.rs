@@ -1,12 +1,12 @@
 use crate::statistics::Followed;
 
-/// Whether two groups of trials are solved at the same pace. [`TwoSampleTest`](crate::statistics::TwoSampleTest) has the
-/// p-value of its numerator.
+/// Log-rank test of whether two groups of trials are solved at the same rate.
+/// [`TwoSampleTest`](crate::statistics::TwoSampleTest) has the p-value of its numerator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogRank {
-    /// How many of the first group were solved.
+    /// Number of solved trials in the first group.
     pub observed: f64,
-    /// How many of the first group would be, were the pace the same.
+    /// Number of trials of the first group that would be solved if the rates were the same.
     pub expected: f64,
     /// The statistic: of one degree of freedom where both groups are large.
     pub chi_square: f64,

@@ -1,7 +1,7 @@
 use crate::statistics::division::{division_count, draws_for, for_each_division};
 use crate::statistics::{Followed, Interval, KaplanMeier, LEVEL};
 
-/// Whether two groups of trials differ: permutation tests, whose p-values hold for every number of trials.
+/// Permutation tests of whether two groups of trials differ; their p-values hold for every number of trials.
 ///
 /// If the groups are of one planner, each division of all trials into groups of these sizes is equally probable. A p-value is
 /// twice the share of divisions that put the statistic as far out, to the same side, as the observed one: all divisions
@@ -63,7 +63,7 @@ impl TwoSampleTest {
     }
 }
 
-/// Sums in another order differ by rounding, which must not tell equal values apart.
+/// Relative tolerance within which two values count as equal: sums in another order differ by rounding.
 const ROUNDED: f64 = 1e-9;
 
 /// Two-sided p-value of the first of the values of a statistic over all divisions.
@@ -98,7 +98,8 @@ fn restricted_times(all: &[Followed], horizon: f64) -> Vec<f64> {
     (0..all.len()).map(|trial| n * mean - (n - 1.0) * without(trial)).collect()
 }
 
-/// What Welch's `t` of any division is made of: sums over all times, taken about the first, so that equal times do not vary.
+/// Sums over all times from which Welch's `t` of any division is computed, taken about the first time, so that equal
+/// times have no variance.
 struct Welch {
     about: f64,
     sum: f64,

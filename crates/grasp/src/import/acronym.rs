@@ -8,7 +8,7 @@ use crate::{Grasp, pose_of_rows};
 const TRANSFORMS: &str = "grasps/transforms";
 const HELD: &str = "grasps/qualities/flex/object_in_gripper";
 
-/// Of a chunk or a whole array: two thousand grasps are a quarter of a megabyte.
+/// Greatest size of a chunk or a whole array, in bytes: two thousand grasps take a quarter of a megabyte.
 const MOST_BYTES: usize = 256 << 20;
 
 pub fn read(bytes: &[u8]) -> Result<Read, String> {

@@ -35,7 +35,7 @@ impl<'a> Array<'a> {
             i64 => |value| value as f64, i32 => f64::from, u8 => f64::from, i8 => f64::from)
     }
 
-    /// All its numbers, if there are no more than so many.
+    /// All its numbers, of which there may be `most` at the most.
     pub fn all(self, most: usize, name: &str) -> Result<Vec<f64>, String> {
         let count = self.shape.iter().try_fold(1_u64, |all, side| all.checked_mul(*side));
         if count.is_none_or(|count| count > most as u64) {

@@ -86,7 +86,7 @@ pub(crate) struct Read {
     pub below: usize,
     pub object_scale: Option<f64>,
     pub notes: Vec<String>,
-    /// What holds unless somebody says otherwise.
+    /// Closing axis of the format, unless the settings give another.
     pub closing: Option<ClosingAxis>,
     pub offset_m: Option<f64>,
 }

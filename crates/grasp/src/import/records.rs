@@ -128,7 +128,7 @@ fn graspgen(file: GraspGen) -> Result<Read, String> {
     Ok(read)
 }
 
-/// How far the norm of a quaternion may be from 1: four digits.
+/// Greatest deviation of the norm of a quaternion from 1: files have four digits.
 const NORM_TOLERANCE: f64 = 1e-3;
 
 fn isaac(file: IsaacGrasps) -> Result<Read, String> {

@@ -328,11 +328,11 @@ enum Detail {
     FirstPair,
 }
 
-/// Whether an edge is proven, else what is wrong with it; and its least clearance (m) where that is measured, with the pair
+/// Verdict on an edge: proven, or its violations; and its least clearance (m) where that is measured, with the pair
 /// that has it.
 type JudgedEdge = (Result<(), Vec<Violation>>, Option<(f64, Option<NearestPair>)>);
 
-/// Of each edge whether it is proven, else what is wrong with it, and its least clearance (m) if that is measured.
+/// Judges each edge: proven, or its violations, and its least clearance (m) if that is measured.
 fn judge_edges(
     cell: &Cell,
     path: &[Vec<f64>],

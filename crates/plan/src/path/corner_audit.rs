@@ -46,7 +46,7 @@ pub fn audit_cut_corners(
     audit.valid = audit.violations.is_empty();
 }
 
-/// What is wrong with a chord of a corner, if anything.
+/// Violation by a chord of a corner, if there is one.
 fn fault_of(cell: &Cell, chord: &[Vec<f64>], corner: &CutCorner, scratch: &mut Scratch) -> Option<Violation> {
     match cell.motion_beyond(corner.deviation_m, &chord[0], &chord[1], scratch) {
         Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {

@@ -103,9 +103,9 @@ pub enum Violation {
     Statement {
         /// Its key in the file.
         key: String,
-        /// What the file states, in words.
+        /// The value in the file, in words.
         stated: String,
-        /// What was measured, in words.
+        /// The measured value, in words.
         measured: String,
     },
     /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
@@ -307,7 +307,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// How far two values are apart that are not equal: never shown as zero.
+/// Difference of two values that are not equal, with as many decimals as it takes not to show zero.
 fn apart(off: f64, decimals: usize) -> String {
     let [off, _] = distinct([off, 0.0], decimals);
     off

@@ -12,10 +12,10 @@ const MOST_PARTS: usize = 5000;
 /// Looks for a displacement of the base by which one of `goals` gets a free configuration, the start staying free: along x
 /// and y of the planning frame, in metres, in the direction of `way`, which leads from where the arm comes to a grasp.
 pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) -> Option<[f64; 2]> {
-    /// So many lengths are tried, so far apart, in metres.
+    /// Number of lengths to try, and their spacing, in metres.
     const LENGTHS: u32 = 6;
     const STEP_M: f64 = 0.15;
-    /// A base is put somewhere by the centimetre.
+    /// Resolution of the shift, per metre: a base is placed to the centimetre.
     const PER_METRE: f64 = 100.0;
     let parts: usize = problem.cell()?.world().bodies().iter().map(|body| body.parts.len()).sum();
     let across = Vector::new(way.x, way.y, 0.0);
@@ -30,7 +30,7 @@ pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) ->
     })
 }
 
-/// Whether a grasp has a free configuration with the base shifted: everything else is shifted the other way.
+/// Returns whether a grasp has a free configuration with the base shifted: everything else is shifted the opposite way.
 fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> bool {
     const SETTINGS: IkAnnotationSettings =
         IkAnnotationSettings { attempts: 192, ..IkAnnotationSettings::DEFAULT };

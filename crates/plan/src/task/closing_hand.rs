@@ -22,7 +22,7 @@ pub(crate) struct ClosedHand {
     pub opening_m: f64,
     /// How much farther the finger that touches last has to go than the first, in metres.
     pub uneven_m: f64,
-    /// How far each finger has closed when it touches, from 0, open, to 1.
+    /// Share of its travel, from 0, open, to 1, at which each finger touches.
     pub touching: Vec<f64>,
 }
 

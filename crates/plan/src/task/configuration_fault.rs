@@ -28,7 +28,7 @@ pub enum ConfigurationFault {
         first: String,
         /// Another link, or a body.
         second: String,
-        /// How deep, in metres.
+        /// Penetration depth, in metres.
         depth_m: f64,
     },
     /// Two things are closer than the margin that is demanded.

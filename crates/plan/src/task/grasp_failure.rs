@@ -57,8 +57,8 @@ impl GraspFailure {
     }
 }
 
-/// What can stand between a robot and a grasp. Only the first three are certain: the others state what was met, not
-/// that there is no way.
+/// Obstacle between a robot and a grasp. Only the first three are certain: the others state what the search met, not
+/// that no path exists.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 #[non_exhaustive]

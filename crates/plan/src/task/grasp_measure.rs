@@ -77,9 +77,9 @@ impl GraspMeasure {
         Some([contact(-1.0)?, contact(1.0)?])
     }
 
-    /// How good the grasp of a hand that has closed is, in [0, 1], by the contacts of its pads where they touch; 0 where these
-    /// are in no force closure ([`friction_needed`], [`friction_score`]). `None` where two fingers do not touch the target.
-    /// `touching` says how far each finger has closed.
+    /// Score of the grasp of a hand that has closed, in [0, 1], by the contacts of its pads where they touch; 0 where
+    /// these are in no force closure ([`friction_needed`], [`friction_score`]). `None` where fewer than two fingers
+    /// touch the target. `touching` is the share of its travel, from 0 to 1, that each finger has closed.
     pub(crate) fn pad_score(&self, world_from_gripper: &Pose, touching: &[f64]) -> Option<f64> {
         let holding = self.hand.holding();
         let target = &holding.world().bodies()[self.hand.target()];
@@ -88,8 +88,8 @@ impl GraspMeasure {
         Some(friction_score(needed, self.friction))
     }
 
-    /// An estimate of how good the grasp at a pose is, by a single line between the middles of the pads: a filter for drawn
-    /// grasps, which says nothing of where the pads touch. In [0, 1], 0 where its contacts are in no force closure
+    /// Estimated score of the grasp at a pose, by a single line between the middles of the pads: a filter for drawn
+    /// grasps, which does not consider where the pads touch. In [0, 1], 0 where its contacts are in no force closure
     /// ([`friction_needed`], [`friction_score`]); `None` where there are no contacts.
     pub fn score(&self, world_from_gripper: &Pose) -> Option<f64> {
         let [a, b] = self.contacts_in_world(world_from_gripper)?;

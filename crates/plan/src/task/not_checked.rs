@@ -48,10 +48,10 @@ pub enum NotCheckedReason {
     AlwaysTouching,
     /// Two adjacent links, proven to touch at every value of their joint.
     AdjacentTouching,
-    /// Two adjacent links that touch, or nearly do, at all values of their joint that were looked at.
+    /// Two adjacent links that touch, or nearly do, at all sampled values of their joint.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: near the joint alone, as far as
-    /// it was looked at.
+    /// Two adjacent links that are free at some values of their joint, and touch at others: only near the joint, in all
+    /// samples.
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
     AdjacentFree,
@@ -62,7 +62,8 @@ pub enum NotCheckedReason {
 }
 
 impl NotChecked {
-    /// Whether "free" and "proven" hold but for this pair. They hold for adjacent links that are proven never to touch.
+    /// Returns whether "free" and "proven" hold except for this pair. For adjacent links that are proven never to touch
+    /// they hold.
     pub fn is_exception(&self) -> bool {
         self.reason != NotCheckedReason::AdjacentFree
     }

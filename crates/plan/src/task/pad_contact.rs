@@ -23,10 +23,10 @@ pub(crate) struct PadSurfaces {
 /// Pads give way by so much, in metres.
 const PRESSED_M: f64 = 1e-4;
 
-/// The nearest points are asked for so far before the finger touches, in metres: far enough for a direction.
+/// Distance before contact at which the nearest points are computed, in metres: enough to define a direction.
 const APPROACH_M: f64 = 5e-4;
 
-/// A pad is turned against a face by an angle whose tangent is this at most: no friction holds beyond.
+/// Greatest tangent of the angle between a pad and a face: no friction holds beyond.
 const STEEPEST: f64 = 0.6;
 
 /// Lines that are so near are one, in metres.
@@ -35,11 +35,11 @@ const SAME_LINE_M: f64 = 1e-9;
 /// Lines of the grid along each of its sides.
 const LINES: u32 = 15;
 
-/// The grid reaches so far beyond the nearest points, in metres: about half of a small pad.
+/// Distance that the grid extends beyond the nearest points, in metres: about half of a small pad.
 const BEYOND_M: f64 = 5e-3;
 
 impl PadSurfaces {
-    /// Of a cell in which the hand holds something; links without a surface are left out.
+    /// Pad surfaces of a cell in which the hand holds something; links without a surface are left out.
     pub fn of(holding: &Cell) -> Self {
         let robot = holding.robot();
         let of_link = |link: usize| {
@@ -53,8 +53,8 @@ impl PadSurfaces {
         Self { of_links: links.filter_map(of_link).collect() }
     }
 
-    /// The friction that a grasp needs whose fingers touch when they have closed so far each, the tip being there: infinite
-    /// where no friction holds the target, `None` where not two fingers touch it.
+    /// Friction coefficient that a grasp needs, with the tip at a pose and each finger closed by the share of its
+    /// travel at which it touches: infinite if no friction holds the target, `None` if fewer than two fingers touch it.
     pub fn friction_needed(
         &self,
         holding: &Cell,
@@ -158,7 +158,7 @@ impl Pressing<'_> {
         contacts
     }
 
-    /// Whether the finger lies beyond a point that is so far from where it touches, in metres.
+    /// Returns whether the finger lies beyond a point at the distance `off_m` from where it touches, in metres.
     fn is_beyond(&self, world_from_tip: &Pose, point: &Point, off_m: f64) -> bool {
         let begin = point - self.outwards * PRESSED_M;
         let reach_m = 2.0 * PRESSED_M + STEEPEST * off_m;

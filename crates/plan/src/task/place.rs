@@ -166,8 +166,8 @@ impl Placer {
         draw.placement.get_or_init(look).as_ref()
     }
 
-    /// The object at a pose, and what it rests on there. The cell is that of a draw that was looked at, where it does for this
-    /// one too.
+    /// The object at a pose, and its supports there. The cell is that of a draw that was evaluated before, if it
+    /// applies to this pose too.
     pub(crate) fn placement(&self, world_from_held: &Pose) -> Placement {
         let cell = self.carrier.hand().holding();
         let resting = cell.resting_at(self.target(), &self.extent, world_from_held);
@@ -227,8 +227,8 @@ impl Placer {
         self.fault_of_rest(resting, Some(on))
     }
 
-    /// What is wrong with how an object rests: beside or in something, on nothing, on a slope, above what is to carry it, or on
-    /// something other than that.
+    /// Fault of a resting pose, if any: too near to or inside another body, on nothing, on a slope, above its support,
+    /// or on a body other than its support.
     fn fault_of_rest(&self, resting: &Resting, on: Option<&str>) -> Option<String> {
         let body_name = |body: usize| self.carrier.body_name(body);
         let deepest = resting.beside().max_by(|a, b| a.2.total_cmp(&b.2).then(b.1.total_cmp(&a.1)));

@@ -33,7 +33,7 @@ impl Placed {
         &self.after
     }
 
-    /// How far the hand is from the object, in metres, certified from below; at most `beyond_m`.
+    /// Distance of the hand from the object, in metres, certified from below; at most `beyond_m`.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -46,11 +46,11 @@ impl Placed {
         self.after.scratch()
     }
 
-    /// The way of the empty hand off the object until it is clear of it: back the way of its palm, up, or between, in straight
-    /// pieces that are proven each.
+    /// Path on which the empty hand retreats from the object until it is clear of it by `clear_m` (m): backwards along
+    /// its approach, up, or between the two, in straight edges, each of them proven.
     ///
     /// # Errors
-    /// What is in the way.
+    /// Reason why no such path was found.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

@@ -67,7 +67,7 @@ pub(crate) fn world_from_root(
     Ok(Pose::identity())
 }
 
-/// Whether a pose is not one in the plane x, y, but for rounding.
+/// Returns whether a pose leaves the x-y plane by more than rounding.
 fn leaves_plane(pose: &Pose) -> bool {
     let up = pose.rotation * cranny_spatial::Vector::z();
     pose.translation.z.abs() > 1e-6 || up.z < 1.0 - 1e-9

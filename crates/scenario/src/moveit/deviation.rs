@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use cranny_file::distinct;
 
-/// A point at which a [`MoveItProblem`](crate::MoveItProblem) is not what its files say, or not all of it.
+/// Point at which a [`MoveItProblem`](crate::MoveItProblem) differs from its files, or covers them only in part.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MoveItDeviation {
@@ -22,14 +22,14 @@ pub enum MoveItDeviation {
         joint: String,
         /// The value in the files, in metres or radians.
         requested: f64,
-        /// Where it stands.
+        /// Its value, in metres or radians.
         held: f64,
     },
     /// Neither file gives a joint outside the group a value.
     NotGiven {
         /// The joint.
         joint: String,
-        /// Where it stands, in metres or radians.
+        /// Its value, in metres or radians.
         held: f64,
     },
     /// A value is beyond a limit by no more than rounding, and the limit is taken instead.

@@ -10,13 +10,13 @@ pub enum MoveItError {
     /// A `MoveIt` joint state does not give each joint one position.
     #[error("{at}: the joint state has {names} names, but {values} {kind}")]
     JointState {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// How many joints are named.
+        /// Number of joints that are named.
         names: usize,
         /// `positions` or `transforms`.
         kind: &'static str,
-        /// How many of them there are.
+        /// Number of these values.
         values: usize,
     },
     /// A `MoveIt` scene has no world.
@@ -33,17 +33,17 @@ pub enum MoveItError {
     NotOneMessage {
         /// The file.
         path: PathBuf,
-        /// How many it holds.
+        /// Number of messages in it.
         actual: usize,
     },
     /// A `.scene` file is not in the form of one.
     #[error("{at}: expected {expected}, not '{found}'")]
     SceneText {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What belongs there.
+        /// The expected content.
         expected: &'static str,
-        /// What stands there.
+        /// The content that was found.
         found: String,
     },
     /// An `allowed_collision_matrix` is none.
@@ -52,15 +52,15 @@ pub enum MoveItError {
          names, and a value for each default"
     )]
     Matrix {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// How many names it has.
+        /// Number of its names.
         names: usize,
     },
     /// A fixed transform puts a frame elsewhere than it is known to be.
     #[error("{at}: frame '{frame}' is known, and elsewhere (leave the transform out)")]
     FrameTwice {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The frame.
         frame: String,
@@ -68,7 +68,7 @@ pub enum MoveItError {
     /// The pose of the robot's base is given for something else.
     #[error("{at}: '{joint}' is no virtual joint of the robot's SRDF (it has: {known})")]
     NoVirtualJoint {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The name.
         joint: String,
@@ -82,13 +82,13 @@ pub enum MoveItError {
         distinct([*asked, *actual], 4)[1]
     )]
     GoalElsewhere {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The joint.
         joint: String,
         /// The value in the goal, in metres or radians.
         asked: f64,
-        /// Where it is.
+        /// The value that it has, in metres or radians.
         actual: f64,
     },
     /// A scene does not name its robot, and none is given.
@@ -122,7 +122,7 @@ pub enum MoveItError {
     /// A `MoveIt` object has no shape.
     #[error("{at}: object '{object}' has neither primitives nor meshes")]
     NoShape {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The object.
         object: String,
@@ -130,7 +130,7 @@ pub enum MoveItError {
     /// The shapes of a `MoveIt` object do not have one pose each.
     #[error("{at}: object '{object}' has {actual} poses for {expected} shapes of kind {kind}")]
     PoseCount {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The object.
         object: String,
@@ -144,7 +144,7 @@ pub enum MoveItError {
     /// A `MoveIt` primitive is of a kind that is not known.
     #[error("{at}: object '{object}': unknown primitive '{kind}' (known: box, sphere, cylinder)")]
     UnknownPrimitive {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The object.
         object: String,
@@ -154,7 +154,7 @@ pub enum MoveItError {
     /// A `MoveIt` primitive has the wrong number of dimensions.
     #[error("{at}: object '{object}': {actual} dimensions, but those of a {kind} are [{expected}]")]
     Dimensions {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The object.
         object: String,
@@ -168,7 +168,7 @@ pub enum MoveItError {
     /// A pose is given in a frame that is not known to stand still.
     #[error("{at}: unknown frame '{frame}' (known: {known})")]
     UnknownFrame {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// The frame.
         frame: String,
@@ -178,7 +178,7 @@ pub enum MoveItError {
     /// A `MoveIt` file names a joint or a group that the robot does not have.
     #[error("{at}: {reason}")]
     NotOfRobot {
-        /// Where.
+        /// Location in the file.
         at: Location,
         /// What the robot says.
         reason: Box<cranny_robot::RobotError>,

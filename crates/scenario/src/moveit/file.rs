@@ -265,7 +265,7 @@ pub(crate) struct RequestFile {
     pub goal_constraints: Option<Spanned<Vec<Spanned<ConstraintsEntry>>>>,
     pub path_constraints: Option<Spanned<ConstraintsEntry>>,
     pub trajectory_constraints: Option<Spanned<TrajectoryConstraintsEntry>>,
-    /// Of the greatest speeds, from 0 to 1; 0: not given.
+    /// Share of the velocity limits, from 0 to 1; 0 if it is not given.
     #[serde(default)]
     pub max_velocity_scaling_factor: Option<Spanned<f64>>,
     #[serde(default)]
@@ -342,7 +342,7 @@ pub(crate) struct ConstraintsEntry {
 }
 
 impl ConstraintsEntry {
-    /// Whether it asks for more than values of joints.
+    /// Returns whether it has constraints other than joint values.
     pub fn has_others(&self) -> bool {
         !(self.positions.is_empty() && self.orientations.is_empty() && self.visibilities.is_empty())
     }

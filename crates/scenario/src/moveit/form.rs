@@ -74,7 +74,7 @@ pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
 struct Form {
     /// Those of the message, or of the first in a list.
     keys: Vec<String>,
-    /// How many messages are in the list, if it is one.
+    /// Number of messages in the list, if it is one.
     messages: Option<usize>,
 }
 

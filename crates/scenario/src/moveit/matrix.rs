@@ -73,7 +73,7 @@ impl<'a> Matrix<'a> {
     }
 }
 
-/// Whether the robot never checks that pair of links.
+/// Returns whether the robot never checks that pair of links.
 fn is_exempt(robot: &Robot, first: usize, second: usize) -> bool {
     let pair = (first.min(second), first.max(second));
     // Both are sorted.

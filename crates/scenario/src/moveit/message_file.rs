@@ -26,7 +26,7 @@ impl MessageFile<'_> {
         yaml::finite(self.path, number.value, number.referenced)
     }
 
-    /// A quaternion of four zeros, which is what a message holds that nobody filled in, turns nothing.
+    /// Pose of an entry. A quaternion of four zeros, the default of a message, stands for the identity.
     pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
         let position = entry.value.position.map_or([0.0; 3], |position| position.0);
         let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);

@@ -49,12 +49,11 @@ impl MoveItProblem {
     /// Every key of every message is known; what has a bearing on the problem is honoured, or refused where it holds
     /// something that is not (docs/files.md lists all).
     ///
-    /// 1. The robot moves the joints of the SRDF group that the request names. A joint outside it stands
-    ///    where the start state puts it, within its limits; one that is fixed in the URDF, or follows
-    ///    another, stands where the URDF says. Limits of a `joint_limits.yaml` near the robot's files go before
-    ///    those of the URDF. Pairs of links are left unchecked as in the SRDF; the scene's
-    ///    `allowed_collision_matrix` has pairs checked that the SRDF does not, but lifts no check (see
-    ///    [`MoveItDeviation`]).
+    /// 1. The robot moves the joints of the SRDF group that the request names. A joint outside it has the value of
+    ///    the start state, within its limits; one that is fixed in the URDF, or follows another, has the value that
+    ///    the URDF gives. Limits of a `joint_limits.yaml` near the robot's files take precedence over those of the
+    ///    URDF. Pairs of links are left unchecked as in the SRDF; the scene's `allowed_collision_matrix` can add
+    ///    checks of pairs that the SRDF disables, but removes none (see [`MoveItDeviation`]).
     /// 2. The world is the scene's collision objects, at (frame · object pose · shape pose). The planning frame
     ///    is the root link's, moved by the inverse of the floating joint of the start state, or else of the scene's
     ///    state, if there is one.

@@ -88,7 +88,7 @@ impl Files<'_> {
         Ok(())
     }
 
-    /// What the request takes of the limits of speed and acceleration; 0 stands for a factor that is not given.
+    /// Shares of the velocity and acceleration limits that the request uses; 0 stands for a factor that is not given.
     pub fn rate_scales(&self) -> Result<RateScales, ScenarioError> {
         let scale = |factor: Option<&Spanned<f64>>| match factor {
             Some(factor) if !(0.0..=1.0).contains(&factor.value) => {

@@ -104,7 +104,7 @@ impl Files<'_> {
         }
     }
 
-    /// Notes where the robot is not what the files say.
+    /// Notes each point at which the robot differs from the files.
     fn note_robot(
         &self,
         robot: &Robot,
@@ -189,7 +189,7 @@ impl Files<'_> {
     }
 }
 
-/// What an SRDF says, and its text for whoever builds a robot of it.
+/// An SRDF as it is parsed, and its text, from which the robot is built.
 fn read_srdf(path: &Path) -> Result<(Srdf, TextSource), ScenarioError> {
     let (name, text) = (path.display().to_string(), yaml::text(cranny_file::TEXT, path)?);
     Ok((Srdf::parse(&text, &name)?, TextSource::Text { name, text }))

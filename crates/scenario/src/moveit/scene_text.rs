@@ -15,7 +15,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::files::{sizes, yaml};
 use crate::{MoveItError, ScenarioError};
 
-/// Whether a text is that of a `.scene` file: below the name of the scene stands an object, or the end.
+/// Returns whether a text is that of a `.scene` file: the name of the scene is followed by an object, or by the end.
 pub(crate) fn is_scene_text(text: &str) -> bool {
     let mut lines = text.lines().skip(1).map(str::trim).filter(|line| !line.is_empty());
     lines.next().is_some_and(|line| line == "." || line.starts_with("* "))

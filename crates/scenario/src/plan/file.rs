@@ -46,7 +46,7 @@ pub struct PlanFile {
     /// Least score of the grasps that were goals, if that was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_score: Option<f64>,
-    /// How many grasps were no goals for it.
+    /// Number of grasps that were excluded by it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
@@ -100,7 +100,7 @@ pub struct PlanFile {
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
-    /// Where every goal configuration was refused: for each the reasons, in sentences.
+    /// Reasons why each goal configuration was refused, in sentences, if all of them were.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub goal_faults: Vec<Vec<String>>,
     /// Why no grasp was taken at all, after a search in which the arm came to none.

@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::plan::statement::{Statement, differences};
 use crate::{PlanFile, PlanPlace, PlanSegment, PlanSource, PlanTiming};
 
-/// What a judge finds of a plan file: of its path, and of everything that it states besides.
+/// Verdict on a plan file: on its path, and on everything else that it states.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
     /// The verdict on the path. A false statement is one of its violations, unless the plan was made for another task than
@@ -260,7 +260,7 @@ fn figures(plan: &PlanFile) -> Value {
     serde_json::to_value(without).unwrap_or_default()
 }
 
-/// Whether a value is one: `null` and an empty list state nothing.
+/// Returns whether a value states anything: `null` and an empty list do not.
 fn is_stated(value: &Value) -> bool {
     !value.is_null() && value.as_array().is_none_or(|list| !list.is_empty())
 }

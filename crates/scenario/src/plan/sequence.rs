@@ -115,8 +115,8 @@ impl SequencePlan {
         Self { format: Self::FORMAT.to_owned(), scenario: scenario.id.clone(), steps, duration_s }
     }
 
-    /// Shows `visit` each plan in the world that those before it leave, in the problem that `problem_of` makes of the step's
-    /// scenario and its plan ([`Self::own_problem`]), as long as it says to go on.
+    /// Calls `visit` with each plan in the world that those before it leave, in the problem that `problem_of` makes of
+    /// the step's scenario and its plan ([`Self::own_problem`]), until it returns `false`.
     ///
     /// # Errors
     /// Those of `visit`, and [`ScenarioError::Plan`] for what is no plan of the scenario's steps, or puts nothing down where
@@ -131,7 +131,7 @@ impl SequencePlan {
         for (step, plan) in scenario.steps.iter().zip(&self.steps) {
             let of_step = now.at_step(step)?;
             let problem = problem_of(&of_step, plan)?;
-            // Whatever the file says: the steps say what is picked and where it goes.
+            // The steps define what is picked and where it goes, whatever the file states.
             step.check(plan).map_err(ScenarioError::from)?;
             if !visit(StepTask { plan, scenario: &of_step, problem: &problem })? {
                 break;
@@ -267,9 +267,9 @@ impl SequencePlan {
 /// A demand on every step, besides those of the request.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepDemand {
-    /// How far what is picked may be from where it is thought to be.
+    /// Greatest error of the pose of the object that is picked.
     pub robust: Option<PoseRadius>,
-    /// Whether pairs of links that touch in every sample are checked too.
+    /// True if pairs of links that touch in every sample are checked too.
     pub all_pairs: bool,
 }
 
@@ -291,16 +291,16 @@ impl StepDemand {
 /// A verdict on plans of several steps.
 #[derive(Clone, Debug, Serialize)]
 pub struct SequenceJudgement {
-    /// Whether the scenario has steps, each has its path, all paths hold, and nothing that the file states is false.
+    /// True if the scenario has steps, each has its path, all paths hold, and no statement of the file is false.
     pub valid: bool,
     /// The verdicts, up to the first that does not hold.
     pub steps: Vec<Judgement>,
-    /// What the file states of all steps together, and is not so.
+    /// Statements of the file about all steps together that differ from what was measured.
     pub differs: Vec<Statement>,
 }
 
 impl Step {
-    /// That a plan says that it puts down what the step picks where the step has it.
+    /// Checks that a plan is for the object that the step picks and for the place where the step puts it down.
     ///
     /// # Errors
     /// [`PlanError::Place`] for one that does not.
@@ -329,8 +329,8 @@ pub struct StepTask<'a> {
 }
 
 impl StepTask<'_> {
-    /// What the step's problem was made of, where the scenario of all steps was opened with `task`. Grasps are given for the
-    /// scenario's own target alone, whatever a plan states of those of another object.
+    /// Source of the step's problem, if the scenario of all steps was opened with `task`. Grasps are given for the
+    /// scenario's own target alone, whatever a plan states about those of another object.
     pub fn task(&self, task: &PlanSource) -> PlanSource {
         let margins = self.problem.cell().map_or(self.plan.margins, |cell| cell.margins());
         PlanSource { margins, grasps: self.plan.given_grasps(), ..task.clone() }

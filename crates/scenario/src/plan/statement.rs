@@ -13,7 +13,7 @@ pub struct Statement {
     pub stated: Value,
     /// The value that was measured.
     pub measured: Value,
-    /// Whether the file promises more than there is, beyond the tolerance of the measurement.
+    /// True if the file promises more than was measured, beyond the tolerance of the measurement.
     #[serde(skip)]
     pub is_false: bool,
 }
@@ -116,7 +116,7 @@ impl Law {
 const CLEARANCE_TOLERANCE: f64 = 1.1e-5;
 /// A figure (m, rad, s) is right to within this, and this share of it: other versions may add up in another order.
 const TOLERANCE: f64 = 1e-6;
-/// What differs by less than this share is the same figure.
+/// Relative difference below which two figures count as the same.
 const ROUNDING: f64 = 1e-9;
 
 fn is_near(a: f64, b: f64, tolerance: f64) -> bool {

@@ -111,7 +111,7 @@ impl PlanFile {
         }))
     }
 
-    /// What was found of the edges, and of the corners that the trajectory cuts.
+    /// The audit of the edges, extended by that of the corners that the trajectory cuts.
     fn with_cut_corners(
         &self,
         problem: &Problem,
