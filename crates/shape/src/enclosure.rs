@@ -77,6 +77,7 @@ impl Enclosure {
             merged_vertices,
             flipped_triangles: count(&is_turned),
             doubled_triangles: count(&is_left_out),
+            closed_holes: 0,
         };
         let mut kept = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
         kept.triangles.reserve_exact(soup.triangles.len() - repairs.doubled_triangles);

@@ -40,6 +40,7 @@ mod same_place;
 mod self_crossing;
 mod separation;
 mod shell;
+mod small_holes;
 mod solid;
 mod stable_pose;
 mod stl;

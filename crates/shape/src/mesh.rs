@@ -4,6 +4,7 @@ use crate::convex::{Convex, Core};
 use crate::disjoint_sets::DisjointSets;
 use crate::enclosure::{Enclosure, Inside};
 use crate::triangle_tree::TriangleTree;
+use crate::small_holes::{Closed, closed};
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.
@@ -25,6 +26,21 @@ impl Mesh {
         let Enclosure { soup, inside, repairs } = Enclosure::of(soup)?;
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         Ok(Self { inside: Some(inside), ..Self::of_corners(&corners, one_vertex_per_body(&soup), repairs) })
+    }
+
+    /// The same of a mesh whose small holes are closed first, where it has any.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; [`ShapeError::Open`] for a hole that is not small.
+    pub fn with_small_holes(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        let fault = match Self::new(soup) {
+            Err(fault @ ShapeError::Open { .. }) => fault,
+            known => return known,
+        };
+        let Closed { soup, holes } = closed(soup).ok_or(fault)?;
+        let mut mesh = Self::new(&soup)?;
+        mesh.repairs.closed_holes = holes;
+        Ok(mesh)
     }
 
     /// Part of the surface that lies higher than `height_m` (m) along a direction, a unit vector; `None` if no part

@@ -9,12 +9,14 @@ pub struct MeshRepairs {
     pub flipped_triangles: usize,
     /// Triangles that were left out because they stood there twice.
     pub doubled_triangles: usize,
+    /// Small holes that were closed.
+    pub closed_holes: usize,
 }
 
 impl MeshRepairs {
     /// Whether anything had to be done.
     pub fn is_any(&self) -> bool {
-        self.merged_vertices + self.flipped_triangles + self.doubled_triangles > 0
+        self.merged_vertices + self.flipped_triangles + self.doubled_triangles + self.closed_holes > 0
     }
 }
 
@@ -22,6 +24,7 @@ impl std::fmt::Display for MeshRepairs {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let triangles = self.triangles;
         let done = [
+            (self.closed_holes, "small holes closed, and what they lead to taken for full".to_owned()),
             (self.flipped_triangles, format!("of {triangles} triangles turned to face outwards")),
             (self.doubled_triangles, format!("of {triangles} triangles left out that stand there twice")),
             (self.merged_vertices, "vertices joined with others less than 1 µm away".to_owned()),

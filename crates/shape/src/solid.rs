@@ -104,12 +104,25 @@ impl Solid {
     /// [`ShapeError::OneSided`] for one with faces that part nothing from nothing, or
     /// [`ShapeError::WoundBackwards`] for a body that is twisted through itself.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
-        let mesh = Mesh::new(soup)?;
+        Ok(Self::of_mesh(Mesh::new(soup)?, soup))
+    }
+
+    /// The same of a mesh with small holes, up to a tenth of it across, each of which is closed: what it leads to is full, as
+    /// suits an obstacle. [`Self::mesh_repairs`] counts them.
+    ///
+    /// # Errors
+    /// As [`Self::mesh`]; [`ShapeError::Open`] for a mesh with a larger hole.
+    pub fn mesh_with_small_holes(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        Ok(Self::of_mesh(Mesh::with_small_holes(soup)?, soup))
+    }
+
+    /// A mesh made of a soup: what closes its holes is within the bounds of that.
+    fn of_mesh(mesh: Mesh, soup: &TriangleSoup) -> Self {
         let mut is_used = vec![false; soup.vertices.len()];
         soup.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
         let used = soup.vertices.iter().zip(is_used).filter(|(_, is_used)| *is_used);
         let bounds = Bounds::around(&used.map(|(vertex, _)| (*vertex, 0.0)).collect::<Vec<_>>());
-        Ok(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
+        Self { kind: Kind::Mesh(Arc::new(mesh)), bounds }
     }
 
     /// The half-space z ≤ 0: a floor whose surface is the plane z = 0.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use cranny_grasp::check_csv;
 use cranny_robot::Robot;
+use cranny_shape::Solid;
 use cranny_spatial::Pose;
 
 use crate::files::number_table;
@@ -152,8 +153,9 @@ impl Legible {
         let mut names = HashSet::new();
         for entry in file.obstacles.iter().chain(&file.target) {
             faults.extend(layout.check_name(entry, &mut names).err());
-            faults.extend(layout.body_faults(entry));
             let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
+            let mesh = if is_target { Solid::mesh } else { Solid::mesh_with_small_holes };
+            faults.extend(layout.body_faults(entry, mesh));
             faults.extend(layout.physics_fault(entry, is_target));
         }
         let mut names = HashSet::new();

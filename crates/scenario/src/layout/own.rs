@@ -84,13 +84,13 @@ pub(crate) fn open_texts(
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
         layout.check_fixed(entry)?;
-        bodies.push(layout.body(entry, &planning_from_scene)?.0);
+        bodies.push(layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?.0);
     }
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
     if let Some(entry) = &file.target {
         layout.check_name(entry, &mut names)?;
         given_physics = layout.physics(entry.mass_kg.as_ref(), entry.friction.as_ref())?;
-        let (body, source) = layout.body(entry, &planning_from_scene)?;
+        let (body, source) = layout.body(entry, &planning_from_scene, Solid::mesh)?;
         target_source = source;
         bodies.push(body);
     }
@@ -136,6 +136,9 @@ pub(crate) fn open_texts(
 }
 
 const FLOOR: &str = "floor";
+
+/// Makes a solid of the triangles of a file: of a target [`Solid::mesh`], of an obstacle [`Solid::mesh_with_small_holes`].
+pub(crate) type SolidOfMesh = fn(&TriangleSoup) -> Result<Solid, ShapeError>;
 
 /// The folder that is read, and the file that errors name.
 pub(crate) struct Layout<'a> {
@@ -234,18 +237,19 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
-    /// The body, and the object that it is, where it is one alone.
+    /// The body, and the object that it is, where it is one alone. A target is closed, an obstacle may have small holes.
     pub fn body(
         &self,
         entry: &BodyEntry,
         planning_from_scene: &Pose,
+        mesh: SolidOfMesh,
     ) -> Result<(Body, Option<ObjectSource>), ScenarioError> {
         let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
         let name = &entry.name.value;
         let (mut parts, mut sources) = (Vec::new(), Vec::new());
         for shape in &entry.shapes {
             let world_from_solid = planning_from_body * self.pose(shape.value.pose.as_ref())?;
-            let (solid, source) = self.solid(shape, name)?;
+            let (solid, source) = self.solid(shape, name, mesh)?;
             parts.push(Part { world_from_solid, solid });
             sources.push(source);
         }
@@ -374,11 +378,11 @@ impl Layout<'_> {
     }
 
     /// Everything that is wrong with a body but its name.
-    pub fn body_faults(&self, entry: &BodyEntry) -> Vec<ScenarioError> {
+    pub fn body_faults(&self, entry: &BodyEntry, mesh: SolidOfMesh) -> Vec<ScenarioError> {
         let mut faults: Vec<ScenarioError> = self.pose(entry.pose.as_ref()).err().into_iter().collect();
         for shape in &entry.shapes {
             faults.extend(self.pose(shape.value.pose.as_ref()).err());
-            faults.extend(self.solid(shape, &entry.name.value).err());
+            faults.extend(self.solid(shape, &entry.name.value, mesh).err());
         }
         if entry.shapes.is_empty() {
             faults.push(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
@@ -409,6 +413,7 @@ impl Layout<'_> {
         &self,
         shape: &Spanned<ShapeEntry>,
         body: &str,
+        of_mesh: SolidOfMesh,
     ) -> Result<(Solid, Option<ObjectSource>), ScenarioError> {
         let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
         let at = self.at(shape.referenced);
@@ -417,7 +422,7 @@ impl Layout<'_> {
         solids.extend(sphere.iter().map(|entry| Solid::sphere(entry.radius)));
         solids.extend(cylinder.iter().map(|entry| sizes::cylinder(entry.length, entry.radius)));
         solids.extend(capsule.iter().map(|entry| sizes::capsule(entry.length, entry.radius)));
-        solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, Solid::mesh)));
+        solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, of_mesh)));
         solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
         let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
         let source = object.as_ref().map(|name| self.object(name)).transpose().map_err(in_file)?;

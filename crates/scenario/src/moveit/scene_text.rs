@@ -168,6 +168,6 @@ impl<'a> Reader<'a> {
             let corner = |reader: &mut Self| reader.count("the number of a vertex");
             soup.triangles.push([corner(self)?, corner(self)?, corner(self)?]);
         }
-        Ok(Solid::mesh(&soup))
+        Ok(Solid::mesh_with_small_holes(&soup))
     }
 }

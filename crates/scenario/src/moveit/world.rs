@@ -170,7 +170,7 @@ impl MessageFile<'_> {
                 let hint = "give a file or triangles, not both";
                 return Err(self.unsupported(entry.referenced, "a mesh that is given twice", hint));
             }
-            return Solid::mesh(&soup).map_err(|reason| fault(reason.in_file(path)));
+            return Solid::mesh_with_small_holes(&soup).map_err(|reason| fault(reason.in_file(path)));
         }
         let mut soup = TriangleSoup { vertices: Vec::new(), triangles: Vec::new() };
         for vertex in vertices {
@@ -180,6 +180,6 @@ impl MessageFile<'_> {
             soup.vertices.push(Point::from(vertex.value.0));
         }
         soup.triangles.extend(triangles.iter().map(TriangleEntry::corners));
-        Solid::mesh(&soup).map_err(fault)
+        Solid::mesh_with_small_holes(&soup).map_err(fault)
     }
 }
