@@ -237,7 +237,10 @@ fn links_that_are_seen_and_not_checked_are_named() {
         std::fs::write(folder.join(format!("{name}.urdf")), text).expect("written");
         let added = cranny(folder, ["robot", "add", &format!("{name}.urdf"), "--bare"]);
         let said = String::from_utf8_lossy(&added.stderr);
-        assert!(said.contains("have a <visual> and no <collision>") && said.contains("'lower_arm'"), "{said}");
+        assert!(
+            said.contains("have a <visual> and no <collision>") && said.contains("'lower_arm'"),
+            "{said}"
+        );
         let checked = cranny(folder, ["robot", "check", name]);
         assert_eq!(
             checked.status.code() == Some(0),

@@ -11,17 +11,22 @@ pub fn at_most(bound: f64, per_unit: f64, digits: usize) -> String {
 /// The nearest decimal, or the next one in the safe direction. The text is compared as a reader would read it: the product
 /// is rounded itself.
 fn rounded(bound: f64, per_unit: f64, digits: usize, direction: f64) -> String {
-    let text = format!("{:.digits$}", bound * per_unit);
+    let text = unsigned_if_zero(format!("{:.digits$}", bound * per_unit));
     let beyond = |text: &str| text.parse().is_ok_and(|read: f64| (bound - read / per_unit) * direction > 0.0);
     if !beyond(&text) {
         return text;
     }
     let step = direction * 0.1_f64.powi(i32::try_from(digits).unwrap_or(i32::MAX));
     let read: f64 = text.parse().unwrap_or(bound * per_unit);
-    let next = read + step;
-    // The difference of two decimals is not always 0 where it should be, and no zero has a sign.
-    let next = if next.abs() < 0.5 * step.abs() { 0.0 } else { next };
-    format!("{next:.digits$}")
+    unsigned_if_zero(format!("{:.digits$}", read + step))
+}
+
+/// No zero is shown with a sign.
+fn unsigned_if_zero(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some(digits) if digits.bytes().all(|digit| digit == b'0' || digit == b'.') => digits.to_owned(),
+        _ => text,
+    }
 }
 
 #[cfg(test)]

@@ -51,7 +51,16 @@ impl RobotHand {
             // No joint has a velocity limit of zero: many files have it as a placeholder for an unknown one.
             let velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
             let (finger, acceleration) = (0, motion.limits.acceleration);
-            joints.push(HandJoint { link, parent, kind, axis_in_link, stroke, finger, velocity, acceleration });
+            joints.push(HandJoint {
+                link,
+                parent,
+                kind,
+                axis_in_link,
+                stroke,
+                finger,
+                velocity,
+                acceleration,
+            });
         }
         let fingers = sides(&mut joints, links, rest, tip);
         let pads = PadDistance::of(description, (&joints, fingers), (links, rest, tip));

@@ -102,7 +102,8 @@ impl PadDistance {
     /// The distance between two that are `share` of the time apart, in metres, while every joint moves evenly.
     pub fn between_m(&self, [before_m, after_m]: [f64; 2], share: f64) -> f64 {
         if self.is_linear {
-            return before_m + share * (after_m - before_m);
+            // Exact at both ends.
+            return (1.0 - share) * before_m + share * after_m;
         }
         let [before, after] = [before_m, after_m].map(|opening_m| self.closing(opening_m));
         self.opening_m(before + share * (after - before))

@@ -44,7 +44,9 @@ pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
     });
     let unseen = brief(unseen_notes(robot), &|count| {
         let names = seen_only_links(robot).map(|link| format!("'{link}'")).collect::<Vec<_>>().join(", ");
-        format!("{count} links have a <visual> and no <collision>: no proof keeps {names} from touching anything")
+        format!(
+            "{count} links have a <visual> and no <collision>: no proof keeps {names} from touching anything"
+        )
     });
     [unread, links, bodies, unseen, wide_opening(robot).into_iter().collect()].concat()
 }

@@ -5,8 +5,8 @@ use cranny_plan::{
     AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Clearances, LiftOffSettings, Outcome, PlaceGoal,
     PlaceSettings, PlaceSpot, PlanError, Problem, Unobserved, Violation,
 };
-use cranny_robot::between;
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
+use cranny_robot::{RobotOptions, between};
+use cranny_scenario::{BUILTIN_ROBOTS, OpenOptions, PlanFile, PlanSource, Scenario};
 use cranny_solve::{
     Answer, Carry, Mode, Request, Robustness, SolveError, TaskCells, Timing, audit_segments, solve,
 };
@@ -357,9 +357,18 @@ fn just_beyond_the_radius_the_nearest_is_touched() {
         let path = &answer.segments[0].waypoints;
         let Robustness { object, base, .. } = answer.robustness.unwrap();
         let (cell, target) = (problem.cell().unwrap(), problem.target().unwrap());
-        let alone = World::new(vec![cell.world().bodies()[target].clone()]).unwrap();
-        let alone = Cell::for_grasp(cell.robot().clone(), alone, 0, Margins::default()).unwrap();
-        for (kind, cell, target, radius) in [("object", &alone, 0, object), ("base", &**cell, target, base)] {
+        // Neither error moves a link against another: the nearest of the world is looked for.
+        let names: Vec<&str> = cell.robot().links().iter().map(|link| link.name.as_str()).collect();
+        let pairs = names.iter().flat_map(|a| names.iter().map(|b| [(*a).to_owned(), (*b).to_owned()]));
+        let unchecked_pairs = pairs.filter(|[a, b]| a < b).collect();
+        let builtin = BUILTIN_ROBOTS.iter().find(|robot| robot.name == "panda_mobile").unwrap();
+        let robot = builtin.robot(&RobotOptions { unchecked_pairs, ..RobotOptions::default() }).unwrap();
+        let in_world = |bodies: Vec<Body>, target| {
+            Cell::for_grasp(robot.clone(), World::new(bodies).unwrap(), target, Margins::default()).unwrap()
+        };
+        let alone = in_world(vec![cell.world().bodies()[target].clone()], 0);
+        let around = in_world(cell.world().bodies().to_vec(), target);
+        for (kind, cell, target, radius) in [("object", &alone, 0, object), ("base", &around, target, base)] {
             let radius_m = radius.unwrap().translation_m;
             let mut scratch = cell.scratch();
             let samples = path.windows(2).flat_map(|edge| {

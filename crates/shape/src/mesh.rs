@@ -3,8 +3,8 @@ use cranny_spatial::{Point, Vector};
 use crate::convex::{Convex, Core};
 use crate::disjoint_sets::DisjointSets;
 use crate::enclosure::{Enclosure, Inside};
-use crate::triangle_tree::TriangleTree;
 use crate::small_holes::{Closed, closed};
+use crate::triangle_tree::TriangleTree;
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
 
 /// A closed triangle mesh and the volume that it encloses.

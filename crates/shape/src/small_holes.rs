@@ -78,7 +78,8 @@ mod tests {
     fn open_above(height_m: f64) -> TriangleSoup {
         let mut soup = Solid::sphere(1.0).expect("a ball").tessellation().expect("it has an end");
         let is_high = |vertex: &u32| soup.vertices[*vertex as usize].z > height_m;
-        soup.triangles = soup.triangles.iter().filter(|corners| !corners.iter().any(is_high)).copied().collect();
+        soup.triangles =
+            soup.triangles.iter().filter(|corners| !corners.iter().any(is_high)).copied().collect();
         soup
     }
 
