@@ -150,9 +150,9 @@ impl Resolver<'_> {
     /// The link that a chain begins at: the frame that the robot stands in stands for the link that stands there.
     fn chain_base(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         let virtual_joints = self.srdf.iter().flat_map(|srdf| &srdf.virtual_joints);
-        let standing =
+        let mut standing =
             virtual_joints.filter(|joint| joint.parent_frame == name).map(|joint| &joint.child_link);
-        let standing = standing.filter_map(|link| self.tree.node(link)).next();
+        let standing = standing.find_map(|link| self.tree.node(link));
         match standing.filter(|_| self.tree.node(name).is_none()) {
             Some(node) => Ok(node),
             None => self.known_link(name, place),

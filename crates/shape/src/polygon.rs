@@ -136,7 +136,7 @@ impl Shadow {
 
 #[cfg(test)]
 mod tests {
-    use cranny_spatial::{Rotation, Stream};
+    use cranny_spatial::{Rotation, Stream, sin_cos};
 
     use super::*;
 
@@ -162,7 +162,8 @@ mod tests {
                 let star: Vec<_> = (0..corners)
                     .map(|corner| {
                         let radius = 0.1 + random.uniform();
-                        (radius * angle(corner).cos(), radius * angle(corner).sin())
+                        let (sine, cosine) = sin_cos(angle(corner));
+                        (radius * cosine, radius * sine)
                     })
                     .collect();
                 let exact: f64 = (0..star.len())

@@ -193,7 +193,7 @@ impl<'a> Quickhull<'a> {
 
 #[cfg(test)]
 mod tests {
-    use cranny_spatial::{Point, Rotation, Stream, Vector};
+    use cranny_spatial::{Point, Rotation, Stream, Vector, sin_cos};
 
     use super::*;
     use crate::closed_mesh::check_closed;
@@ -216,7 +216,8 @@ mod tests {
     fn ring(corners: u32, radius_m: f64, z: f64) -> impl Iterator<Item = Point> {
         (0..corners).map(move |corner| {
             let angle = std::f64::consts::TAU * f64::from(corner) / f64::from(corners);
-            Point::new(radius_m * angle.cos(), radius_m * angle.sin(), z)
+            let (sine, cosine) = sin_cos(angle);
+            Point::new(radius_m * cosine, radius_m * sine, z)
         })
     }
 
@@ -226,7 +227,7 @@ mod tests {
         let points: Vec<Point> = circles.iter().flat_map(|&(radius_m, z)| ring(2000, radius_m, z)).collect();
         let flange = hull(&points);
         assert_eq!(flange.vertices.len(), 4000);
-        let prism = 0.5 * 2000.0 * 0.1_f64.powi(2) * (std::f64::consts::TAU / 2000.0).sin() * 0.01;
+        let prism = 0.5 * 2000.0 * 0.1_f64.powi(2) * sin_cos(std::f64::consts::TAU / 2000.0).0 * 0.01;
         assert!((flange.signed_volume_m3() - prism).abs() < 1e-9 * prism);
     }
 

@@ -210,7 +210,7 @@ fn a_text_stl_that_is_cut_off_is_refused() {
 fn an_obj_is_read_in_all_its_forms() {
     let plain = "v 0 0 0\nv 0.1 0 0\nv 0 0.02 0\nv 0.1 0.02 0\nv 0 0 0.03\nv 0.1 0 0.03\nv 0 0.02 0.03\n\
                  v 0.1 0.02 0.03\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
-    let indented: String = plain.lines().map(|line| format!("  {line}\n")).collect();
+    let indented: String = plain.lines().flat_map(|line| ["  ", line, "\n"]).collect();
     let weighted = plain.lines().map(|line| match line.strip_prefix("v ") {
         Some(numbers) => format!("v {numbers} 2.0\n"),
         None => format!("{line}\n"),

@@ -9,7 +9,8 @@ use crate::site::links;
 /// Every relative link of a Markdown page names a file or a folder of the checkout. What only the site has is written as
 /// `<!-- site: [commands](commands.md) -->`.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
-    let pages = files.iter().filter(|file| file.path.ends_with(".md"));
+    let pages =
+        files.iter().filter(|file| Path::new(&file.path).extension().is_some_and(|ending| ending == "md"));
     pages.flat_map(|page| broken(page, files)).collect()
 }
 
