@@ -1,5 +1,7 @@
 //! Which links are checked against each other.
 
+use std::fmt::Write as _;
+
 use crate::fixture::{FOLDED, arm, cell, robot};
 use cranny_collision::{Cell, Collider, Unchecked, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
@@ -137,7 +139,8 @@ fn ring(window: f64, is_adjacent: bool) -> Cell {
         let angle = 1.0 + 0.5 * open_rad + (turn - open_rad) * (f64::from(block) + 0.5) / f64::from(BLOCKS);
         let (x, y) = (0.3 * angle.cos(), 0.3 * angle.sin());
         let width = 0.3 * (turn - open_rad) / f64::from(BLOCKS);
-        blocks += &format!(
+        let _ = write!(
+            blocks,
             r#"<collision><origin xyz="{x} {y} 0" rpy="0 0 {angle}"/><geometry><box size="0.02 {width} 0.02"/></geometry></collision>"#
         );
     }

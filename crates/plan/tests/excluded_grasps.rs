@@ -18,7 +18,7 @@ const WIDE_M: f64 = 0.080_000_4;
 
 fn searched(planner: &str, problem: &Problem, budget: Budget) -> PlanReport {
     let planner = Registry::default().planner(planner).expect("a planner of the registry");
-    search(planner.as_ref(), &mut problem.clone(), &budget, 0, &mut Unobserved).expect("a good problem")
+    search(planner.as_ref(), problem, &budget, 0, &mut Unobserved).expect("a good problem")
 }
 
 /// A report of no search at all.

@@ -16,8 +16,7 @@ fn optimised(problem: &Problem, iterations: u64, time: Duration, seed: u64) -> O
     let budget = Budget { iterations, time: FOR_EVER };
     let settings = OptimiseSettings { time, ..OptimiseSettings::default() };
     let planner = default_planner(problem);
-    optimise(planner.as_ref(), &mut problem.clone(), &budget, settings, seed, &mut Unobserved)
-        .expect("a good problem")
+    optimise(planner.as_ref(), problem, &budget, settings, seed, &mut Unobserved).expect("a good problem")
 }
 
 /// The easy problem with scores: the later the grasp, the better.
@@ -99,7 +98,7 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
         let budget = Budget { iterations: 400, time: FOR_EVER };
         let settings = OptimiseSettings { time: FOR_EVER, score_weight, ..OptimiseSettings::default() };
         let reach = Registry::default().planner("reach").expect("the flagship");
-        let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 1, &mut Unobserved);
+        let found = optimise(reach.as_ref(), &problem, &budget, settings, 1, &mut Unobserved);
         let path = found.expect("a good problem").report.path;
         let goal = audit(&problem, &path).expect("way points of the robot").goal.expect("a grasp");
         set.grasps()[goal.grasp].score.expect("a score")
@@ -128,7 +127,7 @@ fn a_path_that_clearance_counts_for_keeps_off_what_it_need_not_touch() {
         let settings = OptimiseSettings { time: FOR_EVER, cost, ..OptimiseSettings::default() };
         let budget = Budget { iterations: 2000, time: FOR_EVER };
         let reach = Registry::default().planner("reach").expect("the flagship");
-        let found = optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Unobserved);
+        let found = optimise(reach.as_ref(), &problem, &budget, settings, 0, &mut Unobserved);
         let judged =
             audit(&problem, &found.expect("a good problem").report.path).expect("a path of the robot");
         assert!(judged.valid);
@@ -191,8 +190,7 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
     let budget = Budget { iterations: u64::MAX, time: FOR_EVER };
     let settings = OptimiseSettings { time: FOR_EVER, ..OptimiseSettings::default() };
     let reach = Registry::default().planner("reach").expect("the flagship");
-    let found =
-        optimise(reach.as_ref(), &mut problem.clone(), &budget, settings, 0, &mut Impatient { searches: 0 });
+    let found = optimise(reach.as_ref(), &problem, &budget, settings, 0, &mut Impatient { searches: 0 });
     let found = found.expect("a good problem");
     assert_eq!(found.report.outcome, Outcome::Solved);
     assert!(audit(&problem, &found.report.path).expect("way points of the robot").valid);
@@ -224,7 +222,6 @@ fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     let problem = crate::fixture::paper(&arm(), still_life(), &START, grasps(easy_grasps()));
     let ik_rrt = Registry::default().planner("ik-rrt").expect("a baseline");
     let settings = OptimiseSettings::default();
-    let refused =
-        optimise(ik_rrt.as_ref(), &mut problem.clone(), &Budget::default(), settings, 0, &mut Unobserved);
+    let refused = optimise(ik_rrt.as_ref(), &problem, &Budget::default(), settings, 0, &mut Unobserved);
     assert!(matches!(refused, Err(PlanError::Goal { .. })));
 }

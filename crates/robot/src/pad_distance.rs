@@ -143,6 +143,8 @@ const POINT_M: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
+    use cranny_spatial::sin_cos;
+
     use crate::{Robot, RobotOptions, TextSource};
 
     /// Two jaws 0.1 m long that turn about pivots 40 mm from the middle.
@@ -184,7 +186,8 @@ mod tests {
         for closing in [0.0, 0.3, 0.7, 1.0] {
             let turn: f64 = 0.4 * closing;
             // A pad is 1 mm inside the pivot and 0.1 m beyond it.
-            let nearer_m = 0.1 * turn.sin() + 0.001 * (turn.cos() - 1.0);
+            let (sine, cosine) = sin_cos(turn);
+            let nearer_m = 0.1 * sine + 0.001 * (cosine - 1.0);
             let expected_m = (0.08 - 2.0 * nearer_m).max(0.0);
             assert!((pads.opening_m(closing) - expected_m).abs() < 1e-12, "{closing}");
             if closing > 0.0 && closing < 1.0 {

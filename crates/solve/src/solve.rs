@@ -83,7 +83,7 @@ fn solve_once(
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
     let (asked, numbers) = request.asked(problem)?;
-    let answer = solve_asked(asked, request, observer)?;
+    let answer = solve_asked(&asked, request, observer)?;
     Ok(match (numbers, problem.grasps()) {
         (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
         _ => answer,
@@ -92,15 +92,15 @@ fn solve_once(
 
 /// The same of the problem as the request asks it.
 fn solve_asked(
-    problem: Problem,
+    problem: &Problem,
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let planner = request.planner_for(&problem)?;
+    let planner = request.planner_for(problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
     let (mut task, mut watch) = match &request.carry {
-        Some(carry) => (Some(Task::new(&problem, carry, (seed, budget.time), observer)?), None),
+        Some(carry) => (Some(Task::new(problem, carry, (seed, budget.time), observer)?), None),
         None => (None, Some(observer)),
     };
     let observer: &mut dyn Observer = match (&mut task, &mut watch) {
@@ -108,26 +108,13 @@ fn solve_asked(
         (None, Some(observer)) => *observer,
         (None, None) => &mut Unobserved,
     };
-    let mut optimisation = None;
-    let report = match request.optimise {
-        Some(settings) => {
-            let optimised = optimise(planner.as_ref(), &problem, budget, settings, seed, observer)?;
-            optimisation = Some(Optimisation {
-                settings,
-                time_s: optimised.time_s,
-                iterations: optimised.iterations,
-                improvements: optimised.improvements,
-            });
-            optimised.report
-        }
-        None => search(planner.as_ref(), &problem, budget, seed, observer)?,
-    };
+    let (report, optimisation) = searched(planner.as_ref(), problem, request, observer)?;
     observer.search_ended();
     // 2.
     let is_shortened =
         problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
     let (report, shortening) = if is_shortened && !report.path.is_empty() {
-        let (report, shortening) = shortened(&problem, planner.as_ref(), report, task.is_some(), seed)?;
+        let (report, shortening) = shortened(problem, planner.as_ref(), report, task.is_some(), seed)?;
         (report, Some(shortening))
     } else {
         (report, None)
@@ -137,7 +124,7 @@ fn solve_asked(
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     let (mut carrier, mut carry_to) = (None, None);
     if let Some(task) = task {
-        task.tell_failures(&problem, &mut failures);
+        task.tell_failures(problem, &mut failures);
         (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.end()));
         let onward = task.into_onward(is_shortened)?;
         if onward.is_empty() && outcome == Outcome::Solved {
@@ -151,18 +138,18 @@ fn solve_asked(
     let mut audit = match &segments[..] {
         [] => None,
         segments => {
-            Some(audit_segments(&problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
+            Some(audit_segments(problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
         }
     };
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
-        Some(timing) if holds => timed(&problem, timing, &segments)?,
+        Some(timing) if holds => timed(problem, timing, &segments)?,
         _ => None,
     };
     let cut_corners = timed.as_ref().map_or(&[][..], |timed| timed.trajectory.cut_corners());
     if let Some(audit) = &mut audit {
-        audit_cut_corners(&problem, cut_corners, request.audit, audit);
+        audit_cut_corners(problem, cut_corners, request.audit, audit);
     }
     give_clearances(audit.as_ref(), &mut segments);
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
@@ -170,14 +157,14 @@ fn solve_asked(
         outcome,
         Outcome::BudgetExhausted | Outcome::Cancelled | Outcome::GaveUp | Outcome::NoReachableGrasp
     );
-    let no_grasp = if is_grasp_missed { NoGrasp::of(&problem, &failures) } else { None };
+    let no_grasp = if is_grasp_missed { NoGrasp::of(problem, &failures) } else { None };
     let goal_faults = if outcome == Outcome::GoalsInvalid { problem.goal_faults() } else { Vec::new() };
     // 5.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
     let robustness = if request.robustness && holds {
         let cells = |carrier| TaskCells::of(carrier, &segments, carry_to.as_ref());
         let cells = carrier.as_ref().map(cells).transpose()?.flatten();
-        Robustness::of(&problem, cells.as_ref(), &segments, cut_corners)
+        Robustness::of(problem, cells.as_ref(), &segments, cut_corners)
     } else {
         None
     };
@@ -209,6 +196,27 @@ fn solve_asked(
         no_grasp,
         not_checked,
     })
+}
+
+/// Step 1: the search, and with `optimise` those for better paths.
+fn searched(
+    planner: &dyn Planner,
+    problem: &Problem,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<(PlanReport, Option<Optimisation>), PlanError> {
+    let (budget, seed) = (&request.budget, request.seed);
+    let Some(settings) = request.optimise else {
+        return Ok((search(planner, problem, budget, seed, observer)?, None));
+    };
+    let optimised = optimise(planner, problem, budget, settings, seed, observer)?;
+    let optimisation = Optimisation {
+        settings,
+        time_s: optimised.time_s,
+        iterations: optimised.iterations,
+        improvements: optimised.improvements,
+    };
+    Ok((optimised.report, Some(optimisation)))
 }
 
 /// Gives each segment the clearances of its edges.

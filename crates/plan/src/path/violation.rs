@@ -313,9 +313,12 @@ fn apart(off: f64, decimals: usize) -> String {
     off
 }
 
+fn mm(metres: f64) -> f64 {
+    metres * 1e3
+}
+
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mm = |metres: f64| metres * 1e3;
         match self {
             Self::Start(JointOffset { joint, off, unit }) => {
                 write!(f, "{joint} is {} {unit} off the start", apart(*off, 6))

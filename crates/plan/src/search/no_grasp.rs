@@ -70,38 +70,35 @@ impl NoGrasp {
     /// where the arm came to a grasp, or may have.
     pub fn of(problem: &Problem, failures: &[GraspFailure]) -> Option<Self> {
         let robot = problem.cell()?.robot();
-        let candidates: Vec<(Option<usize>, Grasp)> = match problem.grasp_measure() {
-            Some(measure) => {
-                if let Some(too_wide) = GraspSource::too_wide(measure) {
-                    return Some(Self::TooWide(too_wide));
-                }
-                let is_out_of_reach = own_beyond_m(robot, measure) > 0.0;
-                let sampled = if is_out_of_reach { sampled(measure) } else { Vec::new() };
-                sampled.into_iter().map(|grasp| (None, grasp)).collect()
+        let candidates: Vec<(Option<usize>, Grasp)> = if let Some(measure) = problem.grasp_measure() {
+            if let Some(too_wide) = GraspSource::too_wide(measure) {
+                return Some(Self::TooWide(too_wide));
             }
-            None => {
-                let is_missed = |failure: &&GraspFailure| {
-                    matches!(failure.reason, FailureReason::NoIk | FailureReason::OutOfReach { .. })
-                };
-                let is_told = |failure: &GraspFailure| {
-                    is_missed(&failure)
-                        || matches!(
-                            failure.reason,
-                            FailureReason::HandCollides { .. }
-                                | FailureReason::TooWide { .. }
-                                | FailureReason::NotTried
-                        )
-                };
-                if !failures.iter().all(is_told) {
-                    return None;
-                }
-                let given = problem.grasps()?.grasps();
-                let missed = failures
-                    .iter()
-                    .filter(is_missed)
-                    .filter_map(|failure| Some((Some(failure.grasp), *given.get(failure.grasp)?)));
-                missed.collect()
+            let is_out_of_reach = own_beyond_m(robot, measure) > 0.0;
+            let sampled = if is_out_of_reach { sampled(measure) } else { Vec::new() };
+            sampled.into_iter().map(|grasp| (None, grasp)).collect()
+        } else {
+            let is_missed = |failure: &&GraspFailure| {
+                matches!(failure.reason, FailureReason::NoIk | FailureReason::OutOfReach { .. })
+            };
+            let is_told = |failure: &GraspFailure| {
+                is_missed(&failure)
+                    || matches!(
+                        failure.reason,
+                        FailureReason::HandCollides { .. }
+                            | FailureReason::TooWide { .. }
+                            | FailureReason::NotTried
+                    )
+            };
+            if !failures.iter().all(is_told) {
+                return None;
             }
+            let given = problem.grasps()?.grasps();
+            let missed = failures
+                .iter()
+                .filter(is_missed)
+                .filter_map(|failure| Some((Some(failure.grasp), *given.get(failure.grasp)?)));
+            missed.collect()
         };
         ReachMiss::of(problem, robot, candidates).map(Self::OutOfReach)
     }
@@ -134,11 +131,11 @@ struct Attempt {
 }
 
 /// Repeats an attempt from where it ends as long as it gets nearer: to what is far away one ends early.
-fn end_near(solver: &mut IkSolver, pose: &Pose, begin: Vec<f64>) -> (IkSolution, bool) {
+fn end_near(solver: &mut IkSolver, pose: &Pose, begin: &[f64]) -> (IkSolution, bool) {
     const ROUNDS: usize = 50;
     /// An attempt that gets no nearer than this is the last, in metres.
     const NEARER_M: f64 = 1e-3;
-    let (mut end, mut is_reached) = solver.approach(pose, &begin);
+    let (mut end, mut is_reached) = solver.approach(pose, begin);
     for _ in 0..ROUNDS {
         let (next, is_there) = solver.approach(pose, &end.q);
         if is_reached || next.translation_error_m > end.translation_error_m - NEARER_M {
@@ -180,7 +177,7 @@ impl ReachMiss {
                         .iter()
                         .map(|limits| random.uniform_between(limits.lower, limits.upper));
                     let begin = if start == 0 { problem.start().to_vec() } else { drawn.collect() };
-                    let (end, is_reached) = end_near(&mut solver, &pose, begin);
+                    let (end, is_reached) = end_near(&mut solver, &pose, &begin);
                     // 2.
                     if is_reached {
                         return None;
