@@ -44,12 +44,11 @@ pub(crate) fn world_from_root(
             return Err(file.unsupported(transform.referenced, "a transform of a joint of the URDF", hint));
         }
         match robot.virtual_joints().iter().find(|joint| joint.name == *name).map(|joint| joint.kind) {
-            Some(VirtualJointKind::Floating) => {}
             Some(VirtualJointKind::Planar) if leaves_plane(&pose) => {
                 let what = "a planar joint that leaves its plane";
                 return Err(file.unsupported(transform.referenced, what, "give x, y and a turn about z"));
             }
-            Some(VirtualJointKind::Planar) => {}
+            Some(VirtualJointKind::Planar | VirtualJointKind::Floating) => {}
             None if !robot.virtual_joints().is_empty() => {
                 let known: Vec<&str> =
                     robot.virtual_joints().iter().map(|joint| joint.name.as_str()).collect();

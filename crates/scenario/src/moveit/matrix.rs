@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use cranny_robot::Robot;
 
-use crate::moveit::file::MatrixEntry;
+use crate::moveit::file::{MatrixEntry, RowEntry};
 use crate::moveit::message_file::MessageFile;
 use crate::{MoveItDeviation, MoveItError, ScenarioError};
 
@@ -22,7 +22,7 @@ impl<'a> Matrix<'a> {
         let names = entry.entry_names.as_ref();
         let at = names.map_or_else(|| file.line(1), |names| file.at(names.referenced));
         let names = names.map_or(&[][..], |names| &names.value[..]);
-        let rows: Vec<&[bool]> = entry.entry_values.iter().map(|row| row.values()).collect();
+        let rows: Vec<&[bool]> = entry.entry_values.iter().map(RowEntry::values).collect();
         let is_square = rows.len() == names.len() && rows.iter().all(|row| row.len() == names.len());
         let has_defaults = entry.default_entry_names.len() == entry.default_entry_values.len();
         let mut pairs = Vec::new();

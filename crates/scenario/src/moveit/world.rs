@@ -83,11 +83,11 @@ impl MessageFile<'_> {
 
     fn body(&self, object: &ObjectEntry, root_from_object: &Pose) -> Result<Body, ScenarioError> {
         let (name, location) = (&object.id.value, object.id.referenced);
-        if let Some(operation) = &object.operation {
-            if operation.value.name(&["add", "remove", "append", "move"], 0) != "add" {
-                let hint = "give the scene as it is, each object added once";
-                return Err(self.unsupported(operation.referenced, "a change to an object", hint));
-            }
+        if let Some(operation) = &object.operation
+            && operation.value.name(&["add", "remove", "append", "move"], 0) != "add"
+        {
+            let hint = "give the scene as it is, each object added once";
+            return Err(self.unsupported(operation.referenced, "a change to an object", hint));
         }
         for planes in [&object.planes, &object.plane_poses] {
             self.refuse(planes, "a plane", "give a box")?;

@@ -100,12 +100,13 @@ impl Law {
 
     fn is_false(self, stated: &Value, measured: &Value) -> bool {
         match (self, stated.as_f64(), measured.as_f64()) {
-            (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) => false,
+            // A clearance without a measure: nothing is near.
+            (Self::Reported, _, _)
+            | (Self::Judged, Some(_), Some(_))
+            | (Self::AtLeast { .. }, Some(_), None) => false,
             (Self::AtLeast { share }, Some(stated), Some(measured)) => {
                 stated > measured * (1.0 + share) + CLEARANCE_TOLERANCE
             }
-            // Nothing is near.
-            (Self::AtLeast { .. }, Some(_), None) => false,
             (_, Some(stated), Some(measured)) => !is_near(stated, measured, TOLERANCE),
             _ => true,
         }
