@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -177,11 +178,15 @@ impl Rendered {
     }
 
     fn page(&self) -> String {
-        let mut page: String = self.files.iter().map(|file| format!("{}\n", file.display())).collect();
+        let mut page = String::new();
+        for file in &self.files {
+            let _ = writeln!(page, "{}", file.display());
+        }
         if !self.seen_through.is_empty() {
             let names = self.seen_through.join(", ");
-            page += &format!(
-                "  seen through, because they hide robot, way or target: {names} (--solid: nothing)\n"
+            let _ = writeln!(
+                page,
+                "  seen through, because they hide robot, way or target: {names} (--solid: nothing)"
             );
         }
         page

@@ -47,7 +47,11 @@ impl Brought {
             ("geometry", self.geometry.map(str::to_owned)),
         ];
         let named = named.into_iter().filter_map(|(what, name)| Some((what, name?)));
-        named.map(|(what, name)| format!("  {what:<12}{name}, which the plan names\n")).collect()
+        let mut lines = String::new();
+        for (what, name) in named {
+            let _ = writeln!(lines, "  {what:<12}{name}, which the plan names");
+        }
+        lines
     }
 }
 

@@ -25,17 +25,14 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let PlanTask { source, problem, deviations, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
-    let (judged, way_points) = match &plan {
-        Some(plan) => {
-            check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
-            plan.check_path(file, problem.robot().dof())?;
-            let judgement = plan.judge(&source, &problem, settings)?.ok_or(PlanError::EmptyPath)?;
-            (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
-        }
-        None => {
-            let path = read_waypoints(file, problem.robot().dof())?;
-            (Judged::Path(audit_with(&problem, &path, settings)?), path.len())
-        }
+    let (judged, way_points) = if let Some(plan) = &plan {
+        check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
+        plan.check_path(file, problem.robot().dof())?;
+        let judgement = plan.judge(&source, &problem, settings)?.ok_or(PlanError::EmptyPath)?;
+        (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
+    } else {
+        let path = read_waypoints(file, problem.robot().dof())?;
+        (Judged::Path(Box::new(audit_with(&problem, &path, settings)?)), path.len())
     };
     let audit = judged.audit();
     let limited_by = text::limited_by(audit.clearance_limit.as_ref(), source.margins);
@@ -65,7 +62,7 @@ struct Answered {
 #[serde(untagged)]
 enum Judged {
     Plan(Box<Judgement>),
-    Path(Audit),
+    Path(Box<Audit>),
 }
 
 impl Judged {

@@ -13,7 +13,7 @@ use cranny_scenario::{OpenOptions, Scenario};
 #[test]
 fn by_time_the_seconds_of_the_trajectory_fall() {
     let scenario = Scenario::open("021", &OpenOptions::default()).expect("a scenario");
-    let mut problem = scenario.problem(Margins::default()).expect("a problem");
+    let problem = scenario.problem(Margins::default()).expect("a problem");
     let (planner, budget) = (default_planner(&problem), Budget { iterations: 1000, ..Budget::default() });
     let settings = OptimiseSettings {
         time: Duration::from_mins(10),
@@ -21,7 +21,7 @@ fn by_time_the_seconds_of_the_trajectory_fall() {
         cost: CostKind::Time,
         ..OptimiseSettings::default()
     };
-    let found = optimise(planner.as_ref(), &mut problem, &budget, settings, 0, &mut Unobserved);
+    let found = optimise(planner.as_ref(), &problem, &budget, settings, 0, &mut Unobserved);
     let found = found.expect("an arm with limits");
     let costs: Vec<f64> = found.improvements.iter().map(|i| i.cost).collect();
     assert!(costs.len() > 1 && costs.windows(2).all(|pair| pair[1] < pair[0]), "{costs:?}");

@@ -93,11 +93,11 @@ fn measure(
     )?;
     tell("delivered", begin, &delivered.report.path)?;
     for milliseconds in budgets {
-        let mut problem = problem.clone();
+        let problem = problem.clone();
         let begin = Instant::now();
         let time = Duration::from_secs_f64(milliseconds * 1e-3);
         let settings = OptimiseSettings { time, score_weight: 0.0, cost, ..OptimiseSettings::default() };
-        let found = optimise(reach.as_ref(), &mut problem, &budget, settings, seed, &mut Unobserved)?;
+        let found = optimise(reach.as_ref(), &problem, &budget, settings, seed, &mut Unobserved)?;
         tell(&format!("{milliseconds} ms"), begin, &found.report.path)?;
     }
     Ok(())
