@@ -14,13 +14,16 @@ use cranny_solve::{Carry, Request, Timing, solve};
 use cranny_spatial::Stream;
 use serde_json::{Value, json};
 
+/// Reads a text; the result as shown, `None` if it is refused.
+type Read<'a> = Box<dyn Fn(&str) -> Option<String> + 'a>;
+
 /// A file of one of the formats, and what its reader makes of a changed one: a description, or `None` if it is refused.
 struct Format<'a> {
     name: &'a str,
     whole: Value,
     /// The first keys of what changes nothing, each with the reason.
     exempt: &'a [(&'a str, &'a str)],
-    read: Box<dyn Fn(&str) -> Option<String> + 'a>,
+    read: Read<'a>,
 }
 
 /// Number of changes by their effect.
@@ -104,8 +107,8 @@ fn name_of(path: &[Step]) -> String {
     for step in path {
         match step {
             Step::Key(key) if name.is_empty() => name.push_str(key),
-            Step::Key(key) => name.push_str(&format!(".{key}")),
-            Step::Index(index) => name.push_str(&format!("[{index}]")),
+            Step::Key(key) => name.extend([".", key.as_str()]),
+            Step::Index(index) => name.extend(["[", index.to_string().as_str(), "]"]),
         }
     }
     name
@@ -222,9 +225,10 @@ impl PlanReader {
             grasps: plan.given_grasps(),
         };
         let is_own = options == OpenOptions { criterion: options.criterion, ..OpenOptions::default() };
-        let scenario = match is_own && plan.criterion == self.scenario.criterion {
-            true => self.scenario.clone(),
-            false => Scenario::open(self.id, &options).ok()?,
+        let scenario = if is_own && plan.criterion == self.scenario.criterion {
+            self.scenario.clone()
+        } else {
+            Scenario::open(self.id, &options).ok()?
         };
         let OpenOptions { robot, geometry, grasps, .. } = options;
         Some((scenario, PlanSource { robot, geometry, grasps, margins: plan.margins, ..self.source.clone() }))
