@@ -22,7 +22,7 @@ impl Shard {
 
     /// Trials of a campaign that belong to this part. The parts of any `count` partition the campaign, and their sizes
     /// differ by at most one: in all, for each planner, and for each planner on each scenario. Trials that are already
-    /// in the results make no difference. See [`dealt`].
+    /// in the results make no difference.
     #[must_use]
     pub fn of(self, schedule: Schedule) -> Schedule {
         let parts = dealt(&schedule.questions, self.count);

@@ -34,8 +34,8 @@ impl TwoSampleTest {
     /// that all intervals of the family hold together.
     ///
     /// The log-rank scores are `cᵢ = δᵢ − Λ(tᵢ)` with the Nelson–Aalen estimate `Λ` of all trials: `O − E = Σ cᵢ` over the
-    /// first group. The studentised difference is Welch's `t` of [`restricted_times`], for which the permutation test stays
-    /// valid asymptotically if the spreads differ.
+    /// first group. The studentised difference is Welch's `t` of restricted times (their pseudo-values), for
+    /// which the permutation test stays valid asymptotically if the spreads differ.
     ///
     /// # Panics
     /// If a group is empty, or a time is negative or not finite.
