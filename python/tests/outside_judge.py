@@ -7,6 +7,7 @@ samples what was called proven. Two bodies may touch only where an object rests:
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -149,7 +150,7 @@ class Robot:
 
     def poses(self, configurations: list[dict[str, float]], links: list[str]) -> dict[str, Floats]:
         """`root_from_link` of each link (n, 4, 4), where joints have these values and others 0."""
-        poses = {link: np.empty((len(configurations), 4, 4)) for link in links}
+        poses: dict[str, Floats] = {link: np.empty((len(configurations), 4, 4)) for link in links}
         for k, values in enumerate(configurations):
             q = self.pin.neutral(self.model)
             for name, value in values.items():
@@ -190,8 +191,13 @@ class Tally:
     def check(self, kind: str, apart: Floats, least_m: float, what: str) -> None:
         """Notes a distance that is less than was stated."""
         if apart.size and (least := float(apart.min())) < least_m - ROUNDING_M:
-            self.counts[f"false {kind}"] += 1
-            self.false.append(f"{kind}: {what}: {1e3 * least:.4f} mm apart, {1e3 * least_m:.4f} stated")
+            self.note(kind, f"{what}: {1e3 * least:.4f} mm apart, {1e3 * least_m:.4f} stated")
+
+    def note(self, kind: str, what: str) -> None:
+        """Counts what is false, and prints it at once: a run that is cut off reports it."""
+        self.counts[f"false {kind}"] += 1
+        self.false.append(f"{kind}: {what}")
+        print(f"false {self.false[-1]}", file=sys.stderr, flush=True)
 
     def __str__(self) -> str:
         counts = ", ".join(f"{count} {kind}" for kind, count in sorted(self.counts.items()))
@@ -208,6 +214,10 @@ class Task:
     def __init__(self, folder: Path, robot: Robot, mesh: Callable[[str], Any], tally: Tally, most: int) -> None:
         self.robot, self.tally, self.most = robot, tally, most
         self.carrying: dict[str, NDArray[np.bool_]] = {}
+        # The joint before the hand, and all that is fixed to what it moves while the fingers stand still.
+        wrist = robot.model.frames[robot.frame[self.TIP]].parentJoint
+        after = [name for name in robot.moved if wrist in robot.model.supports[robot.model.frames[robot.frame[name]].parentJoint]]
+        self.moving_as_hand = set(after)
         self.entry = package("yaml").safe_load((folder / "scenario.yaml").read_text())
         root_from_scene = np.linalg.inv(pose_of(self.entry.get("frame")))
         self.up = root_from_scene[:3, :3] @ np.array([0.0, 0.0, 1.0])
@@ -216,14 +226,15 @@ class Task:
         self.poses = {body["name"]: root_from_scene @ pose_of(body.get("pose")) for body in bodies}
         if self.entry.get("floor") is not None:
             # Thick enough that no depth is measured to its lower face.
-            below = np.eye(4)
+            below: Floats = np.eye(4)
             below[2, 3] = float(self.entry["floor"]) - 0.5
             self.things["floor"] = Thing([(package("coal").Box(20.0, 20.0, 1.0), below)])
             self.poses["floor"] = root_from_scene
 
     def judge(self, plan: dict[str, Any], target: str, name: str) -> None:
         """Samples every edge of a plan of one step, and leaves the object where the plan puts it."""
-        joints, opening_m, tip_from_object = plan["joint_names"], self.OPEN_M, None
+        joints, opening_m, was_held = plan["joint_names"], self.OPEN_M, False
+        tip_from_object: Floats = np.eye(4)
         margin_m = plan["margins"]["margin_m"]
         resting = {(one["segment"], one["second"]) for one in plan["not_checked"] if one["reason"] == "resting"}
         spared = {target} | {body for _, body in resting}
@@ -235,30 +246,33 @@ class Task:
             supports = {body for at, body in resting if at == mode}
             for q in way_points:
                 if outside := self.robot.outside_limits(dict(zip(joints, q, strict=True))):
-                    self.tally.false.append(f"limits: {where}: {outside}")
+                    self.tally.note("limits", f"{where}: {outside}")
             held = target if segment["attached"] else None
             was_m, opening_m = opening_m, segment["opening_m"] if held else self.OPEN_M
-            if held and tip_from_object is None:
+            if held and not was_held:
                 [tip] = self.place(joints, way_points[:1], self.OPEN_M)[self.TIP]
                 tip_from_object = np.linalg.inv(tip) @ self.poses[target]
             if was_m != opening_m:
                 self.fingers(joints, way_points[0], (was_m, opening_m), target, where)
-            for body in supports if held else ():
-                self.carries(body, held, self.place(joints, way_points[[0, -1]], opening_m), tip_from_object, where)
+            was_held = bool(held)
+            for body in supports:
+                self.carries(body, target, self.place(joints, way_points[[0, -1]], opening_m), tip_from_object, where)
             for k, (a, b) in enumerate(zip(way_points, way_points[1:], strict=False)):
                 self.tally.counts["edges, held" if held else "edges, empty"] += 1
                 stated_m = segment["clearances_m"][k]
                 poses = self.place(joints, along(a, b, self.most), opening_m)
                 case = f"{where} edge {k}"
                 for pair in pairs:
-                    apart = self.robot.between(pair, poses, stated_m)
-                    self.tally.check("clearance of links", apart, max(stated_m, margin_m), f"{case}: {pair}")
+                    # What moves as one keeps its distance: it counts for no clearance, but may not touch.
+                    least_m = 0.0 if self.moving_as_hand.issuperset(pair) else max(stated_m, margin_m)
+                    apart = self.robot.between(pair, poses, least_m)
+                    self.tally.check("clearance of links", apart, least_m, f"{case}: {pair}")
                 self.against_world(poses, held, spared, (stated_m, margin_m), case)
                 if held:
                     self.of_held(held, poses, tip_from_object, supports, (stated_m, margin_m), case)
             if mode == "set-down":
                 [tip] = self.place(joints, way_points[-1:], opening_m)[self.TIP]
-                self.poses[target], tip_from_object = tip @ tip_from_object, None
+                self.poses[target] = tip @ tip_from_object
 
     def place(self, joints: list[str], samples: Floats, opening_m: float | Floats) -> dict[str, Floats]:
         """Poses of all links, with the hand this far open."""
@@ -316,8 +330,7 @@ class Task:
             self.tally.check("clearance of held", apart, max(demand), f"{case}: held {held} and {body}")
         for link in self.robot.moved:
             if link not in self.FINGERS:
-                # Palm and object move as one: their distance counts for no clearance, as that of links that move as one.
-                least_m = 0.0 if link == self.HAND else max(demand)
+                least_m = 0.0 if link in self.moving_as_hand else max(demand)
                 apart = distances(self.robot.links[link], poses[link], thing, at, least_m)
                 self.tally.check("clearance of held", apart, least_m, f"{case}: {link} and held {held}")
 
@@ -335,15 +348,14 @@ class Task:
         self.tally.counts["supports"] += 1
         # The face is within 45 degrees of level.
         if not touching.any() or (freed - apart)[touching].min() < 0.7 * lift_m:
-            self.tally.counts["false support"] += 1
-            self.tally.false.append(f"support: {where}: {body} does not carry {held}: {apart} m apart, {freed} m lifted by 1 mm")
+            self.tally.note("support", f"{where}: {body} does not carry {held}: {apart} m apart, {freed} m lifted by 1 mm")
 
     def fingers(
         self, joints: list[str], q: Floats, openings: tuple[float, float], target: str, where: str
     ) -> None:
         """The hand closes or opens: fingers against all but the object between them."""
         count = 20
-        poses = self.place(joints, np.tile(q, (count, 1)), np.linspace(*openings, count))
+        poses = self.place(joints, np.tile(q, (count, 1)), np.linspace(*openings, count, dtype=np.float64))
         self.tally.counts["closings and openings"] += 1
         for link in self.FINGERS:
             for body in self.things:
