@@ -219,15 +219,14 @@ class Task:
         after = [name for name in robot.moved if wrist in robot.model.supports[robot.model.frames[robot.frame[name]].parentJoint]]
         self.moving_as_hand = set(after)
         self.entry = package("yaml").safe_load((folder / "scenario.yaml").read_text())
-        root_from_scene = np.linalg.inv(pose_of(self.entry.get("frame")))
+        root_from_scene: Floats = np.asarray(np.linalg.inv(pose_of(self.entry.get("frame"))), dtype=np.float64)
         self.up = root_from_scene[:3, :3] @ np.array([0.0, 0.0, 1.0])
         bodies = [*self.entry.get("obstacles", []), self.entry["target"]]
         self.things = {body["name"]: Thing.of_body(body, mesh) for body in bodies}
-        self.poses = {body["name"]: root_from_scene @ pose_of(body.get("pose")) for body in bodies}
+        self.poses: dict[str, Floats] = {body["name"]: root_from_scene @ pose_of(body.get("pose")) for body in bodies}
         if self.entry.get("floor") is not None:
             # Thick enough that no depth is measured to its lower face.
-            below: Floats = np.eye(4)
-            below[2, 3] = float(self.entry["floor"]) - 0.5
+            below = pose_of({"position": [0.0, 0.0, self.entry["floor"] - 0.5]})
             self.things["floor"] = Thing([(package("coal").Box(20.0, 20.0, 1.0), below)])
             self.poses["floor"] = root_from_scene
 
@@ -324,8 +323,8 @@ class Task:
                 continue
             apart = self.to(thing, at, body, max(demand)).min(axis=1)
             if body in supports:
-                carrying = self.carrying[body]
-                self.tally.check("contact of what rests", apart[:, carrying], -SUPPORT_M + ROUNDING_M, f"{case}: {held} in {body}")
+                carrying, least_m = self.carrying[body], -SUPPORT_M + ROUNDING_M
+                self.tally.check("contact of what rests", apart[:, carrying], least_m, f"{case}: {held} in {body}")
                 apart = apart[:, ~carrying]
             self.tally.check("clearance of held", apart, max(demand), f"{case}: held {held} and {body}")
         for link in self.robot.moved:

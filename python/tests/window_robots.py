@@ -71,7 +71,8 @@ class WindowRobot:
 
     def body(self, height: float) -> str:
         """What reaches from one joint towards the next."""
-        kind, thick, long = str(self.rng.choice(["box", "sphere", "cylinder"])), float(self.rng.uniform(0.01, 0.025)), 0.5 * height
+        kind, long = str(self.rng.choice(["box", "sphere", "cylinder"])), 0.5 * height
+        thick = float(self.rng.uniform(0.01, 0.025))
         sizes = {"box": [thick, 2.0 * thick, long], "sphere": [2.0 * thick], "cylinder": [thick, long]}[kind]
         return shape(kind, sizes, [0.0, 0.0, 0.2 * height + 0.25 * height])
 
