@@ -1,12 +1,16 @@
-"""A judge of plans that knows nothing of Cranny's geometry.
+"""A judge of plans that shares nothing with Cranny but its files.
 
-It reads URDF, SRDF, scenario.yaml and plan files itself, has the kinematics from Pinocchio and the distances from Coal, and
-samples what was called proven. Only one thing may touch what it should not: the object its support, by 0.1 mm, while it is
-lifted off or set down.
+It reads URDF, SRDF, scenario.yaml, meshes and plans itself, takes kinematics from Pinocchio and distances from Coal, and
+samples what was called proven. Two bodies may touch only where an object rests: it and the shape below that carries it, by
+0.1 mm, while it is lifted off or set down. Pads may touch what they hold.
 """
 
 from __future__ import annotations
 
+import sys
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,12 +21,14 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-TOUCHING_M = 1e-5
-"""Deeper than this is contact; what is nearer to it is a matter of rounding."""
-SUPPORT_M = 1e-4
-"""So deep an object may be in what it rests on."""
-SAMPLES = 40
-"""Places of an edge that are looked at."""
+ROUNDING_M = 1e-5
+"""Deeper than this is contact, and so much may a distance fall short of a clearance."""
+SUPPORT_M = 1e-4 + 5e-6
+"""So deep an object may be in the shape that carries it."""
+RESTING_M = 3.5e-4
+"""No farther above what carries it an object is let go."""
+STEP_M = 5e-4
+"""How far a point of a link moves between two samples, as far as their number allows."""
 
 
 def pose_of(entry: dict[str, Any] | None) -> Floats:
@@ -37,195 +43,321 @@ def pose_of(entry: dict[str, Any] | None) -> Floats:
     return pose
 
 
-def shape_of(entry: dict[str, Any]) -> Any:
-    """A shape of scenario.yaml as Coal has it; None for one that only Cranny knows."""
-    coal = package("coal")
-    if "box" in entry:
-        return coal.Box(*[float(size) for size in entry["box"]["size"]])
-    if "sphere" in entry:
-        return coal.Sphere(float(entry["sphere"]["radius"]))
-    for kind in ("cylinder", "capsule"):
-        if kind in entry:
-            return getattr(coal, kind.capitalize())(float(entry[kind]["radius"]), float(entry[kind]["length"]))
-    return None
+def numbers(text: str | None, count: int) -> Floats:
+    """Numbers of an XML attribute, 0 where it is absent."""
+    return np.array([float(word) for word in text.split()]) if text else np.zeros(count)
 
 
-class Solids:
-    """Coal's shapes of one thing, each with its pose in the thing's frame."""
+class Thing:
+    """A rigid thing: Coal's shapes, each with its pose in the thing's frame and a box around it."""
 
     def __init__(self, shapes: list[tuple[Any, Floats]]) -> None:
-        self.shapes = shapes
+        self.shapes = [shape for shape, _ in shapes]
+        self.thing_from_shape = np.array([pose for _, pose in shapes]).reshape(-1, 4, 4)
+        for shape in self.shapes:
+            shape.computeLocalAABB()
+        boxes = [(shape.aabb_local.min_, shape.aabb_local.max_) for shape in self.shapes]
+        low, high = np.array(boxes).reshape(-1, 2, 3).transpose(1, 0, 2)
+        self.middle, self.half = 0.5 * (low + high), 0.5 * (high - low)
+        self.radius = np.linalg.norm(self.half, axis=1)
 
     @classmethod
-    def of_body(cls, entry: dict[str, Any]) -> Solids:
-        """A body of scenario.yaml, in its own frame."""
-        found = [(shape_of(shape), pose_of(shape.get("pose"))) for shape in entry["shapes"]]
-        return cls([(shape, pose) for shape, pose in found if shape is not None])
+    def of_body(cls, entry: dict[str, Any], mesh: Callable[[str], Any]) -> Thing:
+        """A body of scenario.yaml in its own frame; `mesh` gives the shape of a built-in object."""
+        coal, shapes = package("coal"), []
+        for shape in entry["shapes"]:
+            if "box" in shape:
+                solid = coal.Box(*[float(size) for size in shape["box"]["size"]])
+            elif "sphere" in shape:
+                solid = coal.Sphere(float(shape["sphere"]["radius"]))
+            else:
+                solid = mesh(shape["object"])
+            shapes.append((solid, pose_of(shape.get("pose"))))
+        return cls(shapes)
 
-    def balls(self, pose: Floats) -> tuple[Floats, Floats]:
-        """Of each shape at a pose the middle and the radius of a ball around it."""
-        for shape, _ in self.shapes:
-            shape.computeLocalAABB()
-        middles = [pose @ at @ np.append(shape.aabb_center, 1.0) for shape, at in self.shapes]
-        return np.array(middles)[:, :3], np.array([shape.aabb_radius for shape, _ in self.shapes])
+    @classmethod
+    def of_link(cls, link: ElementTree.Element) -> Thing:
+        """The collision shapes of a link of a URDF, in its frame."""
+        pin, coal, shapes = package("pinocchio"), package("coal"), []
+        for collision in link.findall("collision"):
+            pose, origin = np.eye(4), collision.find("origin")
+            if origin is not None:
+                pose[:3, :3] = pin.rpy.rpyToMatrix(*numbers(origin.get("rpy"), 3))
+                pose[:3, 3] = numbers(origin.get("xyz"), 3)
+            [entry] = list(collision.findall("geometry")[0])
+            if entry.tag == "box":
+                solid = coal.Box(*numbers(entry.get("size"), 3))
+            elif entry.tag == "sphere":
+                solid = coal.Sphere(float(entry.attrib["radius"]))
+            else:
+                kind = {"cylinder": coal.Cylinder, "capsule": coal.Capsule}[entry.tag]
+                solid = kind(float(entry.attrib["radius"]), float(entry.attrib["length"]))
+            shapes.append((solid, pose))
+        return cls(shapes)
 
-    def distance(self, pose: Floats, other: Solids, other_pose: Floats) -> float:
-        """The signed distance of two things (m), or a centimetre where it is more than that."""
-        coal, least = package("coal"), 0.01
-        if not self.shapes or not other.shapes:
-            return least
-        if any(isinstance(shape, coal.Halfspace) for shape, _ in other.shapes):
-            near = np.ones((len(self.shapes), len(other.shapes)), dtype=bool)
-        else:
-            (middles, radii), (others, far) = self.balls(pose), other.balls(other_pose)
-            gaps = np.linalg.norm(middles[:, None] - others[None], axis=2) - radii[:, None] - far[None]
-            near = gaps < least
-        for first, second in zip(*np.nonzero(near), strict=True):
-            (a, at), (b, place) = self.shapes[first], other.shapes[second]
-            here, there = pose @ at, other_pose @ place
-            one, two = (coal.Transform3s(at[:3, :3], at[:3, 3]) for at in (here, there))
-            least = min(least, coal.distance(a, one, b, two, coal.DistanceRequest(), coal.DistanceResult()))
-        return float(least)
+    def at(self, poses: Floats) -> Floats:
+        """The poses of its shapes (n, shapes, 4, 4) where it stands at `poses` (n, 4, 4)."""
+        return np.asarray(poses[:, None] @ self.thing_from_shape)
+
+
+def gaps(a: Thing, at: Floats, b: Thing, there: Floats) -> Floats:
+    """A lower bound of the distance of each two shapes (n, shapes of a, shapes of b): of a ball around one to a box around
+    the other, whichever way is better.
+    """
+
+    def one_way(ball: Thing, balls: Floats, box: Thing, boxes: Floats) -> Floats:
+        middles = (balls[..., :3, :3] @ ball.middle[..., None])[..., 0] + balls[..., :3, 3]
+        apart = middles[:, :, None] - boxes[:, None, :, :3, 3]
+        inside = np.einsum("nabi,nbij->nabj", apart, boxes[..., :3, :3]) - box.middle
+        outside = np.maximum(np.abs(inside) - box.half, 0.0)
+        return np.asarray(np.linalg.norm(outside, axis=-1) - ball.radius[None, :, None])
+
+    return np.maximum(one_way(a, at, b, there), one_way(b, there, a, at).transpose(0, 2, 1))
+
+
+def distances(a: Thing, poses: Floats, b: Thing, others: Floats, limit_m: float) -> Floats:
+    """The signed distance of each two shapes in each sample (n, shapes of a, shapes of b), or a lower bound of at least the
+    limit.
+    """
+    coal = package("coal")
+    at, there = a.at(poses), b.at(others)
+    found = gaps(a, at, b, there)
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    for n, i, j in zip(*np.nonzero(found < limit_m), strict=True):
+        one, two = (coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (at[n, i], there[n, j]))
+        result.clear()
+        found[n, i, j] = coal.distance(a.shapes[i], one, b.shapes[j], two, request, result)
+    return found
 
 
 class Robot:
-    """A robot from its URDF, and which pairs of links its SRDF declares."""
+    """A robot from its URDF, and which pairs of links its SRDF declares, with the reason."""
 
     def __init__(self, urdf: Path, srdf: Path | None) -> None:
-        self.pin, coal = package("pinocchio"), package("coal")
+        self.pin = package("pinocchio")
         self.model = self.pin.buildModelFromUrdf(str(urdf))
-        kind = self.pin.GeometryType.COLLISION
-        geometry = self.pin.buildGeomFromUrdf(self.model, str(urdf), kind, package_dirs=[str(urdf.parent)])
         self.data = self.model.createData()
-        self.links: dict[str, tuple[int, Solids]] = {}
-        for item in geometry.geometryObjects:
-            shape = item.geometry
-            if isinstance(shape, coal.BVHModelBase):
-                shape.buildConvexHull(True, "Qt")
-                shape = shape.convex
-            frame = self.model.frames[item.parentFrame]
-            # A shape's placement is in the frame of its joint.
-            frame_from_shape = (frame.placement.inverse() * item.placement).homogeneous
-            self.links.setdefault(frame.name, (item.parentFrame, Solids([])))[1].shapes.append((shape, frame_from_shape))
+        links = {str(link.get("name")): Thing.of_link(link) for link in ElementTree.parse(urdf).findall("link")}
+        self.links = {name: thing for name, thing in links.items() if thing.shapes}
         disabled = ElementTree.parse(srdf).findall("disable_collisions") if srdf else []
-        self.declared = {frozenset((str(pair.get("link1")), str(pair.get("link2")))) for pair in disabled}
+        self.declared = {frozenset((pair.attrib["link1"], pair.attrib["link2"])): pair.get("reason", "") for pair in disabled}
+        self.frame = {name: self.model.getFrameId(name) for name in links}
+        joint = {name: self.model.frames[self.frame[name]].parentJoint for name in self.links}
+        self.moved = [name for name in self.links if joint[name] > 0]
+        names = list(self.links)
+        self.all_pairs = [(b, a) for k, a in enumerate(names) for b in names[:k] if joint[a] != joint[b]]
+        self.pairs = [pair for pair in self.all_pairs if frozenset(pair) not in self.declared]
 
-    def pairs(self) -> list[tuple[str, str]]:
-        """Pairs of links that move against each other and are not declared."""
-        names, joint = list(self.links), lambda link: self.model.frames[self.links[link][0]].parentJoint
-        pairs = [(a, b) for k, a in enumerate(names) for b in names[:k]]
-        return [(a, b) for a, b in pairs if joint(a) != joint(b) and frozenset((a, b)) not in self.declared]
+    def poses(self, configurations: list[dict[str, float]], links: list[str]) -> dict[str, Floats]:
+        """`root_from_link` of each link (n, 4, 4), where joints have these values and others 0."""
+        poses: dict[str, Floats] = {link: np.empty((len(configurations), 4, 4)) for link in links}
+        for k, values in enumerate(configurations):
+            q = self.pin.neutral(self.model)
+            for name, value in values.items():
+                joint = self.model.joints[self.model.getJointId(name)]
+                q[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
+            self.pin.framesForwardKinematics(self.model, self.data, q)
+            for link in links:
+                poses[link][k] = self.data.oMf[self.frame[link]].homogeneous
+        return poses
 
-    def place(self, values: dict[str, float]) -> None:
-        """Puts all links where joints of these values have them, the others at 0."""
-        q = self.pin.neutral(self.model)
-        for name, value in values.items():
-            joint = self.model.joints[self.model.getJointId(name)]
-            q[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
-        self.pin.framesForwardKinematics(self.model, self.data, q)
+    def outside_limits(self, values: dict[str, float]) -> list[str]:
+        """Joints that stand outside their limits."""
+        ids = {name: self.model.joints[self.model.getJointId(name)] for name in values}
+        low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
+        single = {name: joint.idx_q for name, joint in ids.items() if joint.nq == 1}
+        return [name for name, at in single.items() if not low[at] - 1e-9 <= values[name] <= high[at] + 1e-9]
 
-    def pose(self, link: str) -> Floats:
-        """`root_from_link`, (4, 4)."""
-        return np.asarray(self.data.oMf[self.model.getFrameId(link)].homogeneous)
+    def between(self, pair: tuple[str, str], poses: dict[str, Floats], limit_m: float) -> Floats:
+        """The signed distance of two links in each sample (n,)."""
+        a, b = pair
+        apart = distances(self.links[a], poses[a], self.links[b], poses[b], limit_m)
+        return np.asarray(apart.min(axis=(1, 2)))
 
-    def deepest(self, pairs: list[tuple[str, str]]) -> tuple[float, tuple[str, str]]:
-        """The least signed distance of any pair, and the pair."""
-        found = [(self.between(*pair), pair) for pair in pairs]
-        return min(found)
 
-    def between(self, a: str, b: str) -> float:
-        """The signed distance of two links (m)."""
-        return self.links[a][1].distance(self.pose(a), self.links[b][1], self.pose(b))
+def along(a: Floats, b: Floats, most: int) -> Floats:
+    """Samples of an edge (n, joints), both ends among them: a radian moves points by a metre or so."""
+    count = int(np.clip(np.abs(b - a).sum() / STEP_M, 8, most))
+    return np.asarray(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])
+
+
+@dataclass
+class Tally:
+    """What was judged, and what is false: a kind of statement, with the case."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    false: list[str] = field(default_factory=list)
+
+    def check(self, kind: str, apart: Floats, least_m: float, what: str) -> None:
+        """Notes a distance that is less than was stated."""
+        if apart.size and (least := float(apart.min())) < least_m - ROUNDING_M:
+            self.note(kind, f"{what}: {1e3 * least:.4f} mm apart, {1e3 * least_m:.4f} stated")
+
+    def note(self, kind: str, what: str) -> None:
+        """Counts what is false, and prints it at once: a run that is cut off reports it."""
+        self.counts[f"false {kind}"] += 1
+        self.false.append(f"{kind}: {what}")
+        print(f"false {self.false[-1]}", file=sys.stderr, flush=True)
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{count} {kind}" for kind, count in sorted(self.counts.items()))
+        return f"{counts or 'nothing judged'}, {len(self.false)} false"
 
 
 class Task:
-    """A scenario of the built-in mobile Panda, as scenario.yaml has it."""
+    """A scenario of the built-in mobile Panda, as scenario.yaml has it, and the world as plans change it."""
 
-    def __init__(self, folder: Path, robot: Robot, meshes: dict[str, Solids] | None = None) -> None:
-        self.robot = robot
+    TIP, HAND = "panda_grasptarget", "panda_hand"
+    FINGERS = ("panda_leftfinger", "panda_rightfinger")
+    OPEN_M = 0.08
+
+    def __init__(self, folder: Path, robot: Robot, mesh: Callable[[str], Any], tally: Tally, most: int) -> None:
+        self.robot, self.tally, self.most = robot, tally, most
+        self.carrying: dict[str, NDArray[np.bool_]] = {}
+        # The joint before the hand, and all that is fixed to what it moves while the fingers stand still.
+        wrist = robot.model.frames[robot.frame[self.TIP]].parentJoint
+        after = [name for name in robot.moved if wrist in robot.model.supports[robot.model.frames[robot.frame[name]].parentJoint]]
+        self.moving_as_hand = set(after)
         self.entry = package("yaml").safe_load((folder / "scenario.yaml").read_text())
-        self.root_from_scene = np.linalg.inv(pose_of(self.entry.get("frame")))
-        meshes = meshes or {}
+        root_from_scene: Floats = np.asarray(np.linalg.inv(pose_of(self.entry.get("frame"))), dtype=np.float64)
+        self.up = root_from_scene[:3, :3] @ np.array([0.0, 0.0, 1.0])
         bodies = [*self.entry.get("obstacles", []), self.entry["target"]]
-        self.solids = {body["name"]: meshes.get(body["name"], Solids.of_body(body)) for body in bodies}
-        self.poses = {body["name"]: self.root_from_scene @ pose_of(body.get("pose")) for body in bodies}
-        self.floor = self.entry.get("floor")
-        self.hand = {"panda_hand", "panda_leftfinger", "panda_rightfinger"}
-        self.pairs = robot.pairs()
-        self.false: list[str] = []
-        self.edges = 0
+        self.things = {body["name"]: Thing.of_body(body, mesh) for body in bodies}
+        self.poses: dict[str, Floats] = {body["name"]: root_from_scene @ pose_of(body.get("pose")) for body in bodies}
+        if self.entry.get("floor") is not None:
+            # Thick enough that no depth is measured to its lower face.
+            below = pose_of({"position": [0.0, 0.0, self.entry["floor"] - 0.5]})
+            self.things["floor"] = Thing([(package("coal").Box(20.0, 20.0, 1.0), below)])
+            self.poses["floor"] = root_from_scene
 
-    def judge(self, plan: dict[str, Any], target: str) -> None:
+    def judge(self, plan: dict[str, Any], target: str, name: str) -> None:
         """Samples every edge of a plan of one step, and leaves the object where the plan puts it."""
-        names, opening, tip_from_object = plan["joint_names"], 0.08, None
+        joints, opening_m, was_held = plan["joint_names"], self.OPEN_M, False
+        tip_from_object: Floats = np.eye(4)
+        margin_m = plan["margins"]["margin_m"]
+        resting = {(one["segment"], one["second"]) for one in plan["not_checked"] if one["reason"] == "resting"}
+        spared = {target} | {body for _, body in resting}
+        named = {frozenset((one["first"], one["second"])) for one in plan["not_checked"]}
+        pairs = [pair for pair in self.robot.pairs if frozenset(pair) not in named]
         for segment in plan["segments"]:
             mode, way_points = segment["mode"], np.array(segment["waypoints"])
-            opening = segment.get("opening_m") or (0.08 if mode != "lift-off" else opening)
-            if mode == "lift-off" or (segment.get("attached") and tip_from_object is None):
-                self.place(names, way_points[0], opening)
-                tip_from_object = np.linalg.inv(self.robot.pose("panda_grasptarget")) @ self.poses[target]
-            held = target if segment.get("attached") else None
-            for a, b in zip(way_points, way_points[1:], strict=False):
-                self.edges += 1
-                for share in np.linspace(0.0, 1.0, SAMPLES):
-                    self.place(names, a + (b - a) * share, opening)
-                    if held:
-                        self.poses[held] = self.robot.pose("panda_grasptarget") @ tip_from_object
-                    self.look(mode, held, target)
-            if mode == "retreat":
-                tip_from_object = None
+            where = f"{name}: {mode}"
+            supports = {body for at, body in resting if at == mode}
+            for q in way_points:
+                if outside := self.robot.outside_limits(dict(zip(joints, q, strict=True))):
+                    self.tally.note("limits", f"{where}: {outside}")
+            held = target if segment["attached"] else None
+            was_m, opening_m = opening_m, segment["opening_m"] if held else self.OPEN_M
+            if held and not was_held:
+                [tip] = self.place(joints, way_points[:1], self.OPEN_M)[self.TIP]
+                tip_from_object = np.linalg.inv(tip) @ self.poses[target]
+            if was_m != opening_m:
+                self.fingers(joints, way_points[0], (was_m, opening_m), target, where)
+            was_held = bool(held)
+            for body in supports:
+                self.carries(body, target, self.place(joints, way_points[[0, -1]], opening_m), tip_from_object, where)
+            for k, (a, b) in enumerate(zip(way_points, way_points[1:], strict=False)):
+                self.tally.counts["edges, held" if held else "edges, empty"] += 1
+                stated_m = segment["clearances_m"][k]
+                poses = self.place(joints, along(a, b, self.most), opening_m)
+                case = f"{where} edge {k}"
+                for pair in pairs:
+                    # What moves as one keeps its distance: it counts for no clearance, but may not touch.
+                    least_m = 0.0 if self.moving_as_hand.issuperset(pair) else max(stated_m, margin_m)
+                    apart = self.robot.between(pair, poses, least_m)
+                    self.tally.check("clearance of links", apart, least_m, f"{case}: {pair}")
+                self.against_world(poses, held, spared, (stated_m, margin_m), case)
+                if held:
+                    self.of_held(held, poses, tip_from_object, supports, (stated_m, margin_m), case)
+            if mode == "set-down":
+                [tip] = self.place(joints, way_points[-1:], opening_m)[self.TIP]
+                self.poses[target] = tip @ tip_from_object
 
-    def place(self, names: list[str], q: Floats, opening_m: float) -> None:
-        fingers = {f"panda_finger_joint{k}": 0.5 * opening_m for k in (1, 2)}
-        self.robot.place({**dict(zip(names, q, strict=True)), **fingers})
+    def place(self, joints: list[str], samples: Floats, opening_m: float | Floats) -> dict[str, Floats]:
+        """Poses of all links, with the hand this far open."""
+        openings = np.broadcast_to(opening_m, len(samples))
+        values = [
+            {**dict(zip(joints, q, strict=True)), "panda_finger_joint1": 0.5 * wide, "panda_finger_joint2": 0.5 * wide}
+            for q, wide in zip(samples, openings, strict=True)
+        ]
+        return self.robot.poses(values, [*self.robot.links, self.TIP])
 
-    def look(self, mode: str, held: str | None, target: str) -> None:
-        """Notes what touches at the configuration at hand."""
-        depth, pair = self.robot.deepest(self.pairs)
-        self.note(depth, TOUCHING_M, f"{mode}: {pair}")
-        moved = [link for link in self.robot.links if self.robot.model.frames[self.robot.links[link][0]].parentJoint > 0]
-        for link in moved:
-            for body, solids in self.solids.items():
-                # The pads close on the object, and begin to open on it.
-                if body == target and link in self.hand and mode != "reach" and mode != "return":
+    def to(self, thing: Thing, poses: Floats, body: str, limit_m: float) -> Floats:
+        """Distances of a thing's shapes to those of a body of the world (n, shapes, shapes)."""
+        others = np.broadcast_to(self.poses[body], poses.shape)
+        return distances(thing, poses, self.things[body], others, limit_m)
+
+    def against_world(
+        self,
+        poses: dict[str, Floats],
+        held: str | None,
+        spared: set[str],
+        demand: tuple[float, float],
+        case: str,
+    ) -> None:
+        """Links against everything that stands in the world; the hand has a margin of its own to the target."""
+        stated_m, _ = demand
+        for link in self.robot.moved:
+            in_hand = link in (self.HAND, *self.FINGERS)
+            for body in self.things:
+                if body == held:
                     continue
-                distance = self.robot.links[link][1].distance(self.robot.pose(link), solids, self.poses[body])
-                self.note(distance, TOUCHING_M, f"{mode}: {link} and {body}")
-        if held is None:
-            return
-        near = {
-            body: self.solids[held].distance(self.poses[held], solids, self.poses[body])
-            for body, solids in self.solids.items()
-            if body != held and solids.shapes
-        }
-        if self.floor is not None:
-            corners = package("coal").Halfspace(np.array([0.0, 0.0, 1.0]), float(self.floor))
-            floor = Solids([(corners, np.eye(4))])
-            near["floor"] = self.solids[held].distance(self.poses[held], floor, self.root_from_scene)
-        # What it rests on is right below it; nothing else is.
-        rests = mode in ("lift-off", "set-down")
-        for body, distance in near.items():
-            below = rests and self.is_below(body, held)
-            self.note(distance, SUPPORT_M + 1e-6 if below else TOUCHING_M, f"{mode}: held {held} and {body}")
-        for link in moved:
-            if link not in self.hand:
-                distance = self.robot.links[link][1].distance(self.robot.pose(link), self.solids[held], self.poses[held])
-                self.note(distance, TOUCHING_M, f"{mode}: {link} and held {held}")
+                # The margin of the hand to the target and to what carries it is another, which is 0 here.
+                least_m = stated_m if in_hand and body in spared else max(demand)
+                apart = self.to(self.robot.links[link], poses[link], body, least_m)
+                self.tally.check("clearance of links and world", apart, least_m, f"{case}: {link} and {body}")
 
-    def is_below(self, body: str, held: str) -> bool:
-        """Whether a body is lower than the middle of what is held, right under it."""
-        if body == "floor":
-            return True
-        down = self.root_from_scene[:3, :3] @ np.array([0.0, 0.0, -1.0])
-        coal = package("coal")
-        probe = Solids([(coal.Sphere(1e-3), np.eye(4))])
-        for depth in np.linspace(0.0, 0.5, 501):
-            at = np.eye(4)
-            at[:3, 3] = self.poses[held][:3, 3] + depth * down
-            if probe.distance(at, self.solids[body], self.poses[body]) <= 0.0:
-                return True
-        return False
+    def of_held(
+        self,
+        held: str,
+        poses: dict[str, Floats],
+        tip_from_object: Floats,
+        supports: set[str],
+        demand: tuple[float, float],
+        case: str,
+    ) -> None:
+        """What is held against world and links; the shape that carries it alone may touch it."""
+        thing, at = self.things[held], poses[self.TIP] @ tip_from_object
+        for body in self.things:
+            if body == held:
+                continue
+            apart = self.to(thing, at, body, max(demand)).min(axis=1)
+            if body in supports:
+                carrying, least_m = self.carrying[body], -SUPPORT_M + ROUNDING_M
+                self.tally.check("contact of what rests", apart[:, carrying], least_m, f"{case}: {held} in {body}")
+                apart = apart[:, ~carrying]
+            self.tally.check("clearance of held", apart, max(demand), f"{case}: held {held} and {body}")
+        for link in self.robot.moved:
+            if link not in self.FINGERS:
+                least_m = 0.0 if link in self.moving_as_hand else max(demand)
+                apart = distances(self.robot.links[link], poses[link], thing, at, least_m)
+                self.tally.check("clearance of held", apart, least_m, f"{case}: {link} and held {held}")
 
-    def note(self, distance: float, allowed_m: float, what: str) -> None:
-        if distance < -allowed_m:
-            self.false.append(f"{what}: {-1e3 * distance:.3f} mm deep")
+    def carries(self, body: str, held: str, poses: dict[str, Floats], tip_from_object: Floats, where: str) -> None:
+        """Finds the shapes of a body that carry the object at rest. They lie below it: a lift frees it by as much."""
+        thing, at = self.things[held], poses[self.TIP] @ tip_from_object
+        rest = np.argmin([self.to(thing, pose[None], body, 0.1).min() for pose in at])
+        apart = self.to(thing, at[rest][None], body, 0.1).min(axis=(0, 1))
+        lift_m = 1e-3
+        lifted = at[rest].copy()
+        lifted[:3, 3] += lift_m * self.up
+        freed = self.to(thing, lifted[None], body, 0.1).min(axis=(0, 1))
+        touching = apart < RESTING_M
+        self.carrying[body] = touching
+        self.tally.counts["supports"] += 1
+        # The face is within 45 degrees of level.
+        if not touching.any() or (freed - apart)[touching].min() < 0.7 * lift_m:
+            self.tally.note("support", f"{where}: {body} does not carry {held}: {apart} m apart, {freed} m lifted by 1 mm")
+
+    def fingers(
+        self, joints: list[str], q: Floats, openings: tuple[float, float], target: str, where: str
+    ) -> None:
+        """The hand closes or opens: fingers against all but the object between them."""
+        count = 20
+        poses = self.place(joints, np.tile(q, (count, 1)), np.linspace(*openings, count, dtype=np.float64))
+        self.tally.counts["closings and openings"] += 1
+        for link in self.FINGERS:
+            for body in self.things:
+                if body != target:
+                    apart = self.to(self.robot.links[link], poses[link], body, 0.0)
+                    self.tally.check("way of a finger", apart, 0.0, f"{where}: {link} and {body}")
