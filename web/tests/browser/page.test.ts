@@ -211,7 +211,7 @@ test("several plans play in step, and each can have the robot", () =>
 
 test("a press on the plot of the clearance goes there and names the closest pair", () =>
   withPage(twoJointPage(), async ({ page }) => {
-    const plot = page.getByRole("img", { name: /Clearance over time; least 10.00 mm at 2.00 s/ });
+    const plot = page.getByRole("img", { name: /Clearance over time; least 9.99 mm at 2.00 s/ });
     const [box, scrub] = [
       await plot.boundingBox(),
       await page.getByRole("slider", { name: "Time along" }).boundingBox(),
