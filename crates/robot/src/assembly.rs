@@ -97,7 +97,7 @@ impl Robot {
         let values = urdf.joints.iter().map(|joint| joint.name.clone()).zip(resolved.values).collect();
         let robot = Self {
             name: urdf.name.clone(),
-            notes: urdf.notes.clone(),
+            notes: [&urdf.notes[..], &srdf.notes, &resolved.notes].concat(),
             links_by_name: links.iter().enumerate().map(|(index, link)| (link.name.clone(), index)).collect(),
             adjacent_pairs: adjacent_pairs(&links, &movers, &pairs.checked),
             disabled_pairs: pairs.disabled,

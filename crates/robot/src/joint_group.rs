@@ -5,7 +5,7 @@ use cranny_file::nearest_names;
 use crate::limits::wrapped;
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
-use crate::{Hindrance, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup};
+use crate::{Hindrance, JointGroup, Location, RobotError, RobotOptions, Srdf, SrdfGroup};
 
 /// Which joints `q` stands for, what the others do, and which link reaches for grasps.
 pub(crate) struct Resolved {
@@ -15,6 +15,8 @@ pub(crate) struct Resolved {
     pub(crate) tip: usize,
     /// What the value of each joint of the file is.
     pub(crate) values: Vec<JointValue>,
+    /// Content of the SRDF that fits no joint, one line each.
+    pub(crate) notes: Vec<String>,
 }
 
 /// `value = multiplier · q[joint] + offset`, or `offset` alone.
@@ -46,7 +48,7 @@ impl Resolved {
             values.push(resolver.value(joint, &group)?);
         }
         resolver.check_held(&values)?;
-        Ok(Self { group, tip, values })
+        Ok(Self { group, tip, values, notes: resolver.passive_notes() })
     }
 }
 
@@ -106,13 +108,6 @@ impl Resolver<'_> {
                 follower = &self.urdf.joints[self.known_joint(&mimic.master, place)?];
             }
         }
-        for (name, at) in
-            self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive))
-        {
-            if !self.is_virtual(name) {
-                self.joint_or_its_parts(name, || format!("{at}: passive_joint"))?;
-            }
-        }
         for name in &self.options.solid_meshes {
             self.known_link(name, || format!("{}: solid_meshes", self.urdf.file))?;
         }
@@ -127,6 +122,16 @@ impl Resolver<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A line for each passive joint of the SRDF that the robot lacks, as where one SRDF serves several hands.
+    fn passive_notes(&self) -> Vec<String> {
+        let passive = self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive));
+        let place = |at: &Location| format!("{at}: passive_joint");
+        let unknown = passive.filter(|(name, _)| !self.is_virtual(name)).filter_map(|(name, at)| {
+            Some(format!("{}: it is not read", self.joint_or_its_parts(name, || place(at)).err()?))
+        });
+        unknown.collect()
     }
 
     fn known_joint(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {

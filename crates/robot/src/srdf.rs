@@ -1,4 +1,7 @@
+use cranny_file::nearest_names;
+
 use crate::tree::MAX_LINKS;
+use crate::unread::Notes;
 use crate::xml::{Element, XmlText};
 use crate::{Location, RobotError};
 
@@ -25,6 +28,8 @@ pub struct Srdf {
     pub passive_joints: Vec<String>,
     /// Locations of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` in the file.
     pub(crate) places: Places,
+    /// What is not read, one line for each kind.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Lines of an SRDF, by what stands in them.
@@ -110,11 +115,13 @@ impl Srdf {
     /// Reads an SRDF from `text`; `file` is the name for it in errors.
     ///
     /// # Errors
-    /// XML that is not well-formed, an attribute missing, a value that is no number.
+    /// XML that is not well-formed, an attribute missing, a value that is no number; an attribute or element that is
+    /// unknown within a known element, or an element that may be a misspelt one. Other unknown elements are noted.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let xml = XmlText::parse(text, file)?;
         let robot = xml.robot()?;
         let mut srdf = Self::default();
+        let mut notes = Notes::default();
         let pair = |element: Element<'_>| -> Result<(String, String), RobotError> {
             known(element, &["link1", "link2", "reason"], &[])?;
             Ok((element.text("link1")?.to_owned(), element.text("link2")?.to_owned()))
@@ -149,9 +156,13 @@ impl Srdf {
                 | "kinematics_plugin_config"
                 | "contact_managers_plugin_config"
                 | "calibration_config" => {}
-                _ => return Err(unknown(element, "element", &element.tag(), &ELEMENTS)),
+                tag if nearest_names(tag, ELEMENTS.iter().copied()).is_empty() => {
+                    notes.add(&format!("element <{tag}>"), robot, element);
+                }
+                tag => return Err(unknown(element, "element", tag, &ELEMENTS)),
             }
         }
+        srdf.notes = notes.lines();
         // Groups may hold groups, and are looked up by their name.
         if let Some(extra) = srdf.groups.get(MAX_LINKS) {
             let (at, actual) = (extra.at.clone(), srdf.groups.len());

@@ -70,15 +70,15 @@ pub(crate) fn unread(xml: &XmlText<'_>) -> Result<Vec<String>, RobotError> {
 
 /// Places by what stands there.
 #[derive(Default)]
-struct Notes(BTreeMap<String, Vec<String>>);
+pub(crate) struct Notes(BTreeMap<String, Vec<String>>);
 
 impl Notes {
-    fn add(&mut self, what: &str, holder: Element<'_>, at: Element<'_>) {
+    pub(crate) fn add(&mut self, what: &str, holder: Element<'_>, at: Element<'_>) {
         let kind = format!("{what} of <{}>", holder.tag());
         self.0.entry(kind).or_default().push(at.at().to_string());
     }
 
-    fn lines(self) -> Vec<String> {
+    pub(crate) fn lines(self) -> Vec<String> {
         let line = |(kind, places): (String, Vec<String>)| match &places[..] {
             [only] => format!("{only}: {kind} is not read"),
             [first, rest @ ..] => {

@@ -18,7 +18,7 @@ pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
     robot.links().iter().filter(is_seen_only).map(|link| link.name.as_str())
 }
 
-/// Notes on a robot and the bodies around it: content of the URDF that was not read, meshes that had to be repaired,
+/// Notes on a robot and the bodies around it: content of URDF and SRDF that was not read, meshes that had to be repaired,
 /// [`seen_only_links`], [`wide_opening`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let unread = robot.notes().iter().cloned();
@@ -35,7 +35,7 @@ pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
     };
     let see = format!("`cranny robot check` of robot '{name}' lists them");
     let unread = brief(robot.notes().to_vec(), &|count| {
-        format!("{count} kinds of content of the URDF are not read, and no plan depends on them: {see}")
+        format!("{count} kinds of content of URDF and SRDF are not read, and no plan depends on them: {see}")
     });
     let links =
         brief(link_repairs(robot), &|count| format!("the meshes of {count} links were repaired: {see}"));

@@ -138,12 +138,16 @@ fn pairs_are_checked_as_srdf_and_matrix_have_it() {
             "<virtual_joint name=\"v\" type=\"ball\" parent_frame=\"w\" child_link=\"arm\"/>",
             "unknown type of virtual joint `ball`",
         ),
-        ("<passive_joint name=\"j3\"/>", "unknown joint `j3`"),
         ("<enable_collisions link1=\"arm\" link2=\"frore\"/>", "unknown link `frore`"),
     ] {
         let said = folder.write("bot.srdf", &with(element)).fault();
         assert!(said.contains(fault), "{said}");
     }
+    // Without effect on groups and pairs, as in SRDFs that serve several hands and programs.
+    folder.write("bot.srdf", &with("<passive_joint name=\"j3\"/><gripper><tip/></gripper>"));
+    let notes = folder.open().unwrap().robot.notes().to_vec();
+    assert!(notes[0].contains("element <gripper> of <robot> is not read"), "{notes:?}");
+    assert!(notes[1].contains("passive_joint: unknown joint `j3`"), "{notes:?}");
 }
 
 #[test]

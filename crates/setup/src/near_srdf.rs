@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cranny_robot::{Robot, Srdf};
+use cranny_robot::{Robot, RobotError, Srdf};
 
 use crate::choice::Choice;
 use crate::draft::read_text;
@@ -10,11 +10,11 @@ use crate::draft::read_text;
 /// What was found.
 pub(crate) struct NearSrdf {
     path: PathBuf,
-    pub srdf: Srdf,
+    srdf: Result<Srdf, RobotError>,
 }
 
 /// The SRDF of the folder `../srdf` that has most of the beginning of its name in common with the URDF, and all of one of
-/// the two names; nothing where none can be read.
+/// the two names.
 pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
     let stem = urdf.file_stem()?.to_str()?;
     let folder = std::path::absolute(urdf).ok()?.parent()?.parent()?.join("srdf");
@@ -28,24 +28,32 @@ pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
     // Of equals the shortest name: the robot itself, not one of its variants.
     let rank = |path: &PathBuf| Some((in_common(path)?, usize::MAX - path.as_os_str().len()));
     let path = files.into_iter().filter(|path| rank(path).is_some()).max_by_key(rank)?;
-    let srdf = Srdf::parse(&read_text(&path).ok()?, &path.display().to_string()).ok()?;
+    let srdf = read_text(&path).and_then(|text| Srdf::parse(&text, &path.display().to_string()));
     Some(NearSrdf { path, srdf })
 }
 
 impl NearSrdf {
+    /// The SRDF, if it can be read.
+    pub fn srdf(&self) -> Option<&Srdf> {
+        self.srdf.as_ref().ok()
+    }
+
     /// The pairs that it disables, of links that the robot has.
     pub fn pairs(&self, robot: &Robot) -> Vec<[String; 2]> {
         let is_known = |name: &String| robot.link_index(name).is_some();
-        let known = self.srdf.disabled_pairs.iter().filter(|(a, b)| is_known(a) && is_known(b));
-        known.map(|(a, b)| [a.clone(), b.clone()]).collect()
+        let pairs = self.srdf().into_iter().flat_map(|srdf| &srdf.disabled_pairs);
+        pairs.filter(|(a, b)| is_known(a) && is_known(b)).map(|(a, b)| [a.clone(), b.clone()]).collect()
     }
 
     pub fn choice(&self) -> Choice {
-        Choice::new(
-            "SRDF",
-            format!("pairs and states of {}", self.path.display()),
-            "it lies where packages have it, and its name is that of the URDF",
-            "--srdf FILE",
-        )
+        let path = self.path.display();
+        let (chosen, why) = match &self.srdf {
+            Ok(_) => (
+                format!("pairs and states of {path}"),
+                "it lies where packages have it, and its name is that of the URDF".to_owned(),
+            ),
+            Err(fault) => ("none".to_owned(), format!("{path} cannot be read: {fault}")),
+        };
+        Choice::new("SRDF", chosen, &why, "--srdf FILE")
     }
 }

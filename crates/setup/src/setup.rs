@@ -9,6 +9,7 @@ use crate::anatomy::{by_name, extent_m};
 use crate::choice::Choice;
 use crate::contact_search::PairSearch;
 use crate::draft::{Draft, read_text};
+use crate::near_srdf::NearSrdf;
 use crate::robot_folder::{self, Written};
 use crate::self_contacts::SelfContact;
 use crate::setup_options::{Base, SetupOptions};
@@ -86,7 +87,9 @@ impl RobotSetup {
         let robot = draft.robot(&written)?;
         let states = match &own_srdf {
             Some(srdf) => states(&robot, &Srdf::parse(srdf, &stem)?),
-            None => near_srdf.map_or_else(Vec::new, |near| states(&robot, &near.srdf)),
+            None => {
+                near_srdf.as_ref().and_then(NearSrdf::srdf).map_or_else(Vec::new, |srdf| states(&robot, srdf))
+            }
         };
         let seldom_free: Vec<&[f64]> = contacts.iter().filter_map(|c| c.free_at.as_deref()).collect();
         let start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?
