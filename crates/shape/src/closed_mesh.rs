@@ -1,12 +1,13 @@
 use std::collections::HashMap;
 
-use crate::error::ShapeError;
+use crate::error::{ShapeError, usable};
 use crate::mesh_file::TriangleSoup;
 
 pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
     if soup.triangles.is_empty() {
         return Err(ShapeError::Empty);
     }
+    soup.vertices.iter().enumerate().try_for_each(|(vertex, p)| usable(vertex, p))?;
     for (triangle, corners) in soup.triangles.iter().enumerate() {
         for &vertex in corners {
             if vertex as usize >= soup.vertices.len() {

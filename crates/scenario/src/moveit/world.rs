@@ -172,6 +172,10 @@ impl MessageFile<'_> {
             }
             return Solid::mesh_with_small_holes(&soup).map_err(|reason| fault(reason.in_file(path)));
         }
+        if dimensions.is_some() {
+            let hint = "only a mesh file is scaled; give the vertices in metres, and leave `dimensions` out";
+            return Err(self.unsupported(entry.referenced, "a scale of vertices", hint));
+        }
         let mut soup = TriangleSoup { vertices: Vec::new(), triangles: Vec::new() };
         for vertex in vertices {
             for number in vertex.value.0 {
