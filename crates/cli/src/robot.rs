@@ -194,7 +194,7 @@ struct Added<'a> {
 }
 
 fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
-    let default_name = || arguments.urdf.file_stem().unwrap_or_default().into();
+    let default_name = || cranny_setup::robot_name(&arguments.urdf).into();
     let folder: PathBuf = arguments.output.clone().unwrap_or_else(default_name);
     check_free_folder(&folder)?;
     let options = SetupOptions {

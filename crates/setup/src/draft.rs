@@ -197,8 +197,13 @@ fn read(
     let plain = if is_xacro { None } else { Some(UrdfText::new(read_text(urdf)?, &file)) };
     match plain {
         Some(Err(RobotError::Xacro { .. })) | None => {
-            let text = UrdfText::new(xacro::expand(urdf, options)?, &file)?;
-            choices.push(Choice::new("file", "a xacro file", "expanded by Python's xacro", "give a URDF"));
+            let (text, warnings) = xacro::expand(urdf, options)?;
+            let text = UrdfText::new(text, &file)?;
+            let why = match &*warnings {
+                "" => "expanded by Python's xacro".to_owned(),
+                warnings => format!("expanded by Python's xacro, which warns: {warnings}"),
+            };
+            choices.push(Choice::new("file", "a xacro file", &why, "give a URDF"));
             Ok((text, file))
         }
         Some(_) if !options.xacro.is_empty() => Err(SetupError::NotThere {

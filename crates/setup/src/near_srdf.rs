@@ -6,6 +6,7 @@ use cranny_robot::{Robot, RobotError, Srdf};
 
 use crate::choice::Choice;
 use crate::draft::read_text;
+use crate::setup::robot_name;
 
 /// What was found.
 pub(crate) struct NearSrdf {
@@ -16,7 +17,7 @@ pub(crate) struct NearSrdf {
 /// The SRDF of the folder `../srdf` that has most of the beginning of its name in common with the URDF, and all of one of
 /// the two names.
 pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
-    let stem = urdf.file_stem()?.to_str()?;
+    let stem = &*robot_name(urdf);
     let folder = std::path::absolute(urdf).ok()?.parent()?.parent()?.join("srdf");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).ok()?.filter_map(|file| Some(file.ok()?.path())).collect();

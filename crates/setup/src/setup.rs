@@ -53,11 +53,11 @@ impl RobotSetup {
         // 3.
         let facts = draft.text.joints()?;
         draft.choices.push(limits::choice(&facts));
-        let beside = urdf.with_extension("srdf");
+        let stem = robot_name(urdf);
+        let beside = urdf.with_file_name(format!("{stem}.srdf"));
         let own_srdf = options.srdf.clone().or_else(|| beside.is_file().then_some(beside));
         let own_srdf = own_srdf.map(|path| read_text(&path)).transpose()?;
         let near_srdf = if own_srdf.is_none() { near_srdf::find(urdf) } else { None };
-        let stem = urdf.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut written = Written {
             stem: stem.clone(),
             limits: limits::text(&facts, &base.ranges()),
@@ -124,6 +124,13 @@ impl RobotSetup {
     pub fn write(&self, folder: &Path) -> Result<(), SetupError> {
         Ok(write_whole_folder(folder, |folder| robot_folder::write(folder, &self.files))?)
     }
+}
+
+/// The name that a file gives to its robot: `arm` of `arm.urdf` and of `arm.urdf.xacro`.
+pub fn robot_name(urdf: &Path) -> String {
+    let name = urdf.file_name().unwrap_or_default().to_string_lossy();
+    let plain = name.strip_suffix(".xacro").unwrap_or(&name);
+    Path::new(plain).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// What is told of a robot of which no drawn configuration is free.

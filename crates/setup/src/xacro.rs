@@ -5,7 +5,8 @@ use std::process::{Command, Stdio};
 use crate::{SetupError, SetupOptions};
 
 /// Runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` is asked of a module of ROS, which most who have
-/// xacro do not have. That module is asked for what is not in these folders.
+/// xacro do not have. That module is asked for what is not in these folders. An argument that the file does not ask for is
+/// an error.
 const RUN: &str = "
 import importlib.machinery, importlib.util, os, sys, types
 NAME = 'ament_index_python.packages'
@@ -30,6 +31,22 @@ def stand_in():
     sys.modules[NAME].get_package_share_directory = share
 stand_in()
 import xacro
+asked = set()
+class Arguments(dict):
+    def __contains__(self, name):
+        asked.add(name)
+        return dict.__contains__(self, name)
+    def __getitem__(self, name):
+        asked.add(name)
+        return dict.__getitem__(self, name)
+process_doc = xacro.process_doc
+def process(doc, mappings=None, **options):
+    process_doc(doc, Arguments(mappings or {}), **options)
+    for name in mappings or {}:
+        if name not in asked:
+            known = ', '.join(sorted(asked)) or 'none'
+            sys.exit('the file asks for no argument ' + name + ' (it asks for: ' + known + ')')
+xacro.process_doc = process
 sys.argv[0] = 'xacro'
 xacro.main()
 ";
@@ -50,19 +67,26 @@ pub fn has_xacro() -> bool {
     TOOLS.iter().any(answers)
 }
 
-/// The URDF that Python's `xacro` makes of a file, with the arguments and packages of the options.
+/// The URDF that Python's `xacro` makes of a file, with the arguments and packages of the options, and its warnings in one
+/// line.
 ///
 /// # Errors
 /// [`SetupError::Xacro`] where it is not installed, or fails, and for an argument that is no `NAME=VALUE`.
-pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<String, SetupError> {
+pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, String), SetupError> {
     let failed = |reason: String| SetupError::Xacro { path: path.to_owned(), reason };
+    let mut names: Vec<&str> = Vec::new();
     let mut values = Vec::new();
     for argument in &options.xacro {
         let (name, value) = argument
             .split_once('=')
             .filter(|(name, _)| !name.is_empty())
             .ok_or_else(|| failed(format!("the argument `{argument}` is not of the form NAME=VALUE")))?;
-        values.push(format!("{}:={value}", name.trim_end_matches(':')));
+        let name = name.trim_end_matches(':');
+        if names.contains(&name) {
+            return Err(failed(format!("the argument `{name}` is given twice")));
+        }
+        names.push(name);
+        values.push(format!("{name}:={value}"));
     }
     let packages = packages(path, &options.packages);
     for (program, arguments) in TOOLS {
@@ -71,7 +95,9 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<String, Setu
         let Ok(output) = command.output() else { continue };
         let said = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
-            return String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()));
+            let urdf =
+                String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()))?;
+            return Ok((urdf, if said.trim().is_empty() { String::new() } else { whole(&said) }));
         }
         if !said.contains("No module named 'xacro'") {
             return Err(failed(whole(&said)));
