@@ -48,6 +48,14 @@ impl Surface {
         Self { tree: TriangleTree::new(&corners), boxes, normals, corners, aabb }
     }
 
+    /// The triangles for which `keeps` returns true, of a corner and the unit normal; `None` if there are none.
+    pub fn filtered(&self, keeps: impl Fn(&Point, &Vector) -> bool) -> Option<Self> {
+        let kept =
+            self.corners.iter().zip(&self.normals).filter(|(corners, normal)| keeps(&corners[0], normal));
+        let corners: Vec<[Point; 3]> = kept.map(|(corners, _)| *corners).collect();
+        (!corners.is_empty()).then(|| Self::of_corners(corners))
+    }
+
     /// The twelve triangles of a cuboid centred at the origin, normals outwards.
     pub fn cuboid_soup(half_extents: &Vector) -> TriangleSoup {
         let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };

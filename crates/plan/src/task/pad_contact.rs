@@ -1,6 +1,6 @@
 use cranny_collision::{Body, Cell};
 use cranny_grasp::{Contact, friction_needed};
-use cranny_shape::{Surface, TriangleSoup, closest_points};
+use cranny_shape::{Aabb, Surface, TriangleSoup, closest_points};
 use cranny_spatial::{Point, Pose, Vector};
 
 /// The surfaces of the links of a hand's fingers, which touch the target where they really are.
@@ -28,6 +28,9 @@ const APPROACH_M: f64 = 5e-4;
 
 /// Greatest tangent of the angle between a pad and a face: no friction holds beyond.
 const STEEPEST: f64 = 0.6;
+
+/// Slack of the plane through a corner against that through a hit, in metres.
+const ROUNDING_M: f64 = 1e-9;
 
 /// Lines that are so near are one, in metres.
 const SAME_LINE_M: f64 = 1e-9;
@@ -101,14 +104,27 @@ impl PadSurfaces {
             let nearest = nearest[finger];
             // The side from which the finger comes.
             let side = (tip_from_world * nearest.normal_in_object).y.signum();
+            let outwards = world_from_tip.rotation * (Vector::y() * side);
+            let faces = surface.filtered(|corner, normal| {
+                normal.dot(&outwards) > 0.0
+                    && (corner - nearest.point_in_object).dot(normal).abs() <= PRESSED_M + ROUNDING_M
+            });
+            let window =
+                faces.as_ref().map(|faces| faces.aabb().transformed(&tip_from_world).grown(ROUNDING_M));
             Pressing {
                 pads: self,
                 tip_from_links,
                 nearest,
-                outwards: world_from_tip.rotation * (Vector::y() * side),
+                outwards,
+                faces,
+                window,
+                touched_in_tip: corners[finger],
             }
         });
         let needed = |x: f64, z: f64| {
+            if !fingers.iter().all(|finger| finger.may_meet(x, z)) {
+                return f64::INFINITY;
+            }
             let middle = world_from_tip * Point::new(x, 0.0, z);
             let of_first = fingers[0].on_line(surface, world_from_tip, &middle);
             if of_first.is_empty() {
@@ -130,15 +146,35 @@ struct Pressing<'a> {
     nearest: Contact,
     /// Along the direction of closing, away from the target.
     outwards: Vector,
+    /// The triangles of the target on which the finger may press: their planes pass the nearest point.
+    faces: Option<Surface>,
+    /// Around these, in the frame of the tip.
+    window: Option<Aabb>,
+    /// The nearest point, in the frame of the tip.
+    touched_in_tip: Point,
 }
 
 impl Pressing<'_> {
+    /// Returns false for a line along y of the frame of the tip on which there is no contact.
+    fn may_meet(&self, x: f64, z: f64) -> bool {
+        let is_in = |window: &Aabb| {
+            let (low, high) = (window.low(), window.high());
+            (low.x..=high.x).contains(&x) && (low.z..=high.z).contains(&z)
+        };
+        let off_m = [x - self.touched_in_tip.x, z - self.touched_in_tip.z];
+        self.window.as_ref().is_some_and(is_in) || off_m.iter().all(|off| off.abs() <= ROUNDING_M)
+    }
+
     /// The contacts on a line along the direction of closing through a point.
     fn on_line(&self, surface: &Surface, world_from_tip: &Pose, middle: &Point) -> Vec<Contact> {
         let (outwards, touched) = (self.outwards, self.nearest.point_in_object);
         let all = surface.aabb();
         let reach_m = all.distance_to(middle) + 2.0 * all.half_extents.norm();
-        let hits = surface.ray_hits(&(middle - outwards * reach_m), &outwards, 2.0 * reach_m);
+        let begin = middle - outwards * reach_m;
+        let hits = self
+            .faces
+            .as_ref()
+            .map_or_else(Vec::new, |faces| faces.ray_hits(&begin, &outwards, 2.0 * reach_m));
         // A finger may come from between two parts of the target: each place where the line leaves it counts.
         let leaves = hits.iter().filter(|hit| hit.normal.dot(&outwards) > 0.0);
         let faces = leaves.map(|hit| Contact {
