@@ -15,6 +15,7 @@ mod notices;
 mod page_links;
 mod system_calls;
 mod test_files;
+mod unknown_keys;
 mod unsafe_code;
 mod walks;
 
@@ -77,6 +78,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         test_files::check(files),
         walks::check(files),
         page_links::check(files),
+        unknown_keys::check(files),
     ]
     .concat()
 }

@@ -9,6 +9,7 @@ use crate::{BenchError, Schedule};
 
 /// What a campaign is made of, by content: what each machine that runs a part of it must have, too.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// The version of Cranny, and the SHA-256 of the program.
     pub cranny: (String, String),

@@ -4,6 +4,7 @@ use crate::{PlannerCall, Trial};
 
 /// A trial with what it takes to run it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Question {
     /// The trial.
     pub trial: Trial,

@@ -31,6 +31,7 @@ impl Sandbox {
 
 /// The walls around a worker and the programs that it runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Walls {
     /// A program writes nowhere but in its own folder, and neither stops nor looks into a process that it did not start
     /// (Landlock; signals from Linux 6.12 on).

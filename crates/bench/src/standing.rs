@@ -10,6 +10,7 @@ use crate::{BenchError, CampaignObserver, Results, TrialRecord};
 /// How far a campaign, or a part of it, is: what it writes beside its results while it runs, so that nobody has to open
 /// results that are being written, on another machine at that.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Standing {
     /// How many trials it has; nothing where only results are there to ask.
     pub trials: Option<usize>,

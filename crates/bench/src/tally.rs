@@ -2,6 +2,7 @@ use serde::{Deserialize, Serialize};
 
 /// Trials of one planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tally {
     /// How many ended.
     pub ended: usize,

@@ -4,6 +4,7 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 
 /// One question to one planner: what is run again when it is replayed, and what is never counted twice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Trial {
     /// Id of the scenario.
     pub scenario: String,
@@ -88,6 +89,7 @@ impl TrialOutcome {
 
 /// A trial and how it went: one row of the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TrialRecord {
     /// The question.
     pub trial: Trial,

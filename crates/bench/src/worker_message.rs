@@ -9,6 +9,7 @@ use crate::{Question, TrialRecord};
 
 /// What a worker is asked.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Request {
     pub question: Question,
     /// Folder that scenarios are exported to for external planners; no other worker uses it.

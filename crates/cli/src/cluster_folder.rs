@@ -10,6 +10,7 @@ use crate::failure::Failure;
 
 /// What stands in `campaign.json` of the folder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClusterCampaign {
     /// `cranny-cluster/1`.
     format: String,

@@ -9,6 +9,7 @@ use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Sim
 
 /// What came of one of many grasps. The names of the fields are those of files and tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GraspRow {
     /// Which grasp, from 0.
     pub grasp: usize,

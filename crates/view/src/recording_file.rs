@@ -10,6 +10,7 @@ use crate::{BodyRecording, MovingBody, ViewError};
 
 /// What a file of a recording holds.
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct RecordingFile {
     format: String,
     name: String,
@@ -24,6 +25,7 @@ struct RecordingFile {
 type PoseEntry = [f64; 7];
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct BodyEntry {
     name: String,
     #[serde(default)]

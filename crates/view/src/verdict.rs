@@ -10,6 +10,7 @@ use crate::{PageCells, number_row};
 
 /// What a page asks: is this configuration free?
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct VerdictQuestion {
     /// One value per joint (m, rad).
     pub q: Vec<f64>,
@@ -20,6 +21,7 @@ pub(crate) struct VerdictQuestion {
 
 /// What a plan does: what is in the hand and where everything else stands is as it is then.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct DuringQuestion {
     /// By index.
     pub plan: usize,

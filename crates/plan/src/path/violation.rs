@@ -192,6 +192,7 @@ pub enum Violation {
 
 /// The end of a path against the nearest grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GoalError {
     /// Index of the grasp.
     pub grasp: usize,

@@ -17,6 +17,7 @@ use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Problem, Ra
 ///   [`RbtConnect`] makes one bur: with one a gate is found ten times later;
 /// - its critical distance is four times that of the released program: near things spines are short, and dearer than steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct IkRbt {
     /// [`IkRrt::p_goal`].
     pub p_goal: f64,

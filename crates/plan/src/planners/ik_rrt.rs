@@ -21,6 +21,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 /// A problem with goal configurations instead of grasps starts at 3. One iteration is one random
 /// configuration of 3, or one turn of a grasp in 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct IkRrt {
     /// Probability of growing towards the goal itself, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,

@@ -9,6 +9,7 @@ use crate::{Budget, JPlusRrt, Observer, PlanError, PlanReport, Planner, Problem,
 ///
 /// One iteration is one bur, one step, or one series of pseudo-inverse steps towards a grasp.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JPlusRbt {
     /// [`JPlusRrt::p_goal`].
     pub p_goal: f64,

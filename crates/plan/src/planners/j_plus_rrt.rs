@@ -16,6 +16,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 ///
 /// One iteration is one pass through 1 or 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JPlusRrt {
     /// Probability of step 2, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,

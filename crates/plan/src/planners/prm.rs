@@ -21,6 +21,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, U
 /// One iteration is one random configuration, one edge that is checked, or one batch of inverse kinematics before there is a
 /// goal. Differs from the publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Prm {
     /// How many nearest a node is joined with at most. Default 15.
     pub neighbours: usize,

@@ -21,6 +21,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 /// counts among them: a robot is always closer to itself than the critical distance, which is asked of the world alone, as is
 /// in 3 the length of the spine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RbtConnect {
     /// Spines of a bur, the one towards the target included. Default 7, that of the released planners.
     pub spines: usize,

@@ -19,6 +19,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 /// One iteration is one step, or one batch of inverse kinematics before there is a goal. Differs from the publication in 1,
 /// and in that the length of a step is measured at the links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rrt {
     /// Probability of a step towards a goal, in [0, 1]. Default 0.05.
     pub p_goal: f64,

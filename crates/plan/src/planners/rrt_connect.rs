@@ -17,6 +17,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
 /// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
 /// publication in 1, and in that the length of a step is measured at the links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RrtConnect {
     /// How far the origin of any link frame moves in a step, in metres. Default 0.1, that of the released planners.
     pub step_m: f64,

@@ -22,6 +22,7 @@ use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner,
 /// One iteration is one step, or one batch of inverse kinematics before there is a goal. Differs from the publication in
 /// that there are many goals, in 3, and in that the length of a step is measured at the links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RrtStar {
     /// [`Rrt::p_goal`].
     pub p_goal: f64,

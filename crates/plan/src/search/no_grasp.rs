@@ -20,6 +20,7 @@ pub enum NoGrasp {
 
 /// Nearest approach of an arm to the grasps that it does not reach.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ReachMiss {
     /// The nearest grasp; `None` for one that was sampled, because none are given.
     pub grasp: Option<usize>,

@@ -21,6 +21,7 @@ pub struct NotChecked {
 
 /// A contact that is allowed along a piece of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AllowedContact {
     /// The mode of the piece.
     pub segment: ContactSegment,

@@ -9,6 +9,7 @@ use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_saphyr::Spanned;
 
 use crate::files::number_table;
@@ -151,17 +152,30 @@ impl Exported {
     }
 }
 
-/// What is read of a `scene.yaml`.
+/// A `scene.yaml` as the BURG toolkit writes it.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct SceneFile {
     #[serde(default)]
     bg_objects: Vec<PlacedObject>,
     #[serde(default)]
     objects: Vec<PlacedObject>,
     object_library_fn: PathBuf,
+    // For printed markers on the ground below real scenes.
+    #[serde(rename = "ground_area_x")]
+    _ground_area_x: Option<IgnoredAny>,
+    #[serde(rename = "ground_area_y")]
+    _ground_area_y: Option<IgnoredAny>,
+    #[serde(rename = "printout")]
+    _printout: Option<IgnoredAny>,
+    #[serde(rename = "yaml_file_type")]
+    _file_type: Option<IgnoredAny>,
+    #[serde(rename = "yaml_file_version")]
+    _file_version: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct PlacedObject {
     object_type: Spanned<String>,
     pose: Spanned<[[f64; 4]; 4]>,

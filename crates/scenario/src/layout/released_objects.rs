@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use cranny_shape::{ShapeError, Solid, TriangleSoup, cuboid_of_faces};
 use cranny_spatial::{Pose, Vector};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_saphyr::Spanned;
 
 use crate::files::yaml;
@@ -17,6 +18,7 @@ pub(crate) struct ObjectLibrary {
 
 /// What the library says of one type of object; stable poses are not read.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct ObjectEntry {
     identifier: String,
     mesh_fn: PathBuf,
@@ -25,11 +27,29 @@ pub(crate) struct ObjectEntry {
     scale: f64,
     mass: Option<Spanned<f64>>,
     friction_coeff: Option<Spanned<f64>>,
+    #[serde(rename = "name")]
+    _name: Option<IgnoredAny>,
+    #[serde(rename = "stable_poses")]
+    _stable_poses: Option<IgnoredAny>,
+    #[serde(rename = "thumbnail_fn")]
+    _thumbnail: Option<IgnoredAny>,
+    // Made of the mesh and the convex parts, for simulators.
+    #[serde(rename = "urdf_fn")]
+    _urdf: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct LibraryFile {
     objects: Vec<ObjectEntry>,
+    #[serde(rename = "name")]
+    _name: Option<IgnoredAny>,
+    #[serde(rename = "description")]
+    _description: Option<IgnoredAny>,
+    #[serde(rename = "yaml_file_type")]
+    _file_type: Option<IgnoredAny>,
+    #[serde(rename = "yaml_file_version")]
+    _file_version: Option<IgnoredAny>,
 }
 
 fn unscaled() -> f64 {
