@@ -98,13 +98,22 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
     // Some programs end it like a text or fill it up, and some do not count.
     let uncounted = binary_stl(&tetrahedron(), 0);
-    for rest in [&b"\n"[..], b"\0", &[0; 100], b"made by a program"] {
+    for rest in [&b"\n"[..], b"\0", &[0; 100]] {
         for start in [&whole, &uncounted] {
             std::fs::write(&path, [start, rest].concat()).unwrap();
             let read = TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap();
             assert!(read == tetrahedron() || start == &uncounted && rest.len() == 100, "{rest:?}");
         }
     }
+
+    // What is no filling may be triangles that nobody would see.
+    let triangle = &whole[84..134];
+    for rest in [&b"made by a program"[..], &triangle[..49], triangle, &[triangle, b"x"].concat(), &whole] {
+        let fault = fault_of_bytes("more.stl", &[&whole, rest].concat());
+        let expected = format!("{} bytes that are no zeros follow the binary STL file of 4 tri", rest.len());
+        assert!(fault.contains(&expected), "{fault}");
+    }
+    assert!(fault_of_bytes("more.stl", &[&uncounted, &triangle[..49]].concat()).contains("49 bytes"));
 
     for cut in [1, 50, 100, 201, 270] {
         let fault = fault_of_bytes("cut.stl", &whole[..whole.len() - cut]);
@@ -178,9 +187,22 @@ fn a_text_stl_is_read_in_all_its_forms() {
     };
     let plain = format!("solid a b\n{}{}endsolid a b\n", facet(0), facet(2));
     let several = format!("solid\n{}endsolid\n\nsolid two\n{}endsolid two", facet(0), facet(2));
-    for form in
-        [plain.clone(), several, plain.to_uppercase(), plain.replace('\n', "\r\n"), plain.replace(' ', "\t")]
-    {
+    // Lines end anywhere but behind a name.
+    let on_one_line = format!("solid\n{}\nendsolid", [facet(0), facet(2)].concat().replace('\n', " "));
+    let forms = [
+        plain.clone(),
+        several,
+        plain.to_uppercase(),
+        plain.replace('\n', "\r\n"),
+        plain.replace(' ', "\t"),
+        plain.replace("normal 0 0 1", "normal -nan(ind) nan 1.#QNAN"),
+        plain.replace("normal 0 0 1\n", "normal 0 0 1"),
+        plain.replace("solid a b", "solid vertex 1 2 3"),
+        plain.replace("solid a b", "solid facet normal vertex"),
+        on_one_line,
+        format!("\u{feff}{plain}"),
+    ];
+    for form in forms {
         let (_folder, path) = write("facets.STL", &form);
         let soup = TriangleSoup::load(&path, Vector::repeat(1.0)).expect(&form);
         assert_eq!((soup.vertices.len(), soup.triangles.len()), (6, 2), "{form}");
@@ -190,6 +212,32 @@ fn a_text_stl_is_read_in_all_its_forms() {
     assert!(
         fault("odd.stl", &plain.replacen(" outer loop", " inner loop", 1)).contains("line 3: 'inner loop'")
     );
+}
+
+/// A solid on the line of its name was read as a name, corners of two facets as one polygon.
+#[test]
+fn what_is_out_of_place_in_a_text_stl_is_refused() {
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    let plain = format!("solid a\n{facet}{facet}endsolid a\n");
+    let second = format!("solid b {facet}").replace('\n', " ");
+    for (text, message) in [
+        (format!("{plain}{second}\nendsolid b\n"), "line 17: facets follow 'solid' on its line"),
+        (
+            plain.replace("endsolid a\n", &format!("endsolid a {second}\n")),
+            "line 16: facets follow 'endsolid'",
+        ),
+        (plain.replacen("endfacet\n", "", 1), "line 8: a facet begins, but the one before has no 'endfacet'"),
+        (plain.replace("endfacet\nendsolid", "endsolid"), "line 15: 'endsolid' before the 'endfacet'"),
+        (plain.replacen("endloop\n", "endloop\nouter loop\n", 1), "line 8: a facet has a second loop"),
+        (plain.replace("endsolid", "vertex 9 9 9\nendsolid"), "line 16: a vertex outside of a facet"),
+        (plain.replacen("vertex 1 0 0", "vertex 1 0 0 7", 1), "line 5: 'vertex 1 0 0 7' is no line"),
+        (plain.replacen("vertex 1 0 0", "vertex 1 0 0abc", 1), "line 5: a vertex has three numbers"),
+        (plain.replace('\n', "\r\n").replacen("outer", "inner", 1), "line 3: 'inner loop' is no line"),
+    ] {
+        let fault = fault("place.stl", &text);
+        assert!(fault.contains(message), "{message}: {fault}");
+    }
 }
 
 /// A U of 3 m by 3 m with a slot of 1 m by 2 m, as one polygon: cut as a fan from its first corner it filled the slot.
