@@ -341,6 +341,77 @@ fn a_ply_that_counts_more_than_it_holds_is_refused_at_once() {
     assert!(fault.contains("line 12: 'one' is no number"), "{fault}");
 }
 
+/// A PLY file of the corners of a tetrahedron, twice, with what `elements` announces of them.
+fn ply_of_two(elements: &str, body: &str) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n{elements}\
+         end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 0\n3 0 0\n2 1 0\n2 0 1\n{body}"
+    )
+}
+
+const FACE_ELEMENT: &str = "element face 4\nproperty list uchar int vertex_indices\n";
+const PLY_FACES: &str = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+
+/// Strips were passed over, and so were the bodies made of them.
+#[test]
+fn strips_of_a_ply_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("strips.ply");
+    let load = |elements: &str, body: &str| {
+        std::fs::write(&path, ply_of_two(elements, body)).unwrap();
+        TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap()
+    };
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    // Two triangles side by side, then one alone, then one that is turned by a corner given twice.
+    let body = "15 4 6 5 7 -1 4 5 7 -1 6 6 4 4 7 -1\n";
+    let both = load(&format!("{FACE_ELEMENT}{strips}"), &format!("{PLY_FACES}{body}"));
+    assert_eq!(both.triangles.len(), 7);
+    let alone = load(strips, body);
+    assert_eq!(alone.triangles, [[0, 1, 2], [2, 1, 3], [0, 2, 3]]);
+    let closed = load(strips, "13 4 6 5 7 -1 4 5 7 -1 4 7 6 -1\n");
+    assert!((closed.signed_volume_m3() - 1.0 / 6.0).abs() < 1e-12);
+    Solid::mesh(&closed).unwrap();
+    let other =
+        load(&format!("element edge 2\nproperty int vertex1\n{FACE_ELEMENT}"), &format!("0\n1\n{PLY_FACES}"));
+    assert_eq!(other.triangles.len(), 4);
+}
+
+/// The second element of a name took the place of the first, and what nobody counted was left out.
+#[test]
+fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
+    let polygon = FACE_ELEMENT.replace("face", "Face");
+    let listed_twice = format!("{FACE_ELEMENT}property list uchar int vertex_index\n");
+    let unlisted = FACE_ELEMENT.replace("indices", "colours");
+    for (elements, body, message) in [
+        (
+            &*format!("{FACE_ELEMENT}{FACE_ELEMENT}"),
+            &*PLY_FACES.repeat(2),
+            "line 9: line 7 has an element 'face' too",
+        ),
+        ("element vertex 8\n", "", "line 7: line 3 has an element 'vertex' too"),
+        ("property float x\n", "", "line 7: a second property 'x' of the element 'vertex'"),
+        (FACE_ELEMENT, &PLY_FACES.repeat(2), "line 22: 32 bytes follow what the header announces"),
+        (FACE_ELEMENT, &format!("{PLY_FACES}\0"), "line 22: 1 bytes follow"),
+        (&polygon, PLY_FACES, "no element 'face' (its elements are 'vertex', 'Face')"),
+        ("", "", "no element 'face' (its elements are 'vertex'; is it"),
+        (
+            &listed_twice,
+            "3 0 1 2 0\n3 0 1 2 0\n3 0 1 2 0\n3 0 1 2 0\n",
+            "line 7: the element 'face' has more than one",
+        ),
+        (&unlisted, PLY_FACES, "line 7: the element 'face' has no list 'vertex_indices'"),
+    ] {
+        let fault = fault("twice.ply", &ply_of_two(elements, body));
+        assert!(fault.contains(message), "{message}: {fault}");
+    }
+    let whole = binary_ply(true);
+    assert!(fault_of_bytes("more.ply", &[&whole[..], &[3]].concat()).contains("1 bytes follow"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("filled.ply");
+    std::fs::write(&path, [&whole[..], b"\0\0\n"].concat()).unwrap();
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+}
+
 #[test]
 fn other_counts_that_lie_are_refused() {
     let faces = FACES.replace("count='4'", "count='5'");
