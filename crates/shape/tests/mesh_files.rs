@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cranny_shape::{Solid, TriangleSoup};
+use cranny_shape::{PaintedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
 
 use crate::collada_files::{FACES, NODE, collada};
@@ -410,6 +410,22 @@ fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
     let path = folder.path().join("filled.ply");
     std::fs::write(&path, [&whole[..], b"\0\0\n"].concat()).unwrap();
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+}
+
+/// All corners fell on one place, and the mesh had no triangles then.
+#[test]
+fn a_scale_of_zero_is_named() {
+    let (_folder, path) = write("tetrahedron.obj", TETRAHEDRON_OBJ);
+    for (scale, said) in [
+        (Vector::zeros(), "cannot be scaled by (0, 0, 0): each factor must be a number other than zero"),
+        (Vector::new(1.0, 0.0, 1.0), "cannot be scaled by (1, 0, 1)"),
+        (Vector::new(1.0, 1.0, f64::NAN), "cannot be scaled by (1, 1, NaN)"),
+    ] {
+        let solid = TriangleSoup::load(&path, scale).unwrap_err().to_string();
+        let painted = PaintedMesh::load(&path, scale).unwrap_err().to_string();
+        assert_eq!(solid, painted);
+        assert!(solid.contains("tetrahedron.obj: ") && solid.contains(said), "{solid}");
+    }
 }
 
 #[test]
