@@ -1,15 +1,23 @@
 //! The triangles of a COLLADA file (`.dae`, version 1.4 or 1.5): what its scene shows, in metres.
 //!
 //! Read are geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that place them
-//! (matrix, translate, rotate, scale; library nodes), the unit, and the diffuse colours of materials; not read are the upward axis, as in other
-//! readers of robots, skins, splines, and all that is only seen.
+//! (matrix, translate, rotate, scale, lookat; library nodes), the unit, and the diffuse colours of materials. Passed over
+//! are the upward axis, as by other readers of robots, lines, cameras, lights and what is for physics. Anything else that
+//! would be shown is refused: skins and morphs, splines, skews, tags that are none.
+
+mod element;
+mod motion;
+mod primitive;
 
 use std::collections::HashMap;
 
-use cranny_spatial::nalgebra::{Matrix4, Rotation3, Unit, Vector4};
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::Point;
+use cranny_spatial::nalgebra::Matrix4;
 use roxmltree::{Document, Node};
 
+use self::element::{HasTag, child, children, elements, fault, index, number, numbers, text, unknown};
+use self::motion::motion;
+use self::primitive::{Inputs, Primitive};
 use crate::polygon::triangulate;
 
 /// The corners of the triangles, three at a time.
@@ -38,16 +46,23 @@ pub(crate) fn pieces(text: &str) -> Result<Vec<Piece>, String> {
     if root.tag_name().name() != "COLLADA" {
         return Err(format!("the outermost element is <{}>, not <COLLADA>", root.tag_name().name()));
     }
-    let by_id = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
-    let mut reader = Reader { by_id, pieces: Vec::new(), corners: 0, nodes: 0 };
-    let unit = match child(root, "asset").and_then(|asset| child(asset, "unit")) {
-        Some(unit) => unit.attribute("meter").map_or(Ok(1.0), |meter| number(unit, meter))?,
-        None => 1.0,
+    let mut reader = Reader { by_id: HashMap::new(), pieces: Vec::new(), corners: 0, nodes: 0 };
+    for node in root.descendants() {
+        if let Some(id) = node.attribute("id") {
+            reader.by_id.entry(id).or_default().push(node);
+        }
+    }
+    let scale = Matrix4::new_scaling(unit(root)?);
+    let mut shown = children(root, "scene").flat_map(|scene| children(scene, "instance_visual_scene"));
+    let scene = match (shown.next(), shown.next()) {
+        (Some(instance), None) => Some(reader.target(instance, &["visual_scene"])?),
+        (_, Some(second)) => {
+            return Err(fault(second, "a second <instance_visual_scene>; only one can be shown"));
+        }
+        (None, _) => only_scene(root)?,
     };
-    let scale = Matrix4::new_scaling(unit);
-    let shown = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
-    match shown {
-        Some(instance) => reader.add_children(reader.target(instance)?, &scale, 0)?,
+    match scene {
+        Some(scene) => reader.add_scene(scene, &scale)?,
         None => {
             for geometry in root.descendants().filter(|node| node.has_tag_name_of("geometry")) {
                 reader.add_geometry(geometry, None, &scale)?;
@@ -55,6 +70,42 @@ pub(crate) fn pieces(text: &str) -> Result<Vec<Piece>, String> {
         }
     }
     Ok(reader.pieces)
+}
+
+/// How many metres a unit of the file has.
+fn unit(root: Node) -> Result<f64, String> {
+    let meter = |unit: Node| match unit.attribute("meter") {
+        Some(word) => match number(unit, word)? {
+            meter if meter > 0.0 && meter.is_finite() => Ok(meter),
+            _ => Err(fault(unit, &format!("a unit of '{word}' metres; it must be a positive number"))),
+        },
+        None => Ok(1.0),
+    };
+    let unit = child(root, "asset").and_then(|asset| child(asset, "unit"));
+    let meters = unit.map_or(Ok(1.0), meter)?;
+    // Elements may have their own, which holds in them alone.
+    let is_unit = |node: &Node| {
+        node.has_tag_name_of("unit")
+            && node.parent_element().is_some_and(|asset| asset.has_tag_name_of("asset"))
+    };
+    for own in root.descendants().filter(is_unit) {
+        if meter(own)?.total_cmp(&meters).is_ne() {
+            return Err(fault(own, "an element with another unit than that of the file is not read"));
+        }
+    }
+    Ok(meters)
+}
+
+/// What a file shows that does not say so.
+fn only_scene<'a>(root: Node<'a, 'a>) -> Result<Option<Node<'a, 'a>>, String> {
+    let mut scenes = root.descendants().filter(|node| node.has_tag_name_of("visual_scene"));
+    let first = scenes.next();
+    match scenes.next() {
+        Some(second) => {
+            Err(fault(second, "a second <visual_scene>, and no <scene> names the one that is shown"))
+        }
+        None => Ok(first),
+    }
 }
 
 /// Deeper nodes are a circle of references.
@@ -67,31 +118,45 @@ const MOST_NODES: usize = 100_000;
 const MOST_CORNERS: usize = 25_000_000;
 
 struct Reader<'a> {
-    by_id: HashMap<&'a str, Node<'a, 'a>>,
+    by_id: HashMap<&'a str, Vec<Node<'a, 'a>>>,
     pieces: Vec<Piece>,
     corners: usize,
     nodes: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// What an element refers to by `url` or `source`.
-    fn target(&self, from: Node<'a, 'a>) -> Result<Node<'a, 'a>, String> {
+    /// The element with one of some tags that another refers to by `url` or `source`. Some exporters give parts of
+    /// different geometries one id: meant is what is in the same geometry.
+    fn target(&self, from: Node<'a, 'a>, tags: &[&str]) -> Result<Node<'a, 'a>, String> {
         let name = from.attribute("url").or(from.attribute("source")).unwrap_or_default();
-        let id = name.strip_prefix('#').unwrap_or(name);
-        let missing =
-            || fault(from, &format!("<{}> refers to '{name}', which is not there", from.tag_name().name()));
-        self.by_id.get(id).copied().ok_or_else(missing)
+        let all = self.by_id.get(name.strip_prefix('#').unwrap_or(name)).map_or(&[][..], Vec::as_slice);
+        let mut found: Vec<Node> =
+            all.iter().copied().filter(|node| tags.contains(&node.tag_name().name())).collect();
+        if let Some(geometry) = from.ancestors().find(|node| node.has_tag_name_of("geometry"))
+            && found.len() > 1
+        {
+            found.retain(|node| node.ancestors().any(|around| around == geometry));
+        }
+        let wrong = |what: &str| {
+            let (tag, name) = (from.tag_name().name(), cranny_file::excerpt(name));
+            Err(fault(from, &format!("<{tag}> refers to '{name}', {what}")))
+        };
+        match found[..] {
+            [target] => Ok(target),
+            [_, second, ..] => wrong(&format!("but there are two of it ({})", fault(second, "the second"))),
+            [] if all.is_empty() => wrong("which is not there"),
+            [] => wrong(&format!("which is no <{}>", tags.join("> or <"))),
+        }
     }
 
-    /// All that the nodes directly inside show.
-    fn add_children(
-        &mut self,
-        parent: Node<'a, 'a>,
-        placed: &Matrix4<f64>,
-        depth: usize,
-    ) -> Result<(), String> {
-        for node in parent.children().filter(|node| node.has_tag_name_of("node")) {
-            self.add_node(node, placed, depth)?;
+    /// All that a scene shows.
+    fn add_scene(&mut self, scene: Node<'a, 'a>, placed: &Matrix4<f64>) -> Result<(), String> {
+        for part in elements(scene) {
+            match part.tag_name().name() {
+                "node" => self.add_node(part, placed, 0)?,
+                "asset" | "evaluate_scene" | "extra" => {}
+                _ => return Err(unknown(part)),
+            }
         }
         Ok(())
     }
@@ -102,17 +167,29 @@ impl<'a> Reader<'a> {
             return Err(fault(node, "nodes hold each other without end"));
         }
         let mut placed = *placed;
-        for part in node.children().filter(Node::is_element) {
-            if let Some(motion) = motion(part)? {
-                placed *= motion;
+        let mut parts = Vec::new();
+        for part in elements(node) {
+            match motion(part)? {
+                Some(motion) => placed *= motion,
+                None => parts.push(part),
             }
         }
-        for part in node.children().filter(Node::is_element) {
+        for part in parts {
             match part.tag_name().name() {
-                "instance_geometry" => self.add_geometry(self.target(part)?, Some(part), &placed)?,
-                "instance_node" => self.add_node(self.target(part)?, &placed, depth + 1)?,
+                "instance_geometry" => {
+                    self.add_geometry(self.target(part, &["geometry"])?, Some(part), &placed)?;
+                }
+                "instance_node" => self.add_node(self.target(part, &["node"])?, &placed, depth + 1)?,
                 "node" => self.add_node(part, &placed, depth + 1)?,
-                _ => {}
+                "instance_controller" => {
+                    return Err(fault(
+                        part,
+                        "<instance_controller>, a mesh with a skin or a morph, is not read (apply skin or morph, \
+                         then export the mesh)",
+                    ));
+                }
+                "asset" | "extra" | "instance_camera" | "instance_light" => {}
+                _ => return Err(unknown(part)),
             }
         }
         Ok(())
@@ -126,11 +203,15 @@ impl<'a> Reader<'a> {
         };
         let named = instance.and_then(|instance| instance.descendants().find(bound));
         let target = named.and_then(|node| node.attribute("target")).unwrap_or(symbol);
-        let by_id = |name: &str| self.by_id.get(name.strip_prefix('#').unwrap_or(name)).copied();
-        let effect = by_id(child(by_id(target)?, "instance_effect")?.attribute("url")?)?;
+        let by_id = |name: &str, tag: &str| {
+            let all = self.by_id.get(name.strip_prefix('#').unwrap_or(name))?;
+            all.iter().find(|node| node.has_tag_name_of(tag)).copied()
+        };
+        let material = by_id(target, "material")?;
+        let effect = by_id(child(material, "instance_effect")?.attribute("url")?, "effect")?;
         let diffuse = effect.descendants().find(|node| node.has_tag_name_of("diffuse"))?;
-        let numbers: Vec<f32> =
-            words(child(diffuse, "color")?).filter_map(|word| word.parse().ok()).collect();
+        let words = text(child(diffuse, "color")?).ok()?;
+        let numbers: Vec<f32> = words.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect();
         numbers.first_chunk().copied().filter(|colour| colour.iter().all(|part| part.is_finite()))
     }
 
@@ -140,35 +221,60 @@ impl<'a> Reader<'a> {
         instance: Option<Node<'a, 'a>>,
         placed: &Matrix4<f64>,
     ) -> Result<(), String> {
-        let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
-        for primitive in mesh.children().filter(Node::is_element) {
-            let Some(kind) = Primitive::of(primitive) else { continue };
+        let has_faces = |mesh: Node| elements(mesh).any(|part| Primitive::of(part).is_some());
+        let mut is_empty = true;
+        for part in elements(geometry) {
+            match part.tag_name().name() {
+                "asset" | "extra" => continue,
+                "mesh" => self.add_mesh(part, instance, placed)?,
+                "convex_mesh" if part.attribute("convex_hull_of").is_none() && has_faces(part) => {
+                    self.add_mesh(part, instance, placed)?;
+                }
+                "convex_mesh" => {
+                    return Err(fault(
+                        part,
+                        "a <convex_mesh> without faces is not read (export its hull as a mesh)",
+                    ));
+                }
+                "brep" | "spline" => {
+                    let tag = part.tag_name().name();
+                    return Err(fault(
+                        part,
+                        &format!("a geometry of <{tag}> is not read (export it as a mesh)"),
+                    ));
+                }
+                _ => return Err(unknown(part)),
+            }
+            is_empty = false;
+        }
+        if is_empty { Err(fault(geometry, "the geometry has no <mesh>")) } else { Ok(()) }
+    }
+
+    fn add_mesh(
+        &mut self,
+        mesh: Node<'a, 'a>,
+        instance: Option<Node<'a, 'a>>,
+        placed: &Matrix4<f64>,
+    ) -> Result<(), String> {
+        for primitive in elements(mesh) {
+            let Some(kind) = Primitive::of(primitive) else {
+                match primitive.tag_name().name() {
+                    // Lines have no surface.
+                    "source" | "vertices" | "lines" | "linestrips" | "extra" => continue,
+                    _ => return Err(unknown(primitive)),
+                }
+            };
+            let inputs = Inputs::of(primitive)?;
+            let polygons = kind.polygons(primitive, &inputs)?;
+            if polygons.is_empty() {
+                continue;
+            }
             let colour = self.colour(instance, primitive);
             if self.pieces.last().is_none_or(|piece| piece.colour != colour) {
                 self.pieces.push(Piece { colour, corners: Vec::new() });
             }
-            let (mut positions, mut at, mut stride) = (None, 0, 1);
-            for input in primitive.children().filter(|node| node.has_tag_name_of("input")) {
-                let offset = input.attribute("offset").map_or(Ok(0), |offset| index(input, offset))?;
-                stride = stride.max(offset.saturating_add(1));
-                if input.attribute("semantic") == Some("VERTEX") {
-                    positions = Some(self.positions(self.target(input)?)?);
-                    at = offset;
-                }
-            }
-            let Some(positions) = positions else { continue };
-            if let Some(holed) = child(primitive, "ph") {
-                return Err(fault(holed, "a polygon with holes (<ph>) is not read"));
-            }
-            let lists = primitive.children().filter(|node| node.has_tag_name_of("p"));
-            let mut polygons: Vec<Vec<usize>> = Vec::new();
-            for list in lists {
-                let indices = words(list).map(|word| index(list, word)).collect::<Result<Vec<_>, _>>()?;
-                let vertices: Vec<usize> =
-                    indices.chunks(stride).filter_map(|c| c.get(at).copied()).collect();
-                polygons.extend(kind.polygons(primitive, &vertices)?);
-            }
-            kind.check_count(primitive, polygons.len())?;
+            let input = inputs.element.ok_or_else(|| fault(primitive, "there is no <input> of VERTEX"))?;
+            let positions = self.positions(self.target(input, &["vertices"])?)?;
             for polygon in polygons {
                 self.add_polygon(primitive, &polygon, &positions, placed)?;
             }
@@ -211,11 +317,17 @@ impl<'a> Reader<'a> {
             |node: &Node| node.has_tag_name_of("input") && node.attribute("semantic") == Some("POSITION");
         let input =
             vertices.children().find(is_position).ok_or_else(|| fault(vertices, "no POSITION is given"))?;
-        let source = self.target(input)?;
+        let source = self.target(input, &["source"])?;
         let accessor = child(source, "technique_common").and_then(|technique| child(technique, "accessor"));
         let accessor = accessor.ok_or_else(|| fault(source, "the source has no <accessor>"))?;
-        let array = self.target(accessor)?;
-        let numbers = words(array).map(|word| number(array, word)).collect::<Result<Vec<_>, _>>()?;
+        let array = self.target(accessor, &["float_array", "int_array"])?;
+        let numbers = numbers(array)?;
+        if let Some(count) = array.attribute("count")
+            && index(array, count)? != numbers.len()
+        {
+            let actual = numbers.len();
+            return Err(fault(array, &format!("{count} numbers are announced, but there are {actual}")));
+        }
         let size = |name: &str, default: usize| {
             accessor.attribute(name).map_or(Ok(default), |text| index(accessor, text))
         };
@@ -238,127 +350,4 @@ impl<'a> Reader<'a> {
             )
         })
     }
-}
-
-/// How the vertices of a primitive make polygons.
-enum Primitive {
-    Triangles,
-    Polylist,
-    Polygon,
-    Strip,
-    Fan,
-}
-
-impl Primitive {
-    fn of(element: Node) -> Option<Self> {
-        Some(match element.tag_name().name() {
-            "triangles" => Self::Triangles,
-            "polylist" => Self::Polylist,
-            "polygons" => Self::Polygon,
-            "tristrips" => Self::Strip,
-            "trifans" => Self::Fan,
-            _ => return None,
-        })
-    }
-
-    /// Refuses a count that is not that of the polygons; of strips and fans it is that of the lists.
-    fn check_count(&self, element: Node, actual: usize) -> Result<(), String> {
-        match (self, element.attribute("count")) {
-            (Self::Triangles | Self::Polylist, Some(count)) if index(element, count)? != actual => {
-                Err(fault(element, &format!("{count} polygons are announced, but there are {actual}")))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn polygons(&self, element: Node, vertices: &[usize]) -> Result<Vec<Vec<usize>>, String> {
-        Ok(match self {
-            Self::Triangles => vertices.chunks_exact(3).map(<[usize]>::to_vec).collect(),
-            Self::Polygon => vec![vertices.to_vec()],
-            Self::Fan => {
-                (2..vertices.len()).map(|at| vec![vertices[0], vertices[at - 1], vertices[at]]).collect()
-            }
-            Self::Strip => {
-                // Every second triangle of a strip runs the other way round.
-                let turned = |(at, t): (usize, &[usize])| {
-                    if at % 2 == 0 { vec![t[0], t[1], t[2]] } else { vec![t[1], t[0], t[2]] }
-                };
-                vertices.windows(3).enumerate().map(turned).collect()
-            }
-            Self::Polylist => {
-                let counts =
-                    child(element, "vcount").ok_or_else(|| fault(element, "there is no <vcount>"))?;
-                let mut rest = vertices;
-                let mut polygons = Vec::new();
-                for word in words(counts) {
-                    let split = rest.split_at_checked(index(counts, word)?);
-                    let (polygon, behind) =
-                        split.ok_or_else(|| fault(counts, "it counts more than there are"))?;
-                    polygons.push(polygon.to_vec());
-                    rest = behind;
-                }
-                polygons
-            }
-        })
-    }
-}
-
-/// What an element of a node does to all in it, if it is a motion.
-fn motion(element: Node) -> Result<Option<Matrix4<f64>>, String> {
-    let numbers = || words(element).map(|word| number(element, word)).collect::<Result<Vec<f64>, _>>();
-    let wrong = |count: usize| fault(element, &format!("{count} numbers are needed"));
-    Ok(Some(match element.tag_name().name() {
-        "matrix" => {
-            let numbers = numbers()?;
-            let rows: &[f64; 16] = numbers.first_chunk().ok_or_else(|| wrong(16))?;
-            Matrix4::from_row_slice(rows)
-        }
-        "translate" => {
-            let [x, y, z] = *numbers()?.first_chunk().ok_or_else(|| wrong(3))?;
-            Matrix4::new_translation(&Vector::new(x, y, z))
-        }
-        "scale" => {
-            let [x, y, z] = *numbers()?.first_chunk().ok_or_else(|| wrong(3))?;
-            Matrix4::from_diagonal(&Vector4::new(x, y, z, 1.0))
-        }
-        "rotate" => {
-            let [x, y, z, degrees] = *numbers()?.first_chunk().ok_or_else(|| wrong(4))?;
-            let axis = Unit::try_new(Vector::new(x, y, z), 0.0)
-                .ok_or_else(|| fault(element, "the axis has no length"))?;
-            Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous()
-        }
-        _ => return Ok(None),
-    }))
-}
-
-/// Tags are compared without their namespace, which differs between versions.
-trait HasTag {
-    fn has_tag_name_of(&self, tag: &str) -> bool;
-}
-
-impl HasTag for Node<'_, '_> {
-    fn has_tag_name_of(&self, tag: &str) -> bool {
-        self.is_element() && self.tag_name().name() == tag
-    }
-}
-
-fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
-    node.children().find(|child| child.has_tag_name_of(tag))
-}
-
-/// The words of an element's text.
-fn words<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = &'a str> {
-    node.text().unwrap_or_default().split_ascii_whitespace()
-}
-
-fn number(node: Node, word: &str) -> Result<f64, String> {
-    word.parse().map_err(|_| fault(node, &format!("'{word}' is no number")))
-}
-
-fn index(node: Node, word: &str) -> Result<usize, String> {
-    word.parse().map_err(|_| fault(node, &format!("'{word}' is no index")))
-}
-
-fn fault(node: Node, what: &str) -> String {
-    format!("line {}: {what}", node.document().text_pos_at(node.range().start).row)
 }

@@ -123,7 +123,7 @@ pub enum ShapeError {
         points: usize,
     },
     /// A mesh is scaled by zero, or by something that is not a number.
-    #[error("a mesh cannot be scaled by ({x}, {y}, {z})")]
+    #[error("a mesh cannot be scaled by ({x}, {y}, {z}): each factor must be a number other than zero")]
     Scale {
         /// The factor of x.
         x: f64,
@@ -189,6 +189,15 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ShapeError
         Ok(value)
     } else {
         Err(ShapeError::Size { what, value })
+    }
+}
+
+/// Refuses factors of a mesh of which one is zero or no finite number.
+pub(crate) fn check_scale(scale: &cranny_spatial::Vector) -> Result<(), ShapeError> {
+    if scale.iter().all(|factor| factor.is_finite() && *factor != 0.0) {
+        Ok(())
+    } else {
+        Err(ShapeError::Scale { x: scale.x, y: scale.y, z: scale.z })
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::error::usable;
+use crate::error::{check_scale, usable};
 use crate::{ShapeError, collada, obj, ply, stl};
 
 /// Triangles as a file gives them: no promise of a closed or connected surface.
@@ -25,8 +25,10 @@ impl TriangleSoup {
     ///
     /// # Errors
     /// [`ShapeError`] with the file's path (and line, where the format has lines) if it cannot be read, is
-    /// no mesh, holds numbers that are not finite or a polygon that crosses itself, or has no triangles.
+    /// no mesh, holds numbers that are not finite, a polygon that crosses itself or something of its format that is not
+    /// read, or has no triangles; [`ShapeError::Scale`] for a factor of zero or one that is not finite.
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
+        check_scale(&scale).map_err(|fault| fault.in_file(path))?;
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
         let broken = |message| unreadable(Error::new(ErrorKind::InvalidData, message));

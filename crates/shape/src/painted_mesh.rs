@@ -3,7 +3,7 @@ use std::path::Path;
 
 use cranny_spatial::{Point, Vector};
 
-use crate::error::usable;
+use crate::error::{check_scale, usable};
 use crate::{ShapeError, TriangleSoup, collada};
 
 /// A mesh as it looks: what a mesh file says of colours and normals. No solid; it may be open.
@@ -36,6 +36,7 @@ impl PaintedMesh {
     /// # Errors
     /// As [`TriangleSoup::load`].
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
+        check_scale(&scale).map_err(|fault| fault.in_file(path))?;
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         if ["ply", "stl"].iter().any(|plain| extension.eq_ignore_ascii_case(plain)) {
             return Ok(Self { pieces: vec![PaintedPiece::of_soup(&TriangleSoup::load(path, scale)?)] });

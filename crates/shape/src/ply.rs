@@ -3,11 +3,11 @@ use cranny_spatial::Point;
 use crate::polygon::triangulate;
 
 /// The corners of the triangles of a PLY file (Turk 1994), three at a time. Text and
-/// both binary forms; elements other than `vertex` and `face` are passed over.
+/// both binary forms; elements other than `vertex`, `face` and `tristrips` are passed over.
 ///
 /// # Errors
-/// What is wrong, with the line of a header or a text: a type or a form that is none, a count for which the file
-/// is too short, an index without a vertex, a face that crosses itself.
+/// What is wrong, with the line of a header or a text: a type or a form that is none, a name that is given twice, a count
+/// for which the file is too short or too long, an index without a vertex, a face that crosses itself, no faces.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     let (header, body) = Header::read(bytes)?;
     let mut body = Body { form: header.form, rest: body, line: header.lines };
@@ -17,12 +17,19 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
         element.check_count(&body)?;
         match element.name.as_str() {
             "vertex" => vertices = read_vertices(element, &mut body)?,
-            "face" => polygons = Polygons::read(element, &mut body)?,
+            "face" => polygons.read(element, &mut body, Polygons::add)?,
+            "tristrips" => polygons.read(element, &mut body, Polygons::add_strips)?,
             _ => element.read(&mut body, |_, _, _| {})?,
         }
     }
-    if !header.elements.iter().any(|element| element.name == "vertex") {
-        return Err("the file has no element 'vertex'".into());
+    body.check_end()?;
+    let has = |name: &str| header.elements.iter().any(|element| element.name == name);
+    if !has("vertex") {
+        return Err(format!("the file has no element 'vertex' ({})", header.names()));
+    }
+    if !has("face") && !has("tristrips") {
+        let hint = if header.elements.len() == 1 { "; is it a cloud of points?" } else { "" };
+        return Err(format!("the file has no element 'face' ({}{hint})", header.names()));
     }
     polygons.corners(&vertices)
 }
@@ -164,16 +171,34 @@ impl Header {
                 ["element", name, count] => {
                     let count = count.parse().map_err(|_| format!("line {at}: '{count}' is no count"))?;
                     let (name, properties) = (name.to_owned(), Vec::new());
+                    if let Some(first) = header.elements.iter().find(|element| element.name == name) {
+                        return Err(format!("line {at}: line {} has an element '{name}' too", first.line));
+                    }
                     header.elements.push(Element { name, count, line: at, properties });
                 }
                 ["property", ref property @ ..] => {
                     let element = header.elements.last_mut().ok_or_else(unknown)?;
-                    element.properties.push(read_property(property).ok_or_else(unknown)?);
+                    let property = read_property(property).ok_or_else(unknown)?;
+                    if element.properties.iter().any(|other| other.name == property.name) {
+                        let (element, name) = (&element.name, property.name);
+                        return Err(format!(
+                            "line {at}: a second property '{name}' of the element '{element}'"
+                        ));
+                    }
+                    element.properties.push(property);
                 }
                 _ => return Err(unknown()),
             }
         }
         if has_form { Ok((header, rest)) } else { Err("the header has no line 'format'".into()) }
+    }
+
+    /// What elements there are, in words.
+    fn names(&self) -> String {
+        match &self.elements.iter().map(|element| format!("'{}'", element.name)).collect::<Vec<_>>()[..] {
+            [] => "it has none".into(),
+            names => format!("its elements are {}", cranny_file::excerpt(&names.join(", "))),
+        }
     }
 }
 
@@ -204,6 +229,20 @@ impl Body<'_> {
         as_index(self.number(kind)?).map_err(|fault| {
             if self.form == Form::Text { format!("line {}: {fault}", self.line + 1) } else { fault }
         })
+    }
+
+    /// Refuses what is left behind the last element, if it is more than zeros and blanks that fill the file up.
+    fn check_end(&self) -> Result<(), String> {
+        let is_text = self.form == Form::Text;
+        let is_filling = |byte: &u8| byte.is_ascii_whitespace() || (!is_text && *byte == 0);
+        if self.rest.iter().all(is_filling) {
+            return Ok(());
+        }
+        let rest = if is_text { self.rest.trim_ascii_start() } else { self.rest };
+        let left = format!("{} bytes follow what the header announces (is a count wrong?)", rest.len());
+        let blanks = &self.rest[..self.rest.len() - rest.len()];
+        let line = self.line + blanks.split(|byte| *byte == b'\n').count();
+        Err(if is_text { format!("line {line}: {left}") } else { left })
     }
 
     fn word(&mut self, kind: Number) -> Result<f64, String> {
@@ -289,22 +328,47 @@ struct Polygons {
 }
 
 impl Polygons {
-    fn read(element: &Element, body: &mut Body) -> Result<Self, String> {
-        let is_polygon = |property: &Property| {
+    /// Gives `add` each list of indices of an element.
+    fn read(
+        &mut self,
+        element: &Element,
+        body: &mut Body,
+        mut add: impl FnMut(&mut Self, &[f64]),
+    ) -> Result<(), String> {
+        let is_list = |property: &&Property| {
             ["vertex_indices", "vertex_index"].contains(&property.name.as_str()) && property.length.is_some()
         };
-        let polygon = element.properties.iter().position(is_polygon);
-        if polygon.is_none() && element.count > 0 {
-            return Err(format!("line {}: a face has no list 'vertex_indices'", element.line));
+        let lists: Vec<&Property> = element.properties.iter().filter(is_list).collect();
+        if lists.len() != 1 && element.count > 0 {
+            let what = if lists.is_empty() { "no list" } else { "more than one list" };
+            let (line, name) = (element.line, &element.name);
+            return Err(format!(
+                "line {line}: the element '{name}' has {what} 'vertex_indices' or 'vertex_index'"
+            ));
         }
-        let mut polygons = Self::default();
         element.read(body, |_, property, numbers| {
-            if Some(property) == polygon {
-                polygons.indices.extend_from_slice(numbers);
-                polygons.ends.push(polygons.indices.len());
+            if is_list(&&element.properties[property]) {
+                add(self, numbers);
             }
-        })?;
-        Ok(polygons)
+        })
+    }
+
+    fn add(&mut self, indices: &[f64]) {
+        self.indices.extend_from_slice(indices);
+        self.ends.push(self.indices.len());
+    }
+
+    /// Strips of triangles, each ended by −1. Every second triangle of a strip runs the other way round; those with a
+    /// corner twice only turn it.
+    fn add_strips(&mut self, indices: &[f64]) {
+        for strip in indices.split(|index| index.total_cmp(&-1.0).is_eq()) {
+            for (at, triangle) in strip.windows(3).enumerate() {
+                let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
+                if [(a, b), (b, c), (c, a)].iter().all(|(one, other)| one.total_cmp(other).is_ne()) {
+                    self.add(&if at % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                }
+            }
+        }
     }
 
     fn corners(&self, vertices: &[Point]) -> Result<Vec<Point>, String> {

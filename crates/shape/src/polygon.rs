@@ -1,5 +1,10 @@
+use std::collections::BTreeSet;
+
 use cranny_spatial::{Point, Vector};
 use robust::{Coord, orient2d};
+
+use crate::corner_tree::CornerTree;
+use crate::side_sweep::crosses_itself;
 
 /// Cuts a polygon into triangles, as indices into its corners, that cover it and nothing beside it.
 ///
@@ -23,7 +28,7 @@ pub(crate) fn triangulate(polygon: &[Point]) -> Option<Vec<[usize; 3]>> {
         return Some(fan());
     }
     // 3.
-    if shadow.crosses_itself() { None } else { shadow.ears() }
+    if crosses_itself(&shadow.0) { None } else { shadow.ears() }
 }
 
 /// Returns whether all corners lie on one line, up to rounding, or one is not finite, which is reported elsewhere.
@@ -72,54 +77,23 @@ impl Shadow {
         })
     }
 
-    /// Returns whether two sides cross at a point that is inside both.
-    fn crosses_itself(&self) -> bool {
-        let count = self.0.len();
-        let low = |side: usize| self.0[side].x.min(self.0[(side + 1) % count].x);
-        let high = |side: usize| self.0[side].x.max(self.0[(side + 1) % count].x);
-        let cross = |one: usize, two: usize| {
-            let (a, b, c, d) = (one, (one + 1) % count, two, (two + 1) % count);
-            let apart = |s: f64, t: f64| (s > 0.0 && t < 0.0) || (s < 0.0 && t > 0.0);
-            apart(self.turn(a, b, c), self.turn(a, b, d)) && apart(self.turn(c, d, a), self.turn(c, d, b))
-        };
-        let mut sides: Vec<usize> = (0..count).collect();
-        sides.sort_by(|&one, &two| low(one).total_cmp(&low(two)));
-        (0..count).any(|first| {
-            let near = sides[first + 1..].iter().take_while(|&&side| low(side) <= high(sides[first]));
-            near.into_iter().any(|&side| cross(sides[first], side))
-        })
-    }
-
     /// `None` if at some time there is no ear, which no polygon has that does not cross itself.
+    ///
+    /// The next ear is the first from where the last was cut, as if all corners were tried in turn. But a corner that was
+    /// tried is tried again only when its triangle has changed, or the corner that was found in it hinders no longer.
     fn ears(&self) -> Option<Vec<[usize; 3]>> {
-        let count = self.0.len();
-        let mut after: Vec<usize> = (0..count).map(|corner| (corner + 1) % count).collect();
-        let mut before: Vec<usize> = (0..count).map(|corner| (corner + count - 1) % count).collect();
-        // What an ear may hold is one of these: around other corners the polygon is convex.
-        let mut inward: Vec<usize> =
-            (0..count).filter(|&at| self.turn(before[at], at, after[at]) <= 0.0).collect();
-        let mut triangles = Vec::with_capacity(count - 2);
-        let (mut at, mut passed, mut left) = (0, 0, count);
+        let mut cut = Cut::of(self);
+        let mut triangles = Vec::with_capacity(self.0.len() - 2);
+        let (mut at, mut left) = (0, self.0.len());
         while left > 3 {
-            let (a, c) = (before[at], after[at]);
-            let turn = self.turn(a, at, c);
             // Corners on one line go last: without area they hide nothing.
-            let is_flat = turn == 0.0 && passed > left;
-            let is_ear = turn > 0.0 && !inward.iter().any(|&other| self.hinders([a, at, c], other));
-            if !is_flat && !is_ear {
-                (at, passed) = (c, passed + 1);
-                if passed > 2 * left + 1 {
-                    return None;
-                }
-                continue;
-            }
-            triangles.push([a, at, c]);
-            (after[a], before[c]) = (c, a);
-            (left, passed) = (left - 1, 0);
-            inward.retain(|&corner| corner != at && self.turn(before[corner], corner, after[corner]) <= 0.0);
-            at = c;
+            let ear = cut.next_ear(at).or_else(|| first_from(&cut.flat, cut.after[at]))?;
+            triangles.push([cut.before[ear], ear, cut.after[ear]]);
+            at = cut.after[ear];
+            cut.cut_off(ear);
+            left -= 1;
         }
-        triangles.push([before[at], at, after[at]]);
+        triangles.push([cut.before[at], at, cut.after[at]]);
         Some(triangles)
     }
 
@@ -132,6 +106,95 @@ impl Shadow {
             && self.turn(b, c, corner) > 0.0
             && self.turn(c, a, corner) >= 0.0
     }
+}
+
+/// What is left of a polygon from which ears are cut.
+struct Cut<'a> {
+    shadow: &'a Shadow,
+    /// Of each corner the next that is left.
+    after: Vec<usize>,
+    /// Of each corner the one that is left before it.
+    before: Vec<usize>,
+    is_left: Vec<bool>,
+    /// What an ear may hold is one of these: around other corners the polygon is convex.
+    inward: CornerTree,
+    /// Corners on one line with their neighbours.
+    flat: BTreeSet<usize>,
+    /// Corners that may be ears.
+    untried: BTreeSet<usize>,
+    /// Of an inward corner those whose triangles it was found in; some have changed since.
+    hindered: Vec<Vec<usize>>,
+}
+
+impl<'a> Cut<'a> {
+    fn of(shadow: &'a Shadow) -> Self {
+        let count = shadow.0.len();
+        let after: Vec<usize> = (0..count).map(|corner| (corner + 1) % count).collect();
+        let before: Vec<usize> = (0..count).map(|corner| (corner + count - 1) % count).collect();
+        let turn = |at: usize| shadow.turn(before[at], at, after[at]);
+        let inward = CornerTree::new(&shadow.0, (0..count).filter(|&at| turn(at) <= 0.0).collect());
+        let (flat, untried) = (BTreeSet::new(), BTreeSet::new());
+        let (is_left, hindered) = (vec![true; count], vec![Vec::new(); count]);
+        let mut cut = Self { shadow, after, before, is_left, inward, flat, untried, hindered };
+        (0..count).for_each(|corner| cut.sort_in(corner));
+        cut
+    }
+
+    /// Notes what a corner has become.
+    fn sort_in(&mut self, corner: usize) {
+        let turn = self.shadow.turn(self.before[corner], corner, self.after[corner]);
+        let sort = |set: &mut BTreeSet<usize>, is_in: bool| {
+            if is_in {
+                set.insert(corner)
+            } else {
+                set.remove(&corner)
+            };
+        };
+        sort(&mut self.untried, turn > 0.0);
+        sort(&mut self.flat, turn == 0.0);
+        if turn > 0.0 {
+            self.hinders_no_longer(corner);
+        }
+    }
+
+    fn hinders_no_longer(&mut self, corner: usize) {
+        self.inward.remove(corner);
+        for ear in std::mem::take(&mut self.hindered[corner]) {
+            if self.is_left[ear] && self.shadow.turn(self.before[ear], ear, self.after[ear]) > 0.0 {
+                self.untried.insert(ear);
+            }
+        }
+    }
+
+    /// The first ear from a corner on.
+    fn next_ear(&mut self, from: usize) -> Option<usize> {
+        loop {
+            let at = first_from(&self.untried, from)?;
+            let triangle = [self.before[at], at, self.after[at]];
+            let found = self.inward.find(triangle.map(|corner| self.shadow.0[corner]), |other| {
+                self.shadow.hinders(triangle, other)
+            });
+            let Some(inside) = found else { return Some(at) };
+            self.hindered[inside].push(at);
+            self.untried.remove(&at);
+        }
+    }
+
+    fn cut_off(&mut self, corner: usize) {
+        let (a, c) = (self.before[corner], self.after[corner]);
+        (self.after[a], self.before[c]) = (c, a);
+        self.is_left[corner] = false;
+        self.hinders_no_longer(corner);
+        self.untried.remove(&corner);
+        self.flat.remove(&corner);
+        self.sort_in(a);
+        self.sort_in(c);
+    }
+}
+
+/// The first of some corners from one on, round the polygon.
+fn first_from(corners: &BTreeSet<usize>, from: usize) -> Option<usize> {
+    corners.range(from..).next().or_else(|| corners.first()).copied()
 }
 
 #[cfg(test)]
@@ -177,6 +240,117 @@ mod tests {
                 let covered = area(&polygon, &triangles);
                 assert!((covered - exact).abs() < 1e-9 * exact, "{covered} for {exact}");
             }
+        }
+    }
+
+    /// As [`Shadow::ears`], but all corners are tried in turn against all others.
+    fn ears_tried_in_turn(shadow: &Shadow) -> Option<Vec<[usize; 3]>> {
+        let count = shadow.0.len();
+        let mut after: Vec<usize> = (0..count).map(|corner| (corner + 1) % count).collect();
+        let mut before: Vec<usize> = (0..count).map(|corner| (corner + count - 1) % count).collect();
+        let mut inward: Vec<usize> =
+            (0..count).filter(|&at| shadow.turn(before[at], at, after[at]) <= 0.0).collect();
+        let mut triangles = Vec::new();
+        let (mut at, mut passed, mut left) = (0, 0, count);
+        while left > 3 {
+            let (a, c) = (before[at], after[at]);
+            let turn = shadow.turn(a, at, c);
+            let is_flat = turn == 0.0 && passed > left;
+            let is_ear = turn > 0.0 && !inward.iter().any(|&other| shadow.hinders([a, at, c], other));
+            if is_flat || is_ear {
+                triangles.push([a, at, c]);
+                (after[a], before[c]) = (c, a);
+                (left, passed) = (left - 1, 0);
+                inward.retain(|&one| one != at && shadow.turn(before[one], one, after[one]) <= 0.0);
+            } else if passed > 2 * left {
+                return None;
+            } else {
+                passed += 1;
+            }
+            at = c;
+        }
+        triangles.push([before[at], at, after[at]]);
+        Some(triangles)
+    }
+
+    /// Polygons on a coarse grid have corners on one line, at one place and on other sides; most cross themselves, for
+    /// which there may be no ear.
+    #[test]
+    fn ears_are_those_of_all_corners_tried_in_turn() {
+        let mut random = Stream::new(6, 0);
+        let mut found = [0; 2];
+        for corners in 4..40_u32 {
+            for round in 0..200 {
+                let polygon: Vec<_> = (0..corners)
+                    .map(|corner| {
+                        let (sine, cosine) =
+                            sin_cos(f64::from(corner) / f64::from(corners) * std::f64::consts::TAU);
+                        let radius = 1.0 + (6.0 * random.uniform()).floor();
+                        match round % 3 {
+                            0 => (radius * cosine, radius * sine),
+                            1 => ((radius * cosine).round(), (radius * sine).round()),
+                            _ => ((5.0 * random.uniform()).floor(), (5.0 * random.uniform()).floor()),
+                        }
+                    })
+                    .collect();
+                let Some(shadow) = Shadow::of(&flat(&polygon)) else { continue };
+                let expected = ears_tried_in_turn(&shadow);
+                found[usize::from(expected.is_some())] += 1;
+                assert_eq!(shadow.ears(), expected, "{polygon:?}");
+            }
+        }
+        assert!(found.iter().all(|count| *count > 500), "{found:?}");
+    }
+
+    /// A hundred thousand corners were hours of work for both the search for ears and that for sides which cross.
+    #[test]
+    fn many_corners_take_little_time() {
+        const CORNERS: u32 = 100_000;
+        let turn = |corner: u32| f64::from(corner) / f64::from(CORNERS) * std::f64::consts::TAU;
+        let on_ring = |angle: f64, radius: f64| {
+            let (sine, cosine) = sin_cos(angle);
+            (radius * cosine, radius * sine)
+        };
+        let star = |inner: f64| -> Vec<_> {
+            (0..CORNERS).map(|at| on_ring(turn(at), if at % 2 == 0 { 1.0 } else { inner })).collect()
+        };
+        let mut random = Stream::new(7, 0);
+        let hedgehog = (0..CORNERS).map(|at| on_ring(turn(at), 0.1 + random.uniform())).collect();
+        // An arc that looks inwards, closed by three corners outside of it.
+        let crescent: Vec<_> = [(3.0, 0.0), (0.0, 4.0), (-3.0, 0.0)]
+            .into_iter()
+            .chain((0..CORNERS).map(|at| on_ring(3.0 - 0.45 * turn(at), 1.0)))
+            .collect();
+        // Ten turns outwards and back, beside each other.
+        let spiral: Vec<_> = (0..CORNERS / 2)
+            .map(|at| on_ring(20.0 * turn(at), 1.0 + turn(at)))
+            .chain((0..CORNERS / 2).rev().map(|at| on_ring(20.0 * turn(at), 1.05 + turn(at))))
+            .collect();
+        // Slanting teeth, each beside all others in x and in y.
+        let comb: Vec<_> = (0..CORNERS)
+            .map(|at| (f64::from(at), if at % 2 == 0 { 0.0 } else { 1e6 }))
+            .chain([(2e5, 2e6), (-1e5, 2e6), (-1e5, -1e5)])
+            .map(|(x, y)| (x - 0.5 * y, y + 0.5 * x))
+            .collect();
+        for (name, outline) in [
+            ("star", star(0.5)),
+            ("saw", star(0.999)),
+            ("hedgehog", hedgehog),
+            ("crescent", crescent),
+            ("spiral", spiral),
+            ("comb", comb),
+        ] {
+            let polygon = flat(&outline);
+            let started = std::time::Instant::now();
+            let triangles = triangulate(&polygon).expect(name);
+            let seconds = started.elapsed().as_secs_f64();
+            let doubled: f64 = (0..outline.len())
+                .map(|at| (outline[at], outline[(at + 1) % outline.len()]))
+                .map(|(a, b)| a.0 * b.1 - a.1 * b.0)
+                .sum();
+            let (covered, exact) = (area(&polygon, &triangles), 0.5 * doubled.abs());
+            assert!((covered - exact).abs() < 1e-6 * exact, "{name}: {covered} for {exact}");
+            assert!(seconds < 20.0, "{name}: {seconds} s");
         }
     }
 

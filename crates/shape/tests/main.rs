@@ -5,6 +5,7 @@
 mod ball_trees;
 mod cancelled_windings;
 mod closest;
+mod collada_files;
 mod contact;
 mod large_hulls;
 mod mesh_files;

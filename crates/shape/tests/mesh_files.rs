@@ -2,19 +2,21 @@
 
 use std::path::PathBuf;
 
-use cranny_shape::{Solid, TriangleSoup};
+use cranny_shape::{PaintedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
+
+use crate::collada_files::{FACES, NODE, collada};
 
 const TETRAHEDRON_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-fn write(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
+pub(crate) fn write(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
     (folder, path)
 }
 
-fn fault(name: &str, text: &str) -> String {
+pub(crate) fn fault(name: &str, text: &str) -> String {
     let (_folder, path) = write(name, text);
     let fault = TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap_err().to_string();
     assert!(fault.contains(name), "{fault}");
@@ -46,85 +48,6 @@ fn an_stl_is_read() {
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
     let (_folder, path) = write("facet.stl", &format!("solid s\n{facet}endsolid s\n"));
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap().triangles.len(), 1);
-}
-
-/// A COLLADA file of four corners at 0 and 1; `primitive` makes faces of them, `nodes` place them.
-fn collada(primitive: &str, nodes: &str) -> String {
-    format!(
-        "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
-<asset><unit meter='0.5'/></asset>
-<library_geometries><geometry id='g'><mesh>
-<source id='s'><float_array id='a' count='13'>9 0 0 0 1 0 0 0 1 0 0 0 1</float_array>
-<technique_common><accessor source='#a' count='4' stride='3' offset='1'>
-<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/>
-</accessor></technique_common></source>
-<vertices id='v'><input semantic='POSITION' source='#s'/></vertices>
-{primitive}</mesh></geometry></library_geometries>
-<library_nodes><node id='loop'><instance_node url='#loop'/></node></library_nodes>
-<library_visual_scenes><visual_scene id='c'>{nodes}</visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url='#c'/></scene></COLLADA>"
-    )
-}
-
-const FACES: &str = "<triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/>\
-                     <input semantic='NORMAL' source='#none' offset='1'/>\
-                     <p>0 9 2 9 1 9 0 9 1 9 3 9 0 9 3 9 2 9 1 9 2 9 3 9</p></triangles>";
-
-const NODE: &str = "<node><instance_geometry url='#g'/></node>";
-
-#[test]
-fn a_collada_file_is_read_with_its_unit_where_its_nodes_place_it() {
-    let load = |primitive: &str, nodes: &str| {
-        let (_folder, path) = write("corner.dae", &collada(primitive, nodes));
-        TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap()
-    };
-    let plain = load(FACES, NODE);
-    assert_eq!((plain.vertices.len(), plain.triangles.len()), (4, 4));
-    assert!((Solid::mesh(&plain).unwrap().aabb().half_extents - Vector::repeat(0.25)).norm() < 1e-12);
-    // The same faces as polygons that are counted, and as a strip with one turned round.
-    let input = "<input semantic='VERTEX' source='#v' offset='0'/>";
-    let list = format!(
-        "<polylist count='4'>{input}<vcount>3 3 3 3</vcount><p>0 2 1 0 1 3 0 3 2 1 2 3</p></polylist>"
-    );
-    assert_eq!(load(&list, NODE), plain);
-    let strip = load(&format!("<tristrips count='1'>{input}<p>0 1 2 3</p></tristrips>"), NODE);
-    assert_eq!(strip.triangles, [[0, 1, 2], [2, 1, 3]]);
-    // Turned by a right angle about z, stretched before, moved after, in a node that is moved again; twice.
-    let nodes = "<node><translate>0 0 2</translate><node><translate>10 0 0</translate><rotate>0 0 1 90</rotate>\
-                 <scale>3 1 1</scale><instance_geometry url='#g'/></node></node><node><matrix>1 0 0 -8 0 1 0 0 \
-                 0 0 1 0 0 0 0 1</matrix><instance_geometry url='#g'/></node>";
-    let placed = load(FACES, nodes);
-    assert_eq!(placed.triangles.len(), 8);
-    let x_axis = placed.vertices[2] - placed.vertices[0];
-    assert!(
-        (placed.vertices[0].coords - Vector::new(5.0, 0.0, 1.0)).norm() < 1e-12,
-        "{}",
-        placed.vertices[0]
-    );
-    assert!((x_axis - Vector::new(0.0, 1.5, 0.0)).norm() < 1e-12, "{x_axis}");
-    assert!((placed.vertices[4].coords - Vector::new(-4.0, 0.0, 0.0)).norm() < 1e-12);
-}
-
-#[test]
-fn what_is_wrong_in_a_collada_file_is_said_with_its_line() {
-    let bad = |primitive: &str, nodes: &str| fault("bad.dae", &collada(primitive, nodes));
-    assert!(bad(&FACES.replace("2 9 3 9<", "2 9 4 9<"), NODE).contains("vertex 4 is named, but there are 4"));
-    assert!(
-        bad(&FACES.replace('#', "#un"), NODE)
-            .contains("line 9: <input> refers to '#unv', which is not there")
-    );
-    assert!(bad(FACES, &NODE.replace("#g", "#h")).contains("'#h', which is not there"));
-    assert!(bad(FACES, "<node><instance_node url='#loop'/></node>").contains("without end"));
-    assert!(bad(FACES, "<node><matrix>1 2 3</matrix></node>").contains("16 numbers are needed"));
-    let text = collada(FACES, NODE);
-    assert!(
-        fault("long.dae", &text.replace("count='4' stride", "count='5' stride")).contains("more than the 13")
-    );
-    assert!(fault("word.dae", &text.replace("9 0 0", "9 zero 0")).contains("line 4: 'zero' is no number"));
-    assert!(fault("other.dae", "<robot/>").contains("not <COLLADA>"));
-    assert!(fault("cut.dae", &text[..text.len() / 2]).len() > 10);
-    // Without a scene all geometries are shown; without geometries nothing is.
-    assert!(fault("none.dae", &text.replace("instance_geometry", "instance_light")).contains("no triangles"));
 }
 
 #[test]
@@ -175,13 +98,22 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
     // Some programs end it like a text or fill it up, and some do not count.
     let uncounted = binary_stl(&tetrahedron(), 0);
-    for rest in [&b"\n"[..], b"\0", &[0; 100], b"made by a program"] {
+    for rest in [&b"\n"[..], b"\0", &[0; 100]] {
         for start in [&whole, &uncounted] {
             std::fs::write(&path, [start, rest].concat()).unwrap();
             let read = TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap();
             assert!(read == tetrahedron() || start == &uncounted && rest.len() == 100, "{rest:?}");
         }
     }
+
+    // What is no filling may be triangles that nobody would see.
+    let triangle = &whole[84..134];
+    for rest in [&b"made by a program"[..], &triangle[..49], triangle, &[triangle, b"x"].concat(), &whole] {
+        let fault = fault_of_bytes("more.stl", &[&whole, rest].concat());
+        let expected = format!("{} bytes that are no zeros follow the binary STL file of 4 tri", rest.len());
+        assert!(fault.contains(&expected), "{fault}");
+    }
+    assert!(fault_of_bytes("more.stl", &[&uncounted, &triangle[..49]].concat()).contains("49 bytes"));
 
     for cut in [1, 50, 100, 201, 270] {
         let fault = fault_of_bytes("cut.stl", &whole[..whole.len() - cut]);
@@ -255,9 +187,22 @@ fn a_text_stl_is_read_in_all_its_forms() {
     };
     let plain = format!("solid a b\n{}{}endsolid a b\n", facet(0), facet(2));
     let several = format!("solid\n{}endsolid\n\nsolid two\n{}endsolid two", facet(0), facet(2));
-    for form in
-        [plain.clone(), several, plain.to_uppercase(), plain.replace('\n', "\r\n"), plain.replace(' ', "\t")]
-    {
+    // Lines end anywhere but behind a name.
+    let on_one_line = format!("solid\n{}\nendsolid", [facet(0), facet(2)].concat().replace('\n', " "));
+    let forms = [
+        plain.clone(),
+        several,
+        plain.to_uppercase(),
+        plain.replace('\n', "\r\n"),
+        plain.replace(' ', "\t"),
+        plain.replace("normal 0 0 1", "normal -nan(ind) nan 1.#QNAN"),
+        plain.replace("normal 0 0 1\n", "normal 0 0 1"),
+        plain.replace("solid a b", "solid vertex 1 2 3"),
+        plain.replace("solid a b", "solid facet normal vertex"),
+        on_one_line,
+        format!("\u{feff}{plain}"),
+    ];
+    for form in forms {
         let (_folder, path) = write("facets.STL", &form);
         let soup = TriangleSoup::load(&path, Vector::repeat(1.0)).expect(&form);
         assert_eq!((soup.vertices.len(), soup.triangles.len()), (6, 2), "{form}");
@@ -267,6 +212,32 @@ fn a_text_stl_is_read_in_all_its_forms() {
     assert!(
         fault("odd.stl", &plain.replacen(" outer loop", " inner loop", 1)).contains("line 3: 'inner loop'")
     );
+}
+
+/// A solid on the line of its name was read as a name, corners of two facets as one polygon.
+#[test]
+fn what_is_out_of_place_in_a_text_stl_is_refused() {
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    let plain = format!("solid a\n{facet}{facet}endsolid a\n");
+    let second = format!("solid b {facet}").replace('\n', " ");
+    for (text, message) in [
+        (format!("{plain}{second}\nendsolid b\n"), "line 17: facets follow 'solid' on its line"),
+        (
+            plain.replace("endsolid a\n", &format!("endsolid a {second}\n")),
+            "line 16: facets follow 'endsolid'",
+        ),
+        (plain.replacen("endfacet\n", "", 1), "line 8: a facet begins, but the one before has no 'endfacet'"),
+        (plain.replace("endfacet\nendsolid", "endsolid"), "line 15: 'endsolid' before the 'endfacet'"),
+        (plain.replacen("endloop\n", "endloop\nouter loop\n", 1), "line 8: a facet has a second loop"),
+        (plain.replace("endsolid", "vertex 9 9 9\nendsolid"), "line 16: a vertex outside of a facet"),
+        (plain.replacen("vertex 1 0 0", "vertex 1 0 0 7", 1), "line 5: 'vertex 1 0 0 7' is no line"),
+        (plain.replacen("vertex 1 0 0", "vertex 1 0 0abc", 1), "line 5: a vertex has three numbers"),
+        (plain.replace('\n', "\r\n").replacen("outer", "inner", 1), "line 3: 'inner loop' is no line"),
+    ] {
+        let fault = fault("place.stl", &text);
+        assert!(fault.contains(message), "{message}: {fault}");
+    }
 }
 
 /// A U of 3 m by 3 m with a slot of 1 m by 2 m, as one polygon: cut as a fan from its first corner it filled the slot.
@@ -285,6 +256,7 @@ fn no_format_fills_a_concave_polygon() {
         NODE,
     )
     .replace("9 0 0 0 1 0 0 0 1 0 0 0 1", &format!("9 {}", lines("")))
+    .replace("count='13'", "count='25'")
     .replace("count='4' stride", "count='8' stride")
     .replace("0.5", "1");
     for (name, text) in [("u.obj", obj), ("u.ply", ply), ("u.dae", dae)] {
@@ -370,10 +342,97 @@ fn a_ply_that_counts_more_than_it_holds_is_refused_at_once() {
     assert!(fault.contains("line 12: 'one' is no number"), "{fault}");
 }
 
+/// A PLY file of the corners of a tetrahedron, twice, with what `elements` announces of them.
+fn ply_of_two(elements: &str, body: &str) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n{elements}\
+         end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n2 0 0\n3 0 0\n2 1 0\n2 0 1\n{body}"
+    )
+}
+
+const FACE_ELEMENT: &str = "element face 4\nproperty list uchar int vertex_indices\n";
+const PLY_FACES: &str = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+
+/// Strips were passed over, and so were the bodies made of them.
+#[test]
+fn strips_of_a_ply_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("strips.ply");
+    let load = |elements: &str, body: &str| {
+        std::fs::write(&path, ply_of_two(elements, body)).unwrap();
+        TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap()
+    };
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    // Two triangles side by side, then one alone, then one that is turned by a corner given twice.
+    let body = "15 4 6 5 7 -1 4 5 7 -1 6 6 4 4 7 -1\n";
+    let both = load(&format!("{FACE_ELEMENT}{strips}"), &format!("{PLY_FACES}{body}"));
+    assert_eq!(both.triangles.len(), 7);
+    let alone = load(strips, body);
+    assert_eq!(alone.triangles, [[0, 1, 2], [2, 1, 3], [0, 2, 3]]);
+    let closed = load(strips, "13 4 6 5 7 -1 4 5 7 -1 4 7 6 -1\n");
+    assert!((closed.signed_volume_m3() - 1.0 / 6.0).abs() < 1e-12);
+    Solid::mesh(&closed).unwrap();
+    let other =
+        load(&format!("element edge 2\nproperty int vertex1\n{FACE_ELEMENT}"), &format!("0\n1\n{PLY_FACES}"));
+    assert_eq!(other.triangles.len(), 4);
+}
+
+/// The second element of a name took the place of the first, and what nobody counted was left out.
+#[test]
+fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
+    let polygon = FACE_ELEMENT.replace("face", "Face");
+    let listed_twice = format!("{FACE_ELEMENT}property list uchar int vertex_index\n");
+    let unlisted = FACE_ELEMENT.replace("indices", "colours");
+    for (elements, body, message) in [
+        (
+            &*format!("{FACE_ELEMENT}{FACE_ELEMENT}"),
+            &*PLY_FACES.repeat(2),
+            "line 9: line 7 has an element 'face' too",
+        ),
+        ("element vertex 8\n", "", "line 7: line 3 has an element 'vertex' too"),
+        ("property float x\n", "", "line 7: a second property 'x' of the element 'vertex'"),
+        (FACE_ELEMENT, &PLY_FACES.repeat(2), "line 22: 32 bytes follow what the header announces"),
+        (FACE_ELEMENT, &format!("{PLY_FACES}\0"), "line 22: 1 bytes follow"),
+        (&polygon, PLY_FACES, "no element 'face' (its elements are 'vertex', 'Face')"),
+        ("", "", "no element 'face' (its elements are 'vertex'; is it"),
+        (
+            &listed_twice,
+            "3 0 1 2 0\n3 0 1 2 0\n3 0 1 2 0\n3 0 1 2 0\n",
+            "line 7: the element 'face' has more than one",
+        ),
+        (&unlisted, PLY_FACES, "line 7: the element 'face' has no list 'vertex_indices'"),
+    ] {
+        let fault = fault("twice.ply", &ply_of_two(elements, body));
+        assert!(fault.contains(message), "{message}: {fault}");
+    }
+    let whole = binary_ply(true);
+    assert!(fault_of_bytes("more.ply", &[&whole[..], &[3]].concat()).contains("1 bytes follow"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("filled.ply");
+    std::fs::write(&path, [&whole[..], b"\0\0\n"].concat()).unwrap();
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
+}
+
+/// All corners fell on one place, and the mesh had no triangles then.
+#[test]
+fn a_scale_of_zero_is_named() {
+    let (_folder, path) = write("tetrahedron.obj", TETRAHEDRON_OBJ);
+    for (scale, said) in [
+        (Vector::zeros(), "cannot be scaled by (0, 0, 0): each factor must be a number other than zero"),
+        (Vector::new(1.0, 0.0, 1.0), "cannot be scaled by (1, 0, 1)"),
+        (Vector::new(1.0, 1.0, f64::NAN), "cannot be scaled by (1, 1, NaN)"),
+    ] {
+        let solid = TriangleSoup::load(&path, scale).unwrap_err().to_string();
+        let painted = PaintedMesh::load(&path, scale).unwrap_err().to_string();
+        assert_eq!(solid, painted);
+        assert!(solid.contains("tetrahedron.obj: ") && solid.contains(said), "{solid}");
+    }
+}
+
 #[test]
 fn other_counts_that_lie_are_refused() {
     let faces = FACES.replace("count='4'", "count='5'");
-    assert!(fault("lie.dae", &collada(&faces, NODE)).contains("5 polygons are announced, but there are 4"));
+    assert!(fault("lie.dae", &collada(&faces, NODE)).contains("5 triangles are announced, but there are 4"));
     let cut = &TETRAHEDRON_OBJ[..TETRAHEDRON_OBJ.len() - 3];
     assert!(fault("cut.obj", cut).contains("line 8: a face has fewer than three corners"));
     for index in ["99999999999", "-9", "0", "4294967295"] {
