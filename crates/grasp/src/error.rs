@@ -1,5 +1,12 @@
 use std::path::PathBuf;
 
+use cranny_file::did_you_mean;
+
+use crate::csv_header::COLUMNS;
+
+const EXPECTED_COLUMNS: &str =
+    "t00 to t33 (the pose, row by row), score, width_m, robust_score and robust_trials";
+
 /// What can be wrong with grasps or a file of them. The message is complete in itself: file and line where
 /// there is one.
 #[derive(Debug, thiserror::Error)]
@@ -75,7 +82,7 @@ pub enum GraspError {
     },
     /// A line has a robust score without its number of trials, or the other way round.
     #[error(
-        "of robust score and robust trials (numbers 19 and 20) there is only one; give both, or leave both empty"
+        "of robust score and robust trials (without a header numbers 19 and 20) there is only one; give both, or leave both empty"
     )]
     HalfRobust,
     /// A line holds too few or too many numbers.
@@ -86,6 +93,45 @@ pub enum GraspError {
     NumberCount {
         /// How many there are.
         actual: usize,
+    },
+    /// A column of a header has a name that no column has.
+    #[error(
+        "column {column} of the header is '{name}', which is none of {}{}",
+        EXPECTED_COLUMNS,
+        did_you_mean(name, COLUMNS)
+    )]
+    UnknownColumn {
+        /// Which one, from 1.
+        column: usize,
+        /// What it is called.
+        name: String,
+    },
+    /// Two columns of a header have one name.
+    #[error(
+        "columns {first} and {column} of the header are both '{name}'; it names each of {} once at the most",
+        EXPECTED_COLUMNS
+    )]
+    RepeatedColumn {
+        /// What they are called.
+        name: &'static str,
+        /// The first one, from 1.
+        first: usize,
+        /// The second one.
+        column: usize,
+    },
+    /// A header names only a part of the pose.
+    #[error("the header has no column '{name}'; it must name t00 to t33 (the pose, row by row)")]
+    MissingColumn {
+        /// The first that is missing.
+        name: &'static str,
+    },
+    /// A line holds more numbers than its header names, or too few for a pose.
+    #[error("{actual} numbers under a header of {named} columns")]
+    ColumnCount {
+        /// How many there are.
+        actual: usize,
+        /// How many the header names.
+        named: usize,
     },
     /// What should be a number is none, or none that is finite.
     #[error("number {column} is '{text}', which is not a finite number")]

@@ -2,15 +2,17 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::csv_header::{COLUMNS, CsvHeader, POSE_COLUMNS};
 use crate::homogeneous::{pose_of_rows, rows_of_pose};
 use crate::{Grasp, GraspError, GraspSet, RobustScore};
 
 /// The grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row
 /// (metres), then score and width (m), then robust score and the number of its trials. All after the pose may be
-/// empty or absent, as in the files of the paper's release; a first line that holds no number at all is a header.
+/// empty or absent, as in the files of the paper's release. A first line that holds no number at all is a header, which
+/// names the columns and their order.
 ///
 /// # Errors
-/// [`GraspError::Line`] with file and line for what is no grasp, [`GraspError::Empty`] for a file without
+/// [`GraspError::Line`] with file and line for what is no grasp or no header, [`GraspError::Empty`] for a file without
 /// any, [`GraspError::Unreadable`].
 pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
     let text = cranny_file::TABLE
@@ -34,21 +36,29 @@ pub fn parse_csv(path: &Path, text: &str) -> Result<GraspSet, GraspError> {
 
 /// The grasps of a text as far as its lines are sound, and what is wrong with each of the others.
 pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
+    let at_line = |index: usize, fault: GraspError| GraspError::Line {
+        path: path.to_owned(),
+        line: index + 1,
+        fault: Box::new(fault),
+    };
+    let named = match CsvHeader::of(text.lines().next().unwrap_or_default()) {
+        Ok(named) => named,
+        // Nobody knows what the lines hold.
+        Err(fault) => return (GraspSet::default(), vec![at_line(0, fault)]),
+    };
+    let (header, from) = named.map_or((CsvHeader::absent(), 0), |named| (named, 1));
     let mut sound = Vec::new();
     let mut faults = Vec::new();
-    for (index, line) in text.lines().enumerate() {
-        if line.trim().is_empty() || (index == 0 && is_header(line)) {
+    for (index, line) in text.lines().enumerate().skip(from) {
+        if line.trim().is_empty() {
             continue;
         }
         // Faults of a single grasp call it by its place in the file.
         let place = sound.len() + faults.len();
-        let checked = parse(line, place).and_then(|grasp| grasp.checked(place));
+        let checked = parse(&header, line, place).and_then(|grasp| grasp.checked(place));
         match checked {
             Ok(grasp) => sound.push(grasp),
-            Err(fault) => {
-                let path = path.to_owned();
-                faults.push(GraspError::Line { path, line: index + 1, fault: Box::new(fault) });
-            }
+            Err(fault) => faults.push(at_line(index, fault)),
         }
     }
     if sound.is_empty() && faults.is_empty() {
@@ -70,14 +80,9 @@ pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
 /// The text that [`write_csv`] writes.
 pub fn csv_text(grasps: &GraspSet) -> String {
     let mut text = String::new();
-    for row in 0..4 {
-        for column in 0..4 {
-            let _ = write!(text, "t{row}{column},");
-        }
-    }
-    text.push_str("score,width_m");
     let is_robust = grasps.grasps().iter().any(|grasp| grasp.robust.is_some());
-    text.push_str(if is_robust { ",robust_score,robust_trials\n" } else { "\n" });
+    text.push_str(&COLUMNS[..if is_robust { 20 } else { 18 }].join(","));
+    text.push('\n');
     for grasp in grasps.grasps() {
         for number in rows_of_pose(&grasp.world_from_gripper) {
             let _ = write!(text, "{number},");
@@ -96,37 +101,31 @@ pub fn csv_text(grasps: &GraspSet) -> String {
     text
 }
 
-fn is_header(line: &str) -> bool {
-    let fields = || line.split(',').map(str::trim);
-    fields().all(|field| field.parse::<f64>().is_err()) && fields().any(|field| !field.is_empty())
-}
-
-fn parse(line: &str, place: usize) -> Result<Grasp, GraspError> {
+fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspError> {
     // Counted before they are kept: a line may have any number of them.
     let actual = line.split(',').count();
-    if !(16..=20).contains(&actual) {
-        return Err(GraspError::NumberCount { actual });
-    }
+    header.check_count(actual)?;
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let further = &fields[16..];
     let number = |index: usize| -> Result<f64, GraspError> {
         let not_a_number =
             || GraspError::NotANumber { column: index + 1, text: cranny_file::excerpt(fields[index]) };
         fields[index].parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(not_a_number)
     };
-    let optional = |index: usize| -> Result<Option<f64>, GraspError> {
-        match further.get(index) {
-            None | Some(&"") => Ok(None),
-            Some(_) => number(16 + index).map(Some),
+    let optional = |column: usize| -> Result<Option<f64>, GraspError> {
+        match header.place(column).filter(|index| fields.get(*index).is_some_and(|field| !field.is_empty())) {
+            None => Ok(None),
+            Some(index) => number(index).map(Some),
         }
     };
     let mut rows = [0.0; 16];
-    for (index, entry) in rows.iter_mut().enumerate() {
-        *entry = number(index)?;
+    for (column, entry) in rows.iter_mut().enumerate() {
+        *entry = number(header.place(column).ok_or(GraspError::NumberCount { actual })?)?;
     }
     let world_from_gripper = pose_of_rows(&rows)?;
-    let (score, width_m) = (optional(0)?, optional(1)?);
-    let robust = match (optional(2)?, optional(3)?) {
+    let [score, width_m, robust_score, robust_trials] =
+        [0, 1, 2, 3].map(|further| optional(POSE_COLUMNS + further));
+    let (score, width_m) = (score?, width_m?);
+    let robust = match (robust_score?, robust_trials?) {
         (None, None) => None,
         (Some(score), Some(trials)) => {
             Some(RobustScore::of_share(score, trials).ok_or(GraspError::Robust {
@@ -237,8 +236,50 @@ mod tests {
     #[test]
     fn a_file_without_grasps_is_a_fault() {
         assert!(matches!(read(""), Err(GraspError::Empty { .. })));
-        assert!(matches!(read("t00,t01\n"), Err(GraspError::Empty { .. })));
+        assert!(matches!(read(&format!("{}\n", COLUMNS.join(","))), Err(GraspError::Empty { .. })));
         assert!(matches!(read_csv(Path::new("no/such/grasps.csv")), Err(GraspError::Unreadable { .. })));
+    }
+
+    /// A header whose `score` and `width_m` had changed places was read by position.
+    #[test]
+    fn a_header_names_the_columns_in_any_order() {
+        let pose = COLUMNS[..16].join(",");
+        let grasp = |text: &str| read(text).unwrap().grasps()[0];
+        let turned = grasp(&format!("{pose},width_m,score\n{IDENTITY},0.06,0.9\n"));
+        assert_eq!((turned.score, turned.width_m), (Some(0.9), Some(0.06)));
+        let alone = grasp(&format!("# {pose}, width_m\r\n{IDENTITY},0.06\r\n"));
+        assert_eq!((alone.score, alone.width_m), (None, Some(0.06)));
+        let before = grasp(&format!("\u{feff}robust_trials,robust_score,{pose}\n32,0.5,{IDENTITY}\n"));
+        assert_eq!(before.robust, Some(RobustScore { trials: 32, held: 16 }));
+        assert_eq!(before.world_from_gripper, Pose::translation(0.1, 0.2, 0.3));
+        let short = grasp(&format!("{pose},score,width_m\n{IDENTITY}\n"));
+        assert_eq!((short.score, short.width_m), (None, None));
+    }
+
+    #[test]
+    fn a_header_that_is_not_understood_is_refused_by_name() {
+        let pose = COLUMNS[..16].join(",");
+        let centimetres = fault(&format!("{pose},score,width_cm\n{IDENTITY},0.9,6\n"));
+        for words in [
+            "grasps.csv:1: column 18",
+            "'width_cm'",
+            "did you mean 'width_m'?",
+            "t00 to t33",
+            "robust_trials",
+        ] {
+            assert!(centimetres.contains(words), "no {words} in: {centimetres}");
+        }
+        let twice = fault(&format!("{pose},score,score\n{IDENTITY},0.9,0.9\n"));
+        assert!(twice.contains("grasps.csv:1: columns 17 and 18 of the header are both 'score'"), "{twice}");
+        let without = fault(&format!("{}\n{IDENTITY}\n", COLUMNS[1..16].join(",")));
+        assert!(without.contains("grasps.csv:1: the header has no column 't00'"), "{without}");
+        let unnamed = fault(&format!("{pose},\n{IDENTITY},0.9\n"));
+        assert!(unnamed.contains("column 17 of the header is ''"), "{unnamed}");
+        let more = fault(&format!("{pose},score\n{IDENTITY},0.9,0.06\n"));
+        assert!(more.contains("grasps.csv:2: 18 numbers under a header of 17 columns"), "{more}");
+        // Every fault of the lines would be a guess.
+        let (set, faults) = check_csv(Path::new("grasps.csv"), &format!("{pose},grade\n{IDENTITY},7\n"));
+        assert_eq!((set.len(), faults.len()), (0, 1));
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod array;
 mod arrays;
 pub(crate) mod format;
 mod graspnet;
+mod hdf5;
 mod records;
 
 use std::path::Path;
@@ -41,8 +42,9 @@ pub struct Imported {
 ///
 /// # Errors
 /// [`GraspError::Unreadable`]; [`GraspError::Import`] for a file of no such format, of a wrong shape, with a grasp that is no
-/// rigid pose (named by its place, from 0) or has no such score, for a frame that only the caller knows, and for one in which
-/// no grasp is left.
+/// rigid pose (named by its place, from 0) or has no such score or a width above 1 m, for unknown keys, names that are there
+/// twice and what follows the end, for a frame that only the caller knows (any but that of the Franka hand), for an object
+/// with more scales than one, and for a file in which no grasp is left.
 pub fn import_grasps(path: &Path, settings: &ImportSettings) -> Result<Imported, GraspError> {
     let bytes = cranny_file::TABLE
         .bytes(path)
@@ -55,17 +57,20 @@ fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String>
         return Err(format!("an offset of {offset_m} m is none of a gripper"));
     }
     let read = if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
-        acronym::read(bytes)
+        acronym::read(bytes, settings)
     } else if bytes.starts_with(b"PK\x03\x04") {
         arrays::read_npz(bytes, settings)
     } else if bytes.starts_with(b"\x93NUMPY") {
         arrays::read_npy(bytes, settings)
     } else {
-        records::read(bytes)
+        records::read(bytes, settings)
     }?;
     let Read { format, grasps, in_file, masked, below, object_scale, notes, closing, offset_m } = read;
     if let Some(expected) = settings.format.filter(|expected| *expected != format) {
         return Err(format!("it is {}, not {}", <&str>::from(format), <&str>::from(expected)));
+    }
+    if let Some(scale) = object_scale.filter(|scale| !(scale.is_finite() && *scale > 0.0)) {
+        return Err(format!("the scale of its object is {scale}, but must be above 0"));
     }
     let unknown = |what: &str| {
         format!(

@@ -46,6 +46,9 @@ const MOST_TRIALS: f64 = 1e9;
 /// How far a score that a person rounded to two decimals may be from the share that it stands for.
 const TWO_DECIMALS: f64 = 0.005 + 1e-9;
 
+/// How far a written score may be from its counts: what the last digits of a decimal lose.
+const SCORE_ROUNDING: f64 = 1e-9;
+
 impl Serialize for RobustScore {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("RobustScore", 3)?;
@@ -58,16 +61,25 @@ impl Serialize for RobustScore {
 
 impl<'de> Deserialize<'de> for RobustScore {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// The score follows from the counts.
+        /// The score follows from the counts, and may not contradict them.
         #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
         struct Counts {
             trials: usize,
             held: usize,
+            #[serde(default)]
+            score: Option<f64>,
         }
-        let Counts { trials, held } = Counts::deserialize(deserializer)?;
+        let Counts { trials, held, score } = Counts::deserialize(deserializer)?;
         let robust = Self { trials, held };
-        let fault = || serde::de::Error::custom(format!("{held} of {trials} trials is no robust score"));
-        if robust.is_sound() { Ok(robust) } else { Err(fault()) }
+        let fault = |problem: String| Err(serde::de::Error::custom(problem));
+        match score {
+            _ if !robust.is_sound() => fault(format!("{held} of {trials} trials is no robust score")),
+            Some(score) if (score - robust.score()).abs() > SCORE_ROUNDING => {
+                fault(format!("the robust score is {score}, but {held} of {trials} trials held"))
+            }
+            _ => Ok(robust),
+        }
     }
 }
 
@@ -82,6 +94,22 @@ mod tests {
             assert_eq!(RobustScore::of_share(score.score(), trials as f64), Some(score));
         }
         assert_eq!(RobustScore::of_share(0.97, 32.0), Some(RobustScore { trials: 32, held: 31 }));
+    }
+
+    #[test]
+    fn what_contradicts_the_counts_or_is_unknown_is_refused() {
+        let read = |text: &str| cranny_file::json::<RobustScore>(text.as_bytes());
+        let robust = RobustScore { trials: 32, held: 8 };
+        assert_eq!(read(r#"{"trials": 32, "held": 8, "score": 0.25}"#), Ok(robust));
+        assert_eq!(read(r#"{"trials": 32, "held": 8}"#), Ok(robust));
+        for (text, words) in [
+            (r#"{"trials": 32, "held": 8, "score": 0.9}"#, "is 0.9, but 8 of 32 trials held"),
+            (r#"{"trials": 32, "held": 33}"#, "33 of 32 trials"),
+            (r#"{"trials": 32, "held": 8, "slipped": 3}"#, "slipped"),
+        ] {
+            let fault = read(text).unwrap_err().to_string();
+            assert!(fault.contains(words), "{fault}");
+        }
     }
 
     #[test]

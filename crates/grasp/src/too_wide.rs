@@ -11,6 +11,7 @@ const FIRST_CONTACTS: usize = 10_000;
 
 /// An object that no grasp fits, as far as was sampled: two pads that hold it are farther apart than the hand opens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TooWide {
     /// The least distance of two contacts in force closure, in metres.
     pub narrowest_m: f64,
@@ -34,5 +35,28 @@ impl fmt::Display for TooWide {
             "no grasp fits: two pads that hold it are at least {narrowest} mm apart, as sampled, and the hand opens \
              {opening} mm"
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As in a plan file.
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(rename_all = "kebab-case", tag = "reason")]
+    enum Reason {
+        TooWide(TooWide),
+    }
+
+    #[test]
+    fn an_unknown_key_is_refused_by_name() {
+        let read = |rest: &str| {
+            let text = format!(r#"{{"reason": "too-wide", "narrowest_m": 0.2, "opening_m": 0.08{rest}}}"#);
+            cranny_file::json::<Reason>(text.as_bytes())
+        };
+        assert_eq!(read(""), Ok(Reason::TooWide(TooWide { narrowest_m: 0.2, opening_m: 0.08 })));
+        let fault = read(r#", "openning_m": 1"#).unwrap_err().to_string();
+        assert!(fault.contains("openning_m"), "{fault}");
     }
 }

@@ -2,7 +2,10 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
+mod acronym;
+mod arrays;
 mod imports;
 mod metrics;
+mod records;
 mod released_grasps;
 mod sampling;

@@ -1,18 +1,41 @@
 //! One array of `NumPy`, and archives of them.
 
-use std::io::{Cursor, Read as Source};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::io::{self, Cursor, Read as Source};
+use std::rc::Rc;
 
+use cranny_file::{counted, excerpt};
 use npyz::{NpyFile, Order};
 use zip::ZipArchive;
 
 /// An array whose numbers are read one after the other, in C order.
 pub struct Array<'a> {
     pub shape: Vec<u64>,
-    pub numbers: Box<dyn Iterator<Item = std::io::Result<f64>> + 'a>,
+    pub numbers: Box<dyn Iterator<Item = io::Result<f64>> + 'a>,
+    /// What follows the numbers.
+    rest: Box<dyn Source + 'a>,
+}
+
+/// A source of which the rest is read by another than the beginning.
+struct Shared<S>(Rc<RefCell<S>>);
+
+impl<S> Clone for Shared<S> {
+    fn clone(&self) -> Self {
+        Self(Rc::clone(&self.0))
+    }
+}
+
+impl<S: Source> Source for Shared<S> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.borrow_mut().read(buffer)
+    }
 }
 
 impl<'a> Array<'a> {
     pub fn of(source: impl Source + 'a, name: &str) -> Result<Self, String> {
+        let source = Shared(Rc::new(RefCell::new(source)));
+        let rest = Box::new(source.clone());
         let file = NpyFile::new(source).map_err(|reason| format!("{name}: {reason}"))?;
         let shape = file.shape().to_vec();
         if file.order() != Order::C && shape.len() > 1 {
@@ -23,40 +46,98 @@ impl<'a> Array<'a> {
                 $(let $file = match $file.try_data::<$kind>() {
                     Ok(data) => {
                         let numbers = Box::new(data.map(|value| value.map($convert)));
-                        return Ok(Self { shape, numbers });
+                        return Ok(Self { shape, numbers, rest });
                     }
                     Err(file) => file,
                 };)*
-                Err(format!("{name} holds {}, not numbers", $file.dtype().descr()))
+                Err(format!("{name} holds {}, which is not read: save it as float64", $file.dtype().descr()))
             }};
         }
         of_type!(file;
             f64 => |value| value, f32 => f64::from, bool => |value| f64::from(u8::from(value)),
-            i64 => |value| value as f64, i32 => f64::from, u8 => f64::from, i8 => f64::from)
+            i64 => |value| value as f64, i32 => f64::from, i16 => f64::from, i8 => f64::from,
+            u64 => |value| value as f64, u32 => f64::from, u16 => f64::from, u8 => f64::from)
     }
 
     /// All its numbers, of which there may be `most` at the most.
-    pub fn all(self, most: usize, name: &str) -> Result<Vec<f64>, String> {
+    pub fn all(mut self, most: usize, name: &str) -> Result<Vec<f64>, String> {
         let count = self.shape.iter().try_fold(1_u64, |all, side| all.checked_mul(*side));
         if count.is_none_or(|count| count > most as u64) {
             return Err(format!("{name} is of shape {:?}, more than any set of grasps", self.shape));
         }
-        self.numbers.collect::<Result<_, _>>().map_err(|reason| format!("{name}: {reason}"))
+        let numbers = self.numbers.by_ref().collect::<Result<_, _>>();
+        let numbers = numbers.map_err(|reason: io::Error| match reason.kind() {
+            io::ErrorKind::UnexpectedEof => {
+                format!(
+                    "{name} ends before the last number of its shape {:?} (was it cut short?)",
+                    self.shape
+                )
+            }
+            _ => format!("{name}: {reason}"),
+        })?;
+        self.end(name)?;
+        Ok(numbers)
+    }
+
+    /// Checks that nothing follows the numbers, all of which have been read.
+    pub fn end(mut self, name: &str) -> Result<(), String> {
+        match self.rest.read_exact(&mut [0]) {
+            Ok(()) => {
+                let shape = &self.shape;
+                Err(format!("{name} goes on after the numbers of its shape {shape:?} (is the shape right?)"))
+            }
+            Err(reason) if reason.kind() == io::ErrorKind::UnexpectedEof => Ok(()),
+            Err(reason) => Err(format!("{name}: {reason}")),
+        }
     }
 }
 
 /// An archive of arrays, which can be opened side by side.
 pub struct Archive<'a> {
     bytes: &'a [u8],
+    /// Its arrays.
     pub names: Vec<String>,
+    /// Its entries that are none, with their endings.
+    pub others: Vec<String>,
 }
 
 impl<'a> Archive<'a> {
     pub fn of(bytes: &'a [u8]) -> Result<Self, String> {
+        /// Size of the record that ends an archive, without its comment.
+        const END: usize = 22;
         let archive =
             ZipArchive::new(Cursor::new(bytes)).map_err(|reason| format!("the archive: {reason}"))?;
-        let names = archive.file_names().filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned()));
-        Ok(Self { bytes, names: names.collect() })
+        let end = bytes.len().checked_sub(END + archive.comment().len());
+        if archive.offset() != 0 || !end.is_some_and(|end| bytes[end..].starts_with(b"PK\x05\x06")) {
+            return Err("the archive: something stands before or after it".to_owned());
+        }
+        let directory = usize::try_from(archive.central_directory_start()).unwrap_or(usize::MAX);
+        let listed = names_listed(bytes.get(directory..).unwrap_or_default());
+        if listed.len() < archive.len() {
+            return Err(format!(
+                "the archive: its directory names {}, but there are {}",
+                counted(listed.len(), "entry"),
+                archive.len()
+            ));
+        }
+        let mut taken = BTreeSet::new();
+        if let Some(twice) = listed.iter().find(|name| !taken.insert(*name)) {
+            return Err(format!("the archive holds '{}' twice (keep one of the two)", excerpt(twice)));
+        }
+        let (mut names, mut others) = (Vec::new(), Vec::new());
+        for entry in listed {
+            match entry.strip_suffix(".npy") {
+                Some(name) => names.push(name.to_owned()),
+                None => others.push(entry),
+            }
+        }
+        Ok(Self { bytes, names, others })
+    }
+
+    /// What an archive holds beside the arrays of known names.
+    pub fn unread(&self, known: &[&str]) -> Vec<String> {
+        let arrays = self.names.iter().filter(|name| !known.contains(&name.as_str()));
+        arrays.chain(&self.others).cloned().collect()
     }
 
     /// Hands the array of a name on; `None` if there is none.
@@ -73,4 +154,20 @@ impl<'a> Archive<'a> {
         let entry = archive.by_name(&format!("{name}.npy")).map_err(fault)?;
         read(Array::of(entry, name)?).map(Some)
     }
+}
+
+/// The names that the directory of an archive lists, also those that it lists twice, of which the library gives the
+/// last one alone (APPNOTE 6.3.10, 4.3.12).
+fn names_listed(mut directory: &[u8]) -> Vec<String> {
+    const SIGNATURE: &[u8] = b"PK\x01\x02";
+    const HEADER: usize = 46;
+    let mut names = Vec::new();
+    while directory.len() >= HEADER && directory.starts_with(SIGNATURE) {
+        let length = |at: usize| usize::from(u16::from_le_bytes([directory[at], directory[at + 1]]));
+        let (name, rest) = (length(28), length(30) + length(32));
+        let Some(bytes) = directory.get(HEADER..HEADER + name) else { break };
+        names.push(String::from_utf8_lossy(bytes).into_owned());
+        directory = directory.get(HEADER + name + rest..).unwrap_or_default();
+    }
+    names
 }

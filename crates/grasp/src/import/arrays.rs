@@ -2,6 +2,8 @@
 
 use std::io::Cursor;
 
+use cranny_file::{did_you_mean, excerpt};
+
 use crate::import::array::{Archive, Array};
 use crate::import::format::{GraspFormat, ImportSettings, MOST_GRASPS, Read};
 use crate::import::graspnet;
@@ -28,24 +30,26 @@ pub fn read_npz(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
         return graspnet::read_labels(&archive, settings);
     }
     let Some(name) = POSES.into_iter().find(|name| archive.names.iter().any(|own| own == name)) else {
-        let names = archive.names.join(", ");
+        let names = archive.unread(&[]).join(", ");
         return Err(format!(
             "it holds {names}, but neither points, offsets and scores of GraspNet nor one of {}",
             POSES.join(", ")
         ));
     };
+    let unread = archive.unread(&[name, "scores", "widths", "mask"]);
+    for own in &unread {
+        let near = did_you_mean(own, ["scores", "widths", "mask"]);
+        if !near.is_empty() {
+            return Err(format!("it holds '{}', which is no array that is read{near}", excerpt(own)));
+        }
+    }
     let column = |name: &str| {
         archive.with(name, |array| Ok((array.shape.clone(), array.all(16 * MOST_GRASPS, name)?)))
     };
     let (scores, widths, mask) = (column("scores")?, column("widths")?, column("mask")?);
     let read = archive.with(name, |array| poses(array, name, &scores, &widths, &mask))?;
     let mut read = read.ok_or_else(|| format!("it has no {name}"))?;
-    let known = [name, "scores", "widths", "mask"];
-    let unread: Vec<&str> =
-        archive.names.iter().map(String::as_str).filter(|own| !known.contains(own)).collect();
-    if !unread.is_empty() {
-        read.notes.push(format!("not read: {}", unread.join(", ")));
-    }
+    read.note_unread(&unread);
     Ok(read)
 }
 
@@ -66,6 +70,11 @@ fn poses(array: Array, name: &str, scores: &Column, widths: &Column, mask: &Colu
         {
             return Err(format!("{name} is of shape {shape:?}, not ({count},)"));
         }
+    }
+    if let Some((_, mask)) = mask
+        && let Some(value) = mask.iter().find(|value| ![0.0, 1.0].contains(*value))
+    {
+        return Err(format!("mask holds {value}, which is neither true nor false"));
     }
     let numbers = array.all(16 * MOST_GRASPS, name)?;
     let count = numbers.len() / 16;

@@ -1,3 +1,4 @@
+use cranny_file::excerpt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantNames};
@@ -53,7 +54,8 @@ pub enum ClosingAxis {
 pub struct ImportSettings {
     /// The format; `None`: by the content.
     pub format: Option<GraspFormat>,
-    /// The closing axis; `None`: that of the format. Isaac's has none.
+    /// The closing axis; `None`: that of the format. Isaac's has none, and a file that names another gripper than the Franka
+    /// hand needs both this and the offset.
     pub closing: Option<ClosingAxis>,
     /// From the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the format for the
     /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For `GraspNet`, whose grasps know the depth of the fingertips, it is
@@ -72,6 +74,14 @@ pub const FRANKA_PADS_M: f64 = 0.105;
 /// From the tips of the Franka fingers to that frame, in metres, negative as it is behind them: the tips are 0.1122 m from the base
 /// (`acronym_tools`, `create_gripper_marker`).
 pub const FRANKA_TIPS_TO_PADS_M: f64 = FRANKA_PADS_M - 0.1122;
+
+/// What files call the Franka hand, in small letters.
+const FRANKA_NAMES: [&str; 6] =
+    ["panda", "franka", "panda_hand", "franka_hand", "franka_panda", "franka_emika_panda"];
+
+/// Greatest width of an imported grasp, in metres: ten times that of usual hands, and less than any in centimetres or
+/// millimetres that is worth a grasp.
+const MOST_WIDTH_M: f64 = 1.0;
 
 /// No file holds more grasps that are kept: a gigabyte of memory and of text.
 pub(crate) const MOST_GRASPS: usize = 2_000_000;
@@ -116,8 +126,43 @@ impl Read {
         }
     }
 
+    /// Checks what a file calls its gripper at `key`: the frame of the format is that of the Franka hand, and for another
+    /// the settings must give it.
+    pub fn of_gripper(&mut self, key: &str, name: &str, settings: &ImportSettings) -> Result<(), String> {
+        if FRANKA_NAMES.contains(&name.to_lowercase().as_str()) {
+            return Ok(());
+        }
+        let name = excerpt(name);
+        if settings.closing.is_none() || settings.offset_m.is_none() {
+            return Err(format!(
+                "{key} is '{name}', but the frame that is known is that of the Franka hand ('panda'): say both along \
+                 which axis it closes, x or y, and how far its origin is behind the pads (the offset)"
+            ));
+        }
+        self.notes.push(format!("{key} is '{name}': closing axis and offset are those that were given"));
+        Ok(())
+    }
+
+    /// Notes what a file holds and nothing is made of.
+    pub fn note_unread(&mut self, names: &[impl AsRef<str>]) {
+        /// So many are named; of the rest their number.
+        const NAMED: usize = 20;
+        let named: Vec<String> = names.iter().take(NAMED).map(|name| excerpt(name.as_ref())).collect();
+        let more = names.len() - named.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        if !named.is_empty() {
+            self.notes.push(format!("not read: {}{more}", named.join(", ")));
+        }
+    }
+
     /// Adds a grasp, which errors call by its place.
     pub fn push(&mut self, place: usize, grasp: Grasp) -> Result<(), String> {
+        if let Some(width_m) = grasp.width_m.filter(|width_m| *width_m > MOST_WIDTH_M) {
+            return Err(format!(
+                "the width of grasp {place} is {width_m} m, more than any of these hands opens; widths are in metres: \
+                 are these centimetres or millimetres?"
+            ));
+        }
         if self.grasps.len() >= MOST_GRASPS {
             return Err(format!("it holds more than {MOST_GRASPS} grasps; keep the best with a least score"));
         }

@@ -99,19 +99,20 @@ pub fn read_labels(archive: &Archive, settings: &ImportSettings) -> Result<Read,
         })
     })?;
     read.notes.push("the score is 1.1 less the least friction coefficient, at most 1".to_owned());
+    read.note_unread(&archive.unread(&["points", "offsets", "scores"]));
     Ok(read)
 }
 
 fn labels(
     points: &[f64],
-    scores: Array,
+    mut scores: Array,
     mut offsets: Array,
     settings: &ImportSettings,
     read: &mut Read,
 ) -> Result<(), String> {
     let views: Vec<Rotation> = (0..VIEWS).map(view).collect();
     let of_view = ANGLES * DEPTHS;
-    for (place, friction) in scores.numbers.enumerate() {
+    for (place, friction) in scores.numbers.by_ref().enumerate() {
         let fault = |reason: std::io::Error| format!("label {place}: {reason}");
         let mut next = || {
             offsets
@@ -146,7 +147,8 @@ fn labels(
             Grasp { world_from_gripper, score: Some(score), width_m: Some(width_m), robust: None },
         )?;
     }
-    Ok(())
+    scores.end("scores")?;
+    offsets.end("offsets")
 }
 
 /// The rotation of a view: x is the direction in which the hand approaches, opposite to a point of the Fibonacci lattice.

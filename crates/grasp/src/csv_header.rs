@@ -1,0 +1,91 @@
+use crate::GraspError;
+
+/// The columns of a `grasps.csv`, in the order in which they are written and, without a header, read.
+pub const COLUMNS: [&str; 20] = [
+    "t00",
+    "t01",
+    "t02",
+    "t03",
+    "t10",
+    "t11",
+    "t12",
+    "t13",
+    "t20",
+    "t21",
+    "t22",
+    "t23",
+    "t30",
+    "t31",
+    "t32",
+    "t33",
+    "score",
+    "width_m",
+    "robust_score",
+    "robust_trials",
+];
+
+/// Number of the columns that every file has: those of the pose.
+pub const POSE_COLUMNS: usize = 16;
+
+/// Place of each of the [`COLUMNS`] in the lines of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CsvHeader {
+    places: [Option<usize>; 20],
+    /// Number of columns that the header names; `None` without a header.
+    named: Option<usize>,
+}
+
+impl CsvHeader {
+    /// The order of a file without a header.
+    pub fn absent() -> Self {
+        Self { places: std::array::from_fn(Some), named: None }
+    }
+
+    /// The order that a line names, if it is a header: if it holds no number at all. `NumPy` writes `# ` before it.
+    ///
+    /// # Errors
+    /// [`GraspError::UnknownColumn`], [`GraspError::RepeatedColumn`], [`GraspError::MissingColumn`].
+    pub fn of(line: &str) -> Result<Option<Self>, GraspError> {
+        let line = line.trim().trim_start_matches('\u{feff}');
+        let names = || line.strip_prefix('#').unwrap_or(line).split(',').map(str::trim);
+        if names().any(|name| name.parse::<f64>().is_ok()) || names().all(str::is_empty) {
+            return Ok(None);
+        }
+        let mut places = [None; 20];
+        let mut named = 0;
+        for (place, name) in names().enumerate() {
+            let column = place + 1;
+            let Some(known) = COLUMNS.iter().position(|known| *known == name) else {
+                return Err(GraspError::UnknownColumn { column, name: cranny_file::excerpt(name) });
+            };
+            if let Some(first) = places[known].replace(place) {
+                return Err(GraspError::RepeatedColumn { name: COLUMNS[known], first: first + 1, column });
+            }
+            named = column;
+        }
+        match places[..POSE_COLUMNS].iter().position(Option::is_none) {
+            Some(missing) => Err(GraspError::MissingColumn { name: COLUMNS[missing] }),
+            None => Ok(Some(Self { places, named: Some(named) })),
+        }
+    }
+
+    /// Place of one of the [`COLUMNS`] in a line, if the file has it.
+    pub fn place(&self, column: usize) -> Option<usize> {
+        self.places[column]
+    }
+
+    /// Checks how many fields a line has: as many as the header names, or fewer where those after the pose are left
+    /// out.
+    pub fn check_count(&self, actual: usize) -> Result<(), GraspError> {
+        let needed = self.places[..POSE_COLUMNS].iter().flatten().max().map_or(POSE_COLUMNS, |last| last + 1);
+        match self.named {
+            None if !(POSE_COLUMNS..=COLUMNS.len()).contains(&actual) => {
+                Err(GraspError::NumberCount { actual })
+            }
+            Some(named) if !(needed..=named).contains(&actual) => {
+                Err(GraspError::ColumnCount { actual, named })
+            }
+            _ => Ok(()),
+        }
+    }
+}
