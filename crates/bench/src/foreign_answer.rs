@@ -143,6 +143,7 @@ fn check_carrying(segments: &[Segment], carries: bool) -> Result<(), String> {
 }
 
 /// What the released program writes beside its way points.
+// Other keys are the settings and times that the program states of itself.
 #[derive(Default, Deserialize)]
 struct ReleasedSummary {
     #[serde(default)]

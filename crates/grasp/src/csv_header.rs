@@ -1,31 +1,5 @@
 use crate::GraspError;
-
-/// The columns of a `grasps.csv`, in the order in which they are written and, without a header, read.
-pub const COLUMNS: [&str; 20] = [
-    "t00",
-    "t01",
-    "t02",
-    "t03",
-    "t10",
-    "t11",
-    "t12",
-    "t13",
-    "t20",
-    "t21",
-    "t22",
-    "t23",
-    "t30",
-    "t31",
-    "t32",
-    "t33",
-    "score",
-    "width_m",
-    "robust_score",
-    "robust_trials",
-];
-
-/// Number of the columns that every file has: those of the pose.
-pub const POSE_COLUMNS: usize = 16;
+use crate::csv_columns::{COLUMNS, POSE_COLUMNS};
 
 /// Place of each of the [`COLUMNS`] in the lines of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use cranny_file::did_you_mean;
 
-use crate::csv_header::COLUMNS;
+use crate::csv_columns::COLUMNS;
 
 const EXPECTED_COLUMNS: &str =
     "t00 to t33 (the pose, row by row), score, width_m, robust_score and robust_trials";

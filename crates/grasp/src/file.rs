@@ -2,7 +2,8 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::csv_header::{COLUMNS, CsvHeader, POSE_COLUMNS};
+use crate::csv_columns::{COLUMNS, POSE_COLUMNS};
+use crate::csv_header::CsvHeader;
 use crate::homogeneous::{pose_of_rows, rows_of_pose};
 use crate::{Grasp, GraspError, GraspSet, RobustScore};
 

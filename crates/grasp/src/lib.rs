@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod contact;
+mod csv_columns;
 mod csv_header;
 mod error;
 mod file;

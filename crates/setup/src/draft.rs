@@ -186,6 +186,13 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
     cranny_file::TEXT.argument().text(path).map_err(unreadable)
 }
 
+/// The name that a file gives to its robot: `arm` of `arm.urdf` and of `arm.urdf.xacro`.
+pub fn robot_name(urdf: &Path) -> String {
+    let name = urdf.file_name().unwrap_or_default().to_string_lossy();
+    let plain = name.strip_suffix(".xacro").unwrap_or(&name);
+    Path::new(plain).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// The text of a URDF, expanded if it is a xacro file, and what errors call it.
 fn read(
     urdf: &Path,

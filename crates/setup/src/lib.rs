@@ -22,10 +22,11 @@ mod xacro;
 
 pub use choice::Choice;
 pub use contact_search::SEARCH_SAMPLES;
+pub use draft::robot_name;
 pub use error::SetupError;
 pub use findings::{Finding, RobotFindings};
 pub use self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
-pub use setup::{RobotSetup, robot_name};
+pub use setup::RobotSetup;
 pub use setup_options::Base;
 pub use setup_options::SetupOptions;
 pub use xacro::has_xacro;

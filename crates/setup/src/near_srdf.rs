@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use cranny_robot::{Robot, RobotError, Srdf};
 
 use crate::choice::Choice;
-use crate::draft::read_text;
-use crate::setup::robot_name;
+use crate::draft::{read_text, robot_name};
 
 /// What was found.
 pub(crate) struct NearSrdf {

@@ -8,7 +8,7 @@ use cranny_scenario::write_whole_folder;
 use crate::anatomy::{by_name, extent_m};
 use crate::choice::Choice;
 use crate::contact_search::PairSearch;
-use crate::draft::{Draft, read_text};
+use crate::draft::{Draft, read_text, robot_name};
 use crate::near_srdf::NearSrdf;
 use crate::robot_folder::{self, Written};
 use crate::self_contacts::SelfContact;
@@ -124,13 +124,6 @@ impl RobotSetup {
     pub fn write(&self, folder: &Path) -> Result<(), SetupError> {
         Ok(write_whole_folder(folder, |folder| robot_folder::write(folder, &self.files))?)
     }
-}
-
-/// The name that a file gives to its robot: `arm` of `arm.urdf` and of `arm.urdf.xacro`.
-pub fn robot_name(urdf: &Path) -> String {
-    let name = urdf.file_name().unwrap_or_default().to_string_lossy();
-    let plain = name.strip_suffix(".xacro").unwrap_or(&name);
-    Path::new(plain).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// What is told of a robot of which no drawn configuration is free.

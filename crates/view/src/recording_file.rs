@@ -39,6 +39,7 @@ struct BodyEntry {
 }
 
 /// What is read of a file before the rest.
+// Other keys are read by the reader of the format.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]

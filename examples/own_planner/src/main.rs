@@ -10,6 +10,7 @@ use cranny::{Budget, Observer, Planner, Problem, Registry, robot::between};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct TwoTrees {
     /// The longest edge, in the metric weighted by reach.
     step: f64,

@@ -30,6 +30,7 @@ use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Problem, 
 /// hand close around what the palm is near; the gripper frame of a parallel hand lies between the pads, so that it goes on
 /// by `depth_m` beyond the surface, and the hand is tried on the way and not at its end alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GraspRrt {
     /// Probability of an approach, in [0, 1]. Default 0.1, that of the authors' own implementation (Simox), as all that
     /// follow but for `step_m`, `depth_m` and `damping`.

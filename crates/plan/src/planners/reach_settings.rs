@@ -18,6 +18,7 @@ use crate::{PlanError, Ranges};
 ///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
 ///
 /// One iteration is one random configuration.
+// Other keys are refused where a planner is made; `GraspReach` has these settings among its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
     /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.

@@ -194,6 +194,7 @@ pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>
 }
 
 /// What is read of a plan before the rest.
+// Other keys are read by the reader of the format.
 #[derive(Deserialize)]
 pub(crate) struct Head {
     #[serde(default)]
