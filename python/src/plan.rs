@@ -29,6 +29,8 @@ pub struct PyPlan {
     pub measured: PlanFile,
     /// Statements of its file that differ, and change nothing of the verdict.
     pub differs: Vec<Statement>,
+    /// Keys of its file that are as stated.
+    pub unjudged: Vec<&'static str>,
     pub trajectory: Option<Arc<TaskTrajectory>>,
     pub is_valid: bool,
 }
@@ -40,7 +42,8 @@ impl PyPlan {
     /// Nothing that the file states is trusted: the path is judged anew, every property is a figure measured along it, and
     /// `differs` names those that the file states otherwise. A file that promises more than there is makes a plan that is
     /// False, and `verify()` names the statement. How the path was found (`report["statistics"]`, `["planner"]`, `["seed"]`,
-    /// …) is as the file has it.
+    /// …), and of a file without a path `outcome`, `not_checked` and why there is none (`report["failures"]`,
+    /// `["no_grasp"]`), is as the file has it: `unjudged` names these keys.
     #[staticmethod]
     #[pyo3(signature = (path, scenario=None))]
     fn load(py: Python<'_>, path: PathBuf, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
@@ -94,7 +97,7 @@ impl PyPlan {
     }
 
     /// How the search ended: "solved", "budget-exhausted", "gave-up", "cancelled",
-    /// "start-invalid", "goals-invalid" or "no-reachable-grasp".
+    /// "start-invalid", "goals-invalid" or "no-reachable-grasp". Of a file without a path as stated: see `unjudged`.
     #[getter]
     fn outcome(&self) -> &'static str {
         self.measured.outcome.name()
@@ -113,7 +116,8 @@ impl PyPlan {
     }
 
     /// The grasp that the path ends at, where no set of grasps was given: a dictionary of `world_from_gripper` (4 × 4, in the
-    /// planning frame), `opening_m` (between the fingers once they have closed) and `score`; else None.
+    /// planning frame), `opening_m` (between the fingers once the first has closed on it), `score` and `uneven_m` (how much
+    /// farther the other goes); else None.
     #[getter]
     fn own_grasp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.measured.own_grasp)
@@ -146,6 +150,13 @@ impl PyPlan {
     #[getter]
     fn differs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.differs)
+    }
+
+    /// Keys of the file that the plan was read from of which nothing was measured: what they hold is as stated. Empty for a
+    /// plan that was not read.
+    #[getter]
+    fn unjudged(&self) -> Vec<&'static str> {
+        self.unjudged.clone()
     }
 
     /// Everything that stands in a plan file, as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and
@@ -213,8 +224,9 @@ impl PyPlan {
 
     fn __repr__(&self) -> String {
         let PlanFile { scenario, planner, waypoints, .. } = &self.file;
+        let stated = if self.unjudged.contains(&"outcome") { " as stated" } else { "" };
         format!(
-            "<cranny.Plan of '{scenario}': {} by {planner}, {} way points>",
+            "<cranny.Plan of '{scenario}': {}{stated} by {planner}, {} way points>",
             self.outcome(),
             waypoints.len()
         )
@@ -266,11 +278,9 @@ impl PyPlan {
         let (judgement, trajectory) = py.detach(judged).map_err(fault)?;
         let is_valid = judgement.as_ref().is_some_and(|judgement| judgement.audit.valid);
         let trajectory = trajectory.filter(|_| file.timing.is_some()).map(Arc::new);
-        let (measured, differs) = match judgement {
-            Some(Judgement { measured, differs, .. }) => (measured, differs),
-            None => (file.clone(), Vec::new()),
-        };
-        Ok(Self { task, file, measured, differs, trajectory, is_valid })
+        let judgement = judgement.unwrap_or_else(|| file.judge_without_path(&task.source, &task.problem));
+        let Judgement { measured, differs, not_compared: unjudged, .. } = judgement;
+        Ok(Self { task, file, measured, differs, unjudged, trajectory, is_valid })
     }
 
     /// As [`PlanFile::judge`], in the task that it was planned for or read in.

@@ -187,8 +187,8 @@ pub fn plan(
     let file = PlanFile::of(&answer, &task.source);
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));
-    let (measured, differs) = (file.clone(), Vec::new());
-    let plan = PyPlan { task, file, measured, differs, trajectory, is_valid };
+    let (measured, differs, unjudged) = (file.clone(), Vec::new(), Vec::new());
+    let plan = PyPlan { task, file, measured, differs, unjudged, trajectory, is_valid };
     if let (Some(page), Some(watched)) = (watch, watched) {
         let page = page.get();
         py.detach(|| page.show_with_tree(&plan, watched.end()))?;

@@ -61,8 +61,14 @@ fn judged<'py>(scenario: &Bound<'py, PyScenario>, files: Vec<PlanFile>) -> PyRes
         step.check(&file).map_err(fault)?;
         let of_step = now.call_method1("with_target", (&step.pick,))?;
         let mut task = Task::of(&of_step, file.margins)?;
-        // Grasps are given for the scenario's own target alone, whatever a plan states of those of another object.
-        task.source.grasps = file.given_grasps();
+        // Grasps are given for the scenario's own target alone: of another object a plan states that none are, or what all
+        // steps were planned with.
+        let of_all = &scenario.get().given_grasps;
+        let is_of_all =
+            !of_step.cast::<PyScenario>()?.get().scenario.has_grasp_set && file.given_grasps() == *of_all;
+        if is_of_all {
+            task.source.grasps = of_all.clone();
+        }
         let plan = Bound::new(py, PyPlan::judged(py, task, file)?)?;
         let is_valid = plan.get().is_valid;
         if is_valid {

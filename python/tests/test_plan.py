@@ -235,5 +235,22 @@ def test_a_loaded_plan_shows_what_was_measured(scenario: cranny.Scenario, plan: 
     file.write_text(json.dumps(text))
     loaded = cranny.Plan.load(file, scenario)
     assert loaded and [row["key"] for row in loaded.differs] == ["clearance_m", "robustness.base.translation_m"]
+    # Of a path nothing is believed but how it was found.
+    assert "seed" in loaded.unjudged and "outcome" not in loaded.unjudged and plan.unjudged == []
     with pytest.raises(ValueError, match="another world"):
         cranny.Scenario("012").show(plan).html()
+
+
+def test_a_loaded_plan_without_a_path_names_what_is_as_stated(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    file = tmp_path / "021.plan.json"
+    cranny.plan(scenario, "j-plus-rrt", iterations=1).save(file)
+    loaded = cranny.Plan.load(file, scenario)
+    assert not loaded and loaded.differs == [] and "outcome" in loaded.unjudged
+    assert "budget-exhausted as stated" in repr(loaded)
+    text = json.loads(file.read_text())
+    text |= {"scenario": "012", "clearance_m": 0.5, "grasp": 3, "path_length": 2.0, "outcome": "no-reachable-grasp"}
+    file.write_text(json.dumps(text))
+    loaded = cranny.Plan.load(file, scenario)
+    assert [row["key"] for row in loaded.differs] == ["scenario", "grasp", "clearance_m", "path_length"]
+    assert loaded.clearance_m is None and loaded.grasp is None and loaded.report["path_length"] == 0.0
+    assert loaded.outcome == "no-reachable-grasp" and "outcome" in loaded.unjudged

@@ -8,7 +8,9 @@ use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
 
-use crate::text::{self, at_least_degrees, at_least_mm, degrees, millimetres};
+use crate::text::{
+    self, at_least_degrees, at_least_mm, at_most_degrees, at_most_mm, at_most_seconds, millimetres,
+};
 
 /// What `plan --json` prints; the keys stay.
 #[derive(Serialize)]
@@ -49,20 +51,13 @@ fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
     told
 }
 
-/// Fingers that meet the object farther apart than this in their travel are told, in metres.
-const UNEVEN_M: f64 = 1e-3;
-
 /// What is carried, if anything is.
 fn carried(plan: &PlanFile) -> Option<String> {
     let [_, lift_off, carry, ..] = &plan.segments[..] else { return None };
     let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
     let object = lift_off.attached.as_deref()?;
     let opening = millimetres(lift_off.opening_m?);
-    // What is less nobody sees.
-    let uneven = lift_off.uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M);
-    let uneven = uneven.map_or_else(String::new, |uneven_m| {
-        format!(" (one meets it {} before the other: it will be pushed, or the hand)", millimetres(uneven_m))
-    });
+    let uneven = text::uneven(lift_off.uneven_m);
     Some(format!(
         "{object}, fingers {opening} apart{uneven}: {} to lift it off, {on} to where it goes",
         counted(off, "way point")
@@ -95,7 +90,7 @@ fn placed(plan: &PlanFile) -> Option<String> {
     let points = |segment: &PlanSegment| segment.waypoints.len();
     let back =
         back.first().map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
-    let (name, clear) = (&place.name, millimetres(place.clear_m));
+    let (name, clear) = (&place.name, at_least_mm(place.clear_m));
     Some(format!(
         "'{name}': {} to set it down, {} until the hand is {clear} off it, {back}",
         counted(points(set_down), "way point"),
@@ -112,8 +107,8 @@ fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let opens = timing
         .opening_s
         .map_or_else(String::new, |[begin_s, end_s]| format!(" and opens from {begin_s:.3} to {end_s:.3} s"));
-    let (duration_s, method) = (timing.duration_s, timing.method.name());
-    format!("{duration_s:.3} s, {method}{corners}{closes}{opens}; {:.3} ms to time", seconds * 1e3)
+    let (duration, method) = (at_most_seconds(timing.duration_s), timing.method.name());
+    format!("{duration}, {method}{corners}{closes}{opens}; {:.3} ms to time", seconds * 1e3)
 }
 
 /// More reasons why goals are refused are not listed.
@@ -168,7 +163,7 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
             _ => String::new(),
         };
         line("grasp", format!("{grasp} of {count} ({name} {}{left_out})", text::score(score)));
-        line("error", format!("{}, {}", millimetres(translation), degrees(rotation)));
+        line("error", format!("{}, {}", at_most_mm(translation), at_most_degrees(rotation)));
     }
     if let Some(grasp) = &plan.own_grasp {
         line("grasp", text::own_grasp(grasp));
@@ -186,7 +181,7 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
     if !plan.waypoints.is_empty() {
         let points = counted(plan.waypoints.len(), "way point");
-        line("path", format!("{points}, length {:.3}", plan.path_length));
+        line("path", format!("{points}, length {}", cranny_file::at_most(plan.path_length, 1.0, 3)));
     }
     if let Some(robustness) = &plan.robustness {
         line("robust", robust(robustness));
@@ -207,10 +202,10 @@ fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
             let nearest =
                 miss.grasp.map_or_else(|| "a sampled grasp".to_owned(), |grasp| format!("grasp {grasp}"));
             let beyond = match miss.beyond_m {
-                beyond_m if beyond_m > 0.0 => format!(", {} or more beyond reach", millimetres(beyond_m)),
+                beyond_m if beyond_m > 0.0 => format!(", {} or more beyond reach", at_least_mm(beyond_m)),
                 _ => String::new(),
             };
-            let (missed, turned) = (millimetres(miss.missed_by_m), degrees(miss.turned_by_rad));
+            let (missed, turned) = (at_most_mm(miss.missed_by_m), at_most_degrees(miss.turned_by_rad));
             let joints = match &miss.joints_at_limits[..] {
                 [] => "no joint at its limit".to_owned(),
                 joints => format!("at their limits {}", joints.join(", ")),

@@ -69,7 +69,7 @@ fn page(planned: &Planned, count: usize) -> String {
         }
     }
     if let Some(duration_s) = plans.duration_s {
-        let _ = writeln!(page, "  trajectory  {duration_s:.3} s over all steps");
+        let _ = writeln!(page, "  trajectory  {} over all steps", text::at_most_seconds(duration_s));
     }
     if let Some(file) = plan_file {
         let _ = writeln!(page, "  written to  {}", file.display());
@@ -140,11 +140,14 @@ pub fn verify(
 }
 
 fn page_of_verdict(judged: &Judged, count: usize) -> String {
-    let Judged { brought, judgement: SequenceJudgement { valid, steps, differs } } = judged;
+    let Judged { brought, judgement: SequenceJudgement { valid, violations, steps, differs } } = judged;
     let word = if *valid { "valid" } else { "NOT valid" };
     let not_checked: Vec<_> = steps.iter().flat_map(|step| step.audit.not_checked.iter().cloned()).collect();
     let but_for = text::but_for(&not_checked);
     let mut page = format!("{word}{but_for}: {} of {count} steps judged\n{}", steps.len(), brought.lines());
+    for violation in violations {
+        let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
+    }
     for statement in differs {
         let _ = writeln!(page, "  differs     {statement}");
     }

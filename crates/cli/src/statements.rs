@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
 use crate::task::Demand;
-use crate::text::millimetres;
+use crate::text::at_least_mm;
 
 /// Files that a plan brings along in place of the scenario's own, for which nothing but the plan vouches. Flags go before
 /// them.
@@ -62,12 +62,12 @@ pub fn statement_lines(judgement: &Judgement) -> String {
     let margins =
         [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
     let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
-    let margins = margins.map(|(name, margin_m)| format!("{name} {}", millimetres(margin_m)));
+    let margins = margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m)));
     let ends = [
         carry_to.as_ref().map(|ends| format!("carried to one of {}", counted(ends.len(), "configuration"))),
-        carry_clear_m.map(|clear_m| format!("carried until {} clear", millimetres(clear_m))),
+        carry_clear_m.map(|clear_m| format!("carried until {} clear", at_least_mm(clear_m))),
         place.as_ref().map(|PlanPlace { name, clear_m, then }| {
-            format!("put down in '{name}', the hand {} off it, then {}", millimetres(*clear_m), then.name())
+            format!("put down in '{name}', the hand {} off it, then {}", at_least_mm(*clear_m), then.name())
         }),
     ];
     let demanded: Vec<String> = margins.chain(ends.into_iter().flatten()).collect();

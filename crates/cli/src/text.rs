@@ -64,6 +64,21 @@ pub fn at_least_mm(bound_m: f64) -> String {
     format!("{} mm", cranny_file::at_least(bound_m, 1e3, 2))
 }
 
+/// Metres of an upper bound as millimetres for a person: never less than the bound.
+pub fn at_most_mm(bound_m: f64) -> String {
+    format!("{} mm", cranny_file::at_most(bound_m, 1e3, 2))
+}
+
+/// Radians of an upper bound as degrees for a person: never less than the bound.
+pub fn at_most_degrees(bound_rad: f64) -> String {
+    format!("{}°", cranny_file::at_most(bound_rad, 1_f64.to_degrees(), 2))
+}
+
+/// Seconds that something takes for a person: never less.
+pub fn at_most_seconds(seconds: f64) -> String {
+    format!("{} s", cranny_file::at_most(seconds, 1.0, 3))
+}
+
 /// Radians of a lower bound as degrees for a person: never more than the bound.
 pub fn at_least_degrees(bound_rad: f64) -> String {
     format!("{}°", cranny_file::at_least(bound_rad, 1_f64.to_degrees(), 2))
@@ -86,8 +101,20 @@ pub fn score(score: Option<f64>) -> String {
 
 /// A grasp that a planner made.
 pub fn own_grasp(grasp: &OwnGrasp) -> String {
-    let OwnGrasp { opening_m, score: own, .. } = grasp;
-    format!("of its own (score {}), fingers {} apart when closed", score(Some(*own)), millimetres(*opening_m))
+    let OwnGrasp { opening_m, score, uneven_m, .. } = grasp;
+    let score = cranny_file::at_least(*score, 1.0, 2);
+    let (opening, uneven) = (millimetres(*opening_m), uneven(*uneven_m));
+    format!("of its own (score {score}), fingers {opening} apart when closed{uneven}")
+}
+
+/// Fingers that meet the object farther apart than this in their travel are told, in metres: what is less nobody sees.
+const UNEVEN_M: f64 = 1e-3;
+
+/// Text on fingers of which one meets the object before the other; empty where that is hardly so.
+pub fn uneven(uneven_m: Option<f64>) -> String {
+    uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M).map_or_else(String::new, |uneven_m| {
+        format!(" (one meets it {} before the other: it will be pushed, or the hand)", at_most_mm(uneven_m))
+    })
 }
 
 /// What is said of a number beyond the last of `count` things, which are counted from 0.
@@ -103,7 +130,7 @@ pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
         Some(ClearanceLimit { first, second, margin: AppliedMargin::GraspMargin, .. })
             if margin_m.total_cmp(&grasp_margin_m).is_ne() =>
         {
-            let [margin, grasp_margin] = [margin_m, grasp_margin_m].map(millimetres);
+            let [margin, grasp_margin] = [margin_m, grasp_margin_m].map(at_least_mm);
             format!(
                 "; limited by {first} and {second}, to which the grasp margin of {grasp_margin} applies, not the margin \
                  of {margin}"
@@ -128,9 +155,9 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
         AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching,
     };
     let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason, contact }| {
-        let depth = at_least_mm(*depth_m);
+        let depth = at_most_mm(*depth_m);
         if let Some(AllowedContact { segment, allowance_m }) = contact {
-            let (segment, allowance) = (<&str>::from(segment), millimetres(*allowance_m));
+            let (segment, allowance) = (<&str>::from(segment), at_most_mm(*allowance_m));
             let text = format!(
                 "{first} may touch the face of {second} that carries it in {segment}: {depth} deep, at most {allowance}"
             );
@@ -138,8 +165,9 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
         }
         let text = match reason {
             AlwaysTouching => format!(
-                "{first} and {second} touch wherever the joints between them stand, at least {depth} deep \
-                 (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)"
+                "{first} and {second} touch wherever the joints between them stand, at least {} deep \
+                 (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)",
+                at_least_mm(*depth_m)
             ),
             NotCheckedReason::NeverMoves => format!("{first} stands still, {depth} deep in {second}"),
             _ => return None,

@@ -12,7 +12,7 @@ use crate::plan_steps;
 use crate::plan_task::{PlanTask, check_plan, read_plan};
 use crate::statements::{Brought, statement_lines};
 use crate::task::Demand;
-use crate::text::{self, degrees, millimetres};
+use crate::text::{self, at_most_degrees, at_most_mm};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
@@ -100,8 +100,8 @@ fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
             page,
             "  goal        grasp {}: {}, {} off",
             goal.grasp,
-            millimetres(translation),
-            degrees(rotation)
+            at_most_mm(translation),
+            at_most_degrees(rotation)
         );
     }
     if let Some(grasp) = &audit.own_grasp {

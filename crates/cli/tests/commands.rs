@@ -193,7 +193,7 @@ fn a_grasp_of_its_own_is_planned_and_judged_and_lies_about_it_are_found() {
     assert_eq!(planned.status.code(), Some(0), "{}", String::from_utf8_lossy(&planned.stderr));
     let plan = json(&planned);
     assert_eq!((&plan["planner"], &plan["grasps"]), (&"grasp-reach".into(), &"none".into()));
-    has_keys(&plan["own_grasp"], "world_from_gripper opening_m score");
+    has_keys(&plan["own_grasp"], "world_from_gripper opening_m score uneven_m");
     assert!(plan["grasp"].is_null());
     let verify = |name: &str| cranny(folder.path(), &["verify", "021", name, "--json"]);
     let verdict = json(&verify("021.plan.json"));
@@ -206,6 +206,7 @@ fn a_grasp_of_its_own_is_planned_and_judged_and_lies_about_it_are_found() {
     for (pointer, value, code, says) in [
         ("/own_grasp/score", 0.999.into(), 1, "and not 0.999"),
         ("/own_grasp/opening_m", 0.001.into(), 1, "and not 1.00"),
+        ("/own_grasp/uneven_m", 0.5.into(), 1, "before the other and not 500.00"),
         ("/own_grasp/world_from_gripper/0/3", 9.0.into(), 1, "from the one that is said"),
         ("/own_grasp/world_from_gripper/0/0", 9.0.into(), 1, "is no pose"),
         ("/own_grasp/world_from_gripper", Value::Null, 2, "lie.plan.json"),
@@ -360,7 +361,9 @@ fn a_plan_without_a_path_is_told_by_its_outcome() {
     assert_eq!(judged.status.code(), Some(2));
     let said = String::from_utf8_lossy(&judged.stderr);
     assert!(
-        said.contains("none.plan.json: the plan has no path; its search ended as budget-exhausted"),
+        said.contains(
+            "none.plan.json: the plan has no path; as stated, its search ended as budget-exhausted"
+        ),
         "{said}"
     );
 }

@@ -25,6 +25,7 @@ mod foreign_planners;
 mod golden;
 mod moveit;
 mod mutation;
+mod mutation_pairs;
 mod optimisation;
 #[cfg(unix)]
 mod output_files;

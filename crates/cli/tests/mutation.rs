@@ -156,7 +156,7 @@ fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
     }
 }
 
-fn other_values(value: &Value) -> Vec<(&'static str, Value)> {
+pub fn other_values(value: &Value) -> Vec<(&'static str, Value)> {
     match value {
         Value::Number(number) => {
             let x = number.as_f64().unwrap();
@@ -192,22 +192,22 @@ const RECORD: [(&str, &str); 10] = [
 ];
 
 /// Reads plans as `verify` does: demands that the file brings along become those of the problem.
-struct PlanReader {
+pub struct PlanReader {
     id: &'static str,
     file: PathBuf,
-    scenario: Scenario,
-    source: PlanSource,
+    pub scenario: Scenario,
+    pub source: PlanSource,
 }
 
 impl PlanReader {
-    fn new(id: &'static str, folder: &Path) -> Self {
+    pub fn new(id: &'static str, folder: &Path) -> Self {
         let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
         let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
         Self { id, file: folder.join(format!("{id}.plan.json")), scenario, source }
     }
 
     /// A plan, with what is done with the object.
-    fn plan(&self, carry: Option<CarryEnd>, blend: bool) -> Value {
+    pub fn plan(&self, carry: Option<CarryEnd>, blend: bool) -> Value {
         let problem = self.scenario.problem(self.source.margins).unwrap();
         let carry = carry.map(|end| Carry { end, ..Carry::default() });
         let timing = Some(Timing { blend, ..Timing::default() });
@@ -234,7 +234,8 @@ impl PlanReader {
         Some((scenario, PlanSource { robot, geometry, grasps, margins: plan.margins, ..self.source.clone() }))
     }
 
-    fn read(&self, text: &str) -> Option<String> {
+    /// The verdict on a plan as text; `None` for what is refused.
+    pub fn read(&self, text: &str) -> Option<String> {
         fs::write(&self.file, text).unwrap();
         if let Some(plans) = SequencePlan::read(&self.file).ok()? {
             let (scenario, task) = self.opened(plans.steps.first()?)?;

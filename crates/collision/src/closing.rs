@@ -89,12 +89,29 @@ impl Cell {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn closing_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
+        let closing = self.held.as_ref()?.hold.closing;
+        let fingers = self.robot().hand().map_or(0, |hand| hand.fingers);
+        self.closing_contact_each(q, &vec![closing; fingers], scratch)
+    }
+
+    /// The same while every finger closes from open by its own share of its travel, all at one rate, and stands there while
+    /// others go on: a finger that stops moves no farther than one that does not.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint, or a finger has no share.
+    pub fn closing_contact_each(
+        &self,
+        q: &[f64],
+        touching: &[f64],
+        scratch: &mut Scratch,
+    ) -> Option<Contact> {
         let held = self.held.as_ref()?;
         let pairs = self.swept_pairs().collect();
-        let half = 0.5 * held.hold.closing;
+        let half = 0.5 * touching.iter().copied().fold(0.0, f64::max);
         let mut open = vec![(half, half, pairs)];
         while let Some((middle, half_width, pairs)) = open.pop() {
-            self.robot().place_held(&Hold { closing: middle, ..held.hold }, &mut scratch.frames);
+            let closings: Vec<f64> = touching.iter().map(|touching| middle.min(*touching)).collect();
+            self.robot().place_fingers(held.hold.tip_from_held, &closings, &mut scratch.frames);
             self.robot().forward_kinematics(q, &mut scratch.frames);
             let mut doubtful = Vec::new();
             for pair in pairs {

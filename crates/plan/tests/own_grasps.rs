@@ -113,6 +113,28 @@ fn a_grasp_that_is_none_is_a_violation() {
     assert_eq!(second, "peg");
 }
 
+/// The finger that touches first stands still while the other goes on to the object.
+#[test]
+fn each_finger_is_proven_up_to_where_it_touches() {
+    let [x, y, z] = OBJECT;
+    // One pad is 20 mm nearer to the object than the other.
+    let q = at_object(0.0, [0.0, 0.01, 0.0]);
+    let free = standing_at(still_life(), &q);
+    assert!(free.valid, "{:?}", free.violations);
+    let uneven_m = free.own_grasp.and_then(|grasp| grasp.uneven_m).expect("a grasp of this version");
+    assert!((uneven_m - 0.02).abs() < 1e-4, "{uneven_m}");
+    // What the far pad meets once the near one touches.
+    let mut bodies = still_life();
+    bodies.push(block("peg", [x + 0.02, y + 0.02, z + 0.005], [0.003, 0.002, 0.003]));
+    let blocked = standing_at(bodies, &q);
+    let [Violation::Grip { reason: FailureReason::ClosingCollides { second, .. }, .. }] =
+        &blocked.violations[..]
+    else {
+        panic!("{blocked:?}");
+    };
+    assert_eq!(second, "peg");
+}
+
 #[test]
 fn what_is_said_of_a_grasp_must_be_so() {
     let q = at_object(0.05, [0.0; 3]);
@@ -128,6 +150,8 @@ fn what_is_said_of_a_grasp_must_be_so() {
         OwnGrasp { score: f64::NAN, ..truth },
         OwnGrasp { opening_m: truth.opening_m + 2e-4, ..truth },
         OwnGrasp { opening_m: f64::INFINITY, ..truth },
+        OwnGrasp { uneven_m: Some(0.01), ..truth },
+        OwnGrasp { uneven_m: Some(f64::NAN), ..truth },
         OwnGrasp { world_from_gripper: elsewhere, ..truth },
         OwnGrasp { world_from_gripper: nowhere, ..truth },
     ] {

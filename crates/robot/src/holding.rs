@@ -136,6 +136,23 @@ impl Robot {
         }
     }
 
+    /// As [`Self::place_held`], with every finger closed by its own share of its travel, by the number of the finger.
+    ///
+    /// # Panics
+    /// If the frames come from another robot, or a finger has no share.
+    pub fn place_fingers(&self, tip_from_held: Pose, closings: &[f64], frames: &mut LinkFrames) {
+        let links: Vec<usize> = self.loose_links().collect();
+        self.place_held(&Hold { tip_from_held, closing: 0.0 }, frames);
+        for (finger, &closing) in closings.iter().enumerate() {
+            let poses = self.tip_from_loose(&Hold { tip_from_held, closing });
+            for ((place, pose), link) in frames.loose.iter_mut().zip(poses).zip(&links) {
+                if self.finger_of(*link) == Some(finger) {
+                    *place = pose;
+                }
+            }
+        }
+    }
+
     /// Where each of [`Self::loose_links`] stands in the frame of the tip.
     pub fn tip_from_loose(&self, hold: &Hold) -> Vec<Pose> {
         let Some(loose) = &self.loose else { return Vec::new() };

@@ -90,10 +90,20 @@ fn a_file_of_several_steps_is_read_and_judged_and_lies_are_seen() {
     assert!(!judgement.valid && judgement.steps.len() == 3 && judgement.steps[1].audit.valid);
     let faster = SequencePlan { duration_s: Some(1.0), ..plans.clone() };
     let judgement = judged(&scenario, &faster).unwrap();
-    assert!(
-        !judgement.valid
-            && judgement.differs[0].to_string().starts_with("duration_s: the file states 1.00 s,")
-    );
+    let lie = "duration_s: the file states 1.00 s,";
+    assert!(!judgement.valid && judgement.violations[0].to_string().starts_with(lie));
+    // Whatever else differs without being of another task, and what its steps state.
+    let mut modest = faster.clone();
+    modest.steps[0].clearance_m = Some(0.0);
+    modest.steps[1].grasps = Some("none".to_owned());
+    modest.steps[2].grasps = Some("gone.csv".to_owned());
+    let judgement = judged(&scenario, &modest).unwrap();
+    assert!(!judgement.valid && judgement.violations[0].to_string().starts_with(lie));
+    let differs =
+        judgement.steps.iter().flat_map(|step| step.differs.iter().map(|statement| &*statement.key));
+    assert_eq!(differs.collect::<Vec<_>>(), ["clearance_m", "grasps"]);
+    modest.steps[1].grasps = Some("gone.csv".to_owned());
+    assert_eq!(judged(&scenario, &modest).unwrap().steps[1].differs[0].key, "grasps");
     // A robot, a criterion or a scenario that only one step names.
     for (key, step) in [("robot", 1), ("criterion", 2), ("scenario", 0), ("geometry", 2)] {
         let mut other = serde_json::to_value(&plans).unwrap();

@@ -18,7 +18,8 @@ impl<'a> GraspJudge<'a> {
 
     /// The grasp that the hand takes at a configuration, which is a way point of this number.
     ///
-    /// 1. The fingers close on the target, each until it touches, and proven meet nothing else on their way.
+    /// 1. The fingers close on the target, which stays where it is, each until it touches, and proven meet nothing else on
+    ///    their way.
     /// 2. Where the pads touch the surface of the target, they are in force closure, with a score of
     ///    [`GraspMeasure::LEAST_SCORE`] or more.
     ///
@@ -32,8 +33,8 @@ impl<'a> GraspJudge<'a> {
         // 1.
         let robot = self.measure.hand().holding().robot();
         let world_from_gripper = *robot.frames_at(q).link(robot.tip());
-        let ClosedHand { opening_m, touching, .. } =
-            self.measure.hand().close(q, &mut self.scratch).map_err(grip)?;
+        let ClosedHand { opening_m, uneven_m, touching, .. } =
+            self.measure.hand().close_each(q, &mut self.scratch).map_err(grip)?;
         // 2.
         let score = self
             .measure
@@ -44,6 +45,7 @@ impl<'a> GraspJudge<'a> {
         }
         let rows = rows_of_pose(&world_from_gripper);
         let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);
-        Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score })
+        let uneven_m = Some(uneven_m);
+        Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score, uneven_m })
     }
 }

@@ -329,7 +329,7 @@ impl fmt::Display for Violation {
                 write!(f, "way point {way_point}: {joint} is {off} {unit} beyond its limit")
             }
             Self::Contact { place: place @ Place { first, second, .. }, depth_m } => {
-                write!(f, "{place}: {first} is {:.3} mm deep in {second}", mm(*depth_m))
+                write!(f, "{place}: {first} is {} mm deep in {second}", apart(mm(*depth_m), 3))
             }
             Self::NotFree { way_point } => write!(f, "way point {way_point} is not free"),
             Self::Clearance { place: place @ Place { first, second, .. }, clearance_m, required_m } => {
@@ -342,42 +342,22 @@ impl fmt::Display for Violation {
             Self::Step { edge, .. } => write!(f, "edge {edge} is longer than the released planners step"),
             Self::Grasp { nearest: None, .. } => write!(f, "the path ends at no grasp, for there is none"),
             Self::Grasp { nearest: Some(nearest), .. } => {
-                let (off, turned) =
-                    (mm(nearest.translation_error_m), nearest.rotation_error_rad.to_degrees());
+                let off = apart(mm(nearest.translation_error_m), 2);
+                let turned = apart(nearest.rotation_error_rad.to_degrees(), 2);
                 let grasp = nearest.grasp;
-                write!(f, "the path ends {off:.2} mm and {turned:.2}° from the nearest grasp, {grasp}")
+                write!(f, "the path ends {off} mm and {turned}° from the nearest grasp, {grasp}")
             }
             Self::Configuration { farthest: JointOffset { joint, off, unit }, .. } => {
                 write!(f, "the path ends with {joint} {} {unit} off the nearest goal", apart(*off, 6))
             }
             Self::Grip { way_point, reason } => write!(f, "way point {way_point}: {}", reason.sentence()),
             Self::WeakGrasp { way_point, score, required } => {
-                write!(
-                    f,
-                    "way point {way_point}: a grasp of score {score:.3} there, {required:.3} is demanded"
-                )
+                let [score, required] = distinct([*score, *required], 3);
+                write!(f, "way point {way_point}: a grasp of score {score} there, {required} is demanded")
             }
             Self::SaidGrasp { way_point, said_and_measured } => {
                 let [said, measured] = said_and_measured.as_ref();
-                match measured.off(said) {
-                    Some(off) => write!(
-                        f,
-                        "way point {way_point}: the grasp there is {:.2} mm and {:.2}° from the one that is said, ",
-                        mm(off.translation_m),
-                        off.rotation_rad.to_degrees(),
-                    )?,
-                    None => {
-                        write!(f, "way point {way_point}: what is said to be the grasp there is no pose, ")?;
-                    }
-                }
-                write!(
-                    f,
-                    "of score {:.3} and not {:.3}, the fingers {:.2} mm apart and not {:.2}",
-                    measured.score,
-                    said.score,
-                    mm(measured.opening_m),
-                    mm(said.opening_m),
-                )
+                write!(f, "way point {way_point}: {}", measured.against(said))
             }
             Self::Statement { key, stated, measured } => {
                 write!(f, "{key}: the file states {stated}, measured {measured}")
@@ -390,24 +370,24 @@ impl fmt::Display for Violation {
                 write!(f, "way point {way_point}: the object is not yet off what it rested on")
             }
             Self::LongLiftOff { way_point, length_m, most_m } => {
-                let (length, most) = (mm(*length_m), mm(*most_m));
-                write!(f, "way point {way_point}: lifted off over {length:.1} mm, {most:.1} mm are allowed")
+                let [length, most] = distinct([mm(*length_m), mm(*most_m)], 1);
+                write!(f, "way point {way_point}: lifted off over {length} mm, {most} mm are allowed")
             }
             Self::NotAbove { way_point } => {
                 write!(f, "way point {way_point}: the object is not yet off what it is put down on")
             }
             Self::LongSetDown { way_point, length_m, most_m } => {
-                let (length, most) = (mm(*length_m), mm(*most_m));
-                write!(f, "way point {way_point}: set down over {length:.1} mm, {most:.1} mm are allowed")
+                let [length, most] = distinct([mm(*length_m), mm(*most_m)], 1);
+                write!(f, "way point {way_point}: set down over {length} mm, {most} mm are allowed")
             }
             Self::NotPlaced { way_point, fault } => {
                 write!(f, "way point {way_point}: the object is let go, but {fault}")
             }
             Self::NotClear { clearance_m, required_m, .. } => {
-                let (clearance, required) = (mm(*clearance_m), mm(*required_m));
+                let [clearance, required] = distinct([mm(*clearance_m), mm(*required_m)], 1);
                 write!(
                     f,
-                    "after its retreat the hand is {clearance:.1} mm from the object, {required:.1} mm are demanded"
+                    "after its retreat the hand is {clearance} mm from the object, {required} mm are demanded"
                 )
             }
             Self::Hold { way_point, said, held } => {
@@ -416,8 +396,8 @@ impl fmt::Display for Violation {
                 write!(f, "way point {way_point}: the hand holds {held}, and not, as is said, {said}")
             }
             Self::NotOut { clearance_m, required_m, .. } => {
-                let (clearance, required) = (mm(*clearance_m), mm(*required_m));
-                write!(f, "carried out, the object is {clearance:.1} mm clear, {required:.1} mm are demanded")
+                let [clearance, required] = distinct([mm(*clearance_m), mm(*required_m)], 1);
+                write!(f, "carried out, the object is {clearance} mm clear, {required} mm are demanded")
             }
         }
     }

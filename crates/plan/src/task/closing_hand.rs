@@ -1,4 +1,4 @@
-use cranny_collision::{Cell, Closing, Scratch};
+use cranny_collision::{Cell, Closing, Contact, Scratch};
 use cranny_robot::{Hold, Robot};
 use cranny_spatial::Pose;
 
@@ -81,6 +81,27 @@ impl ClosingHand {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn close(&self, q: &[f64], scratch: &mut Scratch) -> Result<ClosedHand, FailureReason> {
+        self.closed(q, |closed, _| closed.closing_contact(q, scratch))
+    }
+
+    /// The same with every finger until it touches the target itself, which stays where it is, and a proof for each up to
+    /// there.
+    ///
+    /// # Errors
+    /// As [`Self::close`].
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn close_each(&self, q: &[f64], scratch: &mut Scratch) -> Result<ClosedHand, FailureReason> {
+        self.closed(q, |closed, touching| closed.closing_contact_each(q, touching, scratch))
+    }
+
+    /// The hand closed until the first finger touches, unless one meets what `met` says.
+    fn closed(
+        &self,
+        q: &[f64],
+        met: impl FnOnce(&Cell, &[f64]) -> Option<Contact>,
+    ) -> Result<ClosedHand, FailureReason> {
         let tip_from_held = self.tip_from_held(q);
         let held = |closing| {
             let hold = Hold { tip_from_held, closing };
@@ -89,7 +110,7 @@ impl ClosingHand {
         let Closing { closing, uneven_m, touching } =
             held(0.0)?.close_on_held().ok_or(FailureReason::ClosesOnNothing)?;
         let closed = held(closing)?;
-        if let Some(contact) = closed.closing_contact(q, scratch) {
+        if let Some(contact) = met(&closed, &touching) {
             let [first, second] = contact.names(&closed);
             return Err(FailureReason::ClosingCollides { first, second });
         }

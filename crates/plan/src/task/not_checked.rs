@@ -69,6 +69,11 @@ impl NotChecked {
         self.reason != NotCheckedReason::AdjacentFree
     }
 
+    /// Returns whether `--strict-pairs` checks the pair.
+    pub fn can_be_checked(&self) -> bool {
+        matches!(self.reason, NotCheckedReason::AlwaysTouching | NotCheckedReason::AdjacentAtJoint)
+    }
+
     pub(crate) fn of(cell: &Cell) -> Vec<Self> {
         let named = cell.unchecked().iter().map(|unchecked| Self {
             first: cell.name(unchecked.first).to_owned(),

@@ -13,6 +13,10 @@ pub struct OwnGrasp {
     pub opening_m: f64,
     /// How good it is, in [0, 1]: how little friction its contacts need ([`friction_score`](cranny_grasp::friction_score)).
     pub score: f64,
+    /// How much farther the finger that touches last goes than the first, in metres; `None` in files that are older than
+    /// this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uneven_m: Option<f64>,
 }
 
 /// What is said of a grasp is right to within these: a pose and an opening, in metres and radians, and a score.
@@ -32,14 +36,38 @@ impl OwnGrasp {
         Some(PoseDifference::between(&self.pose()?, &said.pose()?))
     }
 
+    /// The measured grasp against what is said of it, in words.
+    pub(crate) fn against(&self, said: &Self) -> String {
+        let pose = self.off(said).map_or_else(
+            || "what is said to be the grasp there is no pose".to_owned(),
+            |PoseDifference { translation_m, rotation_rad, .. }| {
+                let (off, turned) = (translation_m * 1e3, rotation_rad.to_degrees());
+                format!("the grasp there is {off:.2} mm and {turned:.2}° from the one that is said")
+            },
+        );
+        let [(opening, score), (said_opening, said_score)] =
+            [self, said].map(|grasp| (grasp.opening_m * 1e3, grasp.score));
+        let uneven = self.uneven_m.zip(said.uneven_m).map_or_else(String::new, |(measured_m, said_m)| {
+            let (measured, said) = (measured_m * 1e3, said_m * 1e3);
+            format!(", one meets it {measured:.2} mm before the other and not {said:.2}")
+        });
+        format!(
+            "{pose}, of score {score:.3} and not {said_score:.3}, the fingers {opening:.2} mm apart and not \
+             {said_opening:.2}{uneven}"
+        )
+    }
+
     /// Whether what is said is so, as far as it is measured; what is no number never is.
     pub(crate) fn is_as_said(&self, said: &Self) -> bool {
         let Some(off) = self.off(said) else { return false };
         let opening_off_m = (self.opening_m - said.opening_m).abs();
         let score_off = (self.score - said.score).abs();
+        let uneven_off_m =
+            self.uneven_m.zip(said.uneven_m).map_or(0.0, |(measured_m, said_m)| (measured_m - said_m).abs());
         off.translation_m <= SAID_TRANSLATION_M
             && off.rotation_rad <= SAID_ROTATION_RAD
             && opening_off_m <= SAID_OPENING_M
+            && uneven_off_m <= SAID_OPENING_M
             && score_off <= SAID_SCORE
     }
 }

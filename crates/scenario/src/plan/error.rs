@@ -17,7 +17,7 @@ pub enum PlanFileError {
         actual: usize,
     },
     /// A plan of a search that found nothing.
-    #[error("{}: the plan has no path; its search ended as {outcome}", path.display())]
+    #[error("{}: the plan has no path; as stated, its search ended as {outcome}", path.display())]
     NoPath {
         /// The plan file.
         path: PathBuf,

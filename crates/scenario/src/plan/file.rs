@@ -323,6 +323,7 @@ mod tests {
                 world_from_gripper: [[0.1 + 0.2; 4]; 4],
                 opening_m: 0.1 / 3.0,
                 score: 1e-17,
+                uneven_m: Some(0.1 / 7.0),
             }),
             clearance_m: None,
             segments: segments_of(&waypoints, &clearances_m),

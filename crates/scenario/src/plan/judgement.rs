@@ -1,20 +1,20 @@
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, Clearances, LiftOffSettings, Outcome, PlanError, Problem, Violation,
+    Audit, AuditSettings, Carrier, Clearances, LiftOffSettings, NotChecked, Outcome, PlanError, Problem,
     path_length,
 };
 use cranny_solve::{Robustness, Segment, TaskTrajectory};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::plan::statement::{Statement, differences};
+use crate::plan::statement::{NOT_CHECKED, Statement, differences};
 use crate::{PlanFile, PlanPlace, PlanSegment, PlanSource, PlanTiming};
 
 /// Verdict on a plan file: on its path, and on everything else that it states.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
-    /// The verdict on the path. A false statement is one of its violations, unless the plan was made for another task than
-    /// the one that it is judged in.
+    /// The verdict on the path. A false statement is one of its violations, unless it is of another task than the one that
+    /// the plan is judged in.
     #[serde(flatten)]
     pub audit: Audit,
     /// Demands of the file that the path was judged by, unless `differs` names them.
@@ -29,6 +29,9 @@ pub struct Judgement {
     /// The plan with every figure as it was measured.
     #[serde(skip)]
     pub measured: PlanFile,
+    /// True if the plan was made for the task that it is judged in, whichever grasps it states.
+    #[serde(skip)]
+    pub is_own_task: bool,
 }
 
 /// Demands on a path that a plan file brings along.
@@ -47,12 +50,19 @@ pub struct Demanded {
     pub place: Option<PlanPlace>,
 }
 
-/// Keys that state for which task a plan was made, and which pairs it leaves out: it was judged by these, or they differ.
-const TASK: [&str; 8] =
-    ["scenario", "robot", "geometry", "grasps", "criterion", "goal_threshold", "margins", "not_checked"];
+/// Keys that state for which task a plan was made: where one differs, no figure is of the task that it is judged in.
+const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
+
+/// The key of the set of grasps.
+const GRASPS: &str = "grasps";
+
+/// Figures that depend on the set of grasps: no other does, for it moves nothing.
+const OF_GRASPS: [&str; 4] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 12] = [
+const MEASURED: [&str; 14] = [
+    "goal_threshold",
+    NOT_CHECKED,
     "outcome",
     "joint_names",
     "grasp",
@@ -85,13 +95,85 @@ const RECORD: [&str; 14] = [
     "below_min_score",
 ];
 
+/// Keys of a plan without a path that are as stated.
+const AS_STATED: [&str; 2] = ["outcome", NOT_CHECKED];
+
 impl PlanFile {
     /// Judges the path, as anybody's, and compares everything else that the plan states with what is measured along it;
     /// `None` for a plan without a path. `task` is what the problem was made of.
     ///
+    /// Pairs that the problem does not compare, but can ([`Problem::checking_all_pairs`]), are compared where the plan does
+    /// not name them and holds with them: it was planned so.
+    ///
     /// # Errors
     /// As [`audit_segments`](cranny_solve::audit_segments).
     pub fn judge(
+        &self,
+        task: &PlanSource,
+        problem: &Problem,
+        settings: AuditSettings,
+    ) -> Result<Option<Judgement>, PlanError> {
+        let judgement = self.judge_in(task, problem, settings)?;
+        let is_unnamed = |pair: &NotChecked| {
+            let names = |of: &NotChecked| [of.first.clone(), of.second.clone()];
+            pair.can_be_checked() && self.not_checked.iter().all(|other| names(other) != names(pair))
+        };
+        if judgement.as_ref().is_some_and(|judgement| judgement.audit.not_checked.iter().any(is_unnamed)) {
+            let strict = self.judge_in(task, &problem.clone().checking_all_pairs(), settings)?;
+            if strict.as_ref().is_some_and(|strict| strict.audit.valid) {
+                return Ok(strict);
+            }
+        }
+        Ok(judgement)
+    }
+
+    /// Compares what a plan without a path states with the task. Its outcome, and why there is no path, are as stated: no
+    /// search is repeated. Nothing else is there to be stated.
+    pub fn judge_without_path(&self, task: &PlanSource, problem: &Problem) -> Judgement {
+        let audit = Audit {
+            valid: false,
+            violations: Vec::new(),
+            goal: None,
+            own_grasp: None,
+            clearance_m: None,
+            clearance_limit: None,
+            clearances_per_edge_m: Vec::new(),
+            not_checked: Vec::new(),
+        };
+        let measured = Self {
+            scenario: task.scenario.clone(),
+            robot: task.robot.as_ref().map(|file| file.display().to_string()),
+            geometry: task.geometry.map(|geometry| geometry.name().to_owned()),
+            grasps: task.grasps.text(),
+            criterion: problem.criterion(),
+            goal_threshold: problem.goal_threshold(),
+            margins: task.margins,
+            joint_names: problem.robot().joint_names().to_vec(),
+            grasp: None,
+            translation_error_m: None,
+            rotation_error_rad: None,
+            own_grasp: None,
+            clearance_m: None,
+            clearances_per_edge_m: Vec::new(),
+            path_length: 0.0,
+            segments: Vec::new(),
+            waypoints: Vec::new(),
+            timing: None,
+            robustness: None,
+            ..self.clone()
+        };
+        let (stated, found) = (figures(self), figures(&measured));
+        let mut judgement = self.judgement(task, audit, measured);
+        let figures: Vec<_> = MEASURED.into_iter().filter(|key| !AS_STATED.contains(key)).collect();
+        judgement.differs = differences(&TASK, &stated, &found);
+        judgement.differs.extend(differences(&[GRASPS], &stated, &found));
+        judgement.differs.extend(differences(&figures, &stated, &found));
+        let is_stated = |key: &&str| is_stated(&stated[*key]);
+        judgement.not_compared = AS_STATED.into_iter().chain(RECORD).filter(is_stated).collect();
+        judgement
+    }
+
+    fn judge_in(
         &self,
         task: &PlanSource,
         problem: &Problem,
@@ -105,31 +187,27 @@ impl PlanFile {
         let measured = Self { robustness, ..self.measured(task, problem, &audit, settings)? };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
-        let mut judgement = Judgement {
-            demanded: Demanded {
-                margins: task.margins,
-                carry_to: self.carry_to.clone(),
-                carry_clear_m: self.carry_clear_m,
-                place: self.place.clone(),
-            },
-            differs: differences(&TASK, &stated, &found),
-            compared: Vec::new(),
-            not_compared: Vec::new(),
-            audit,
-            measured,
-        };
+        let mut judgement = self.judgement(task, audit, measured);
+        judgement.differs = differences(&TASK, &stated, &found);
+        let is_own_task = judgement.differs.is_empty();
+        judgement.is_own_task = is_own_task;
+        let of_grasps = differences(&[GRASPS], &stated, &found);
+        let has_own_grasps = of_grasps.is_empty();
+        judgement.differs.extend(of_grasps);
         // What is stated of a path that does not hold was measured of another one.
         let holds = judgement.audit.valid;
-        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_stated).collect();
+        // No pairs are a statement too: that all were compared.
+        let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
+        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).collect();
         if holds {
-            let is_own_task = judgement.differs.is_empty();
             for statement in differences(&measured_keys, &stated, &found) {
+                let key = statement.key.split(['.', '[']).next().unwrap_or_default();
                 // Where nothing is proven, whatever is stated of clearances is more than there is.
-                let is_unproven = problem.cell().is_none() && statement.measured.is_null();
-                if is_own_task && (statement.is_false || is_unproven) {
-                    let [stated, measured] = statement.in_words();
-                    let key = statement.key;
-                    judgement.audit.violations.push(Violation::Statement { key, stated, measured });
+                let is_unproven =
+                    problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
+                let is_of_task = is_own_task && (has_own_grasps || !OF_GRASPS.contains(&key));
+                if is_of_task && (statement.is_false || is_unproven) {
+                    judgement.audit.violations.push(statement.violation());
                 } else {
                     judgement.differs.push(statement);
                 }
@@ -141,6 +219,24 @@ impl PlanFile {
         }
         judgement.not_compared.extend(RECORD.into_iter().filter(is_stated));
         Ok(Some(judgement))
+    }
+
+    /// A verdict before anything that the plan states is compared.
+    fn judgement(&self, task: &PlanSource, audit: Audit, measured: Self) -> Judgement {
+        Judgement {
+            audit,
+            demanded: Demanded {
+                margins: task.margins,
+                carry_to: self.carry_to.clone(),
+                carry_clear_m: self.carry_clear_m,
+                place: self.place.clone(),
+            },
+            differs: Vec::new(),
+            compared: Vec::new(),
+            not_compared: Vec::new(),
+            measured,
+            is_own_task: false,
+        }
     }
 
     /// The radii where the file states some.

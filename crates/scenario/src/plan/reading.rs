@@ -165,7 +165,7 @@ impl PlanFile {
         });
         let own_grasp = self.own_grasp.iter().flat_map(|grasp| {
             let pose = grasp.world_from_gripper.iter().flatten().copied();
-            pose.chain([grasp.opening_m, grasp.score])
+            pose.chain([grasp.opening_m, grasp.score]).chain(grasp.uneven_m)
         });
         let fields: [(&'static str, Vec<f64>); 15] = [
             ("own_grasp", own_grasp.collect()),

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem};
+use cranny_plan::{AuditSettings, CarryEnd, Observer, PlaceSettings, PlanError, Problem, Violation};
 use cranny_solve::{Carry, PoseRadius, Request, SolveError, solve};
 use serde::{Deserialize, Serialize};
 
@@ -177,9 +177,11 @@ impl SequencePlan {
         let is_stated = holds && self.duration_s.is_some();
         let keys = if is_stated { &["duration_s"][..] } else { &[] };
         let differs = differences(keys, &durations[0], &durations[1]);
-        let is_own_task = steps.iter().all(|judgement| judgement.differs.is_empty());
-        let valid = holds && !(is_own_task && differs.iter().any(|statement| statement.is_false));
-        Ok(SequenceJudgement { valid, steps, differs })
+        let is_own_task = steps.iter().all(|judgement| judgement.is_own_task);
+        let (lies, differs): (Vec<_>, Vec<_>) =
+            differs.into_iter().partition(|statement| is_own_task && statement.is_false);
+        let violations: Vec<_> = lies.into_iter().map(Statement::violation).collect();
+        Ok(SequenceJudgement { valid: holds && violations.is_empty(), violations, steps, differs })
     }
 
     /// The grasps that were given for the scenario's own target: for what else is picked none are, whatever a plan says of it.
@@ -293,6 +295,8 @@ impl StepDemand {
 pub struct SequenceJudgement {
     /// True if the scenario has steps, each has its path, all paths hold, and no statement of the file is false.
     pub valid: bool,
+    /// False statements of the file about all steps together.
+    pub violations: Vec<Violation>,
     /// The verdicts, up to the first that does not hold.
     pub steps: Vec<Judgement>,
     /// Statements of the file about all steps together that differ from what was measured.
@@ -330,10 +334,13 @@ pub struct StepTask<'a> {
 
 impl StepTask<'_> {
     /// Source of the step's problem, if the scenario of all steps was opened with `task`. Grasps are given for the
-    /// scenario's own target alone, whatever a plan states about those of another object.
+    /// scenario's own target alone: for another object none are, and its plan states that, or what all steps were opened
+    /// with.
     pub fn task(&self, task: &PlanSource) -> PlanSource {
         let margins = self.problem.cell().map_or(self.plan.margins, |cell| cell.margins());
-        PlanSource { margins, grasps: self.plan.given_grasps(), ..task.clone() }
+        let is_without = !self.scenario.has_grasp_set && self.plan.given_grasps() == GivenGrasps::None;
+        let grasps = if is_without { GivenGrasps::None } else { task.grasps.clone() };
+        PlanSource { grasps, margins, ..task.clone() }
     }
 }
 

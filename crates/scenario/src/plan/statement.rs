@@ -1,6 +1,7 @@
 use std::fmt;
 
 use cranny_file::excerpt;
+use cranny_plan::Violation;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -38,6 +39,12 @@ impl Statement {
         apart.unwrap_or_else(|| [stated, measured].map(|value| value.to_string()))
     }
 
+    /// The statement as something that is wrong with the plan.
+    pub(crate) fn violation(self) -> Violation {
+        let [stated, measured] = self.in_words();
+        Violation::Statement { key: self.key, stated, measured }
+    }
+
     fn number(&self, value: f64, digits: usize) -> String {
         let name = self.key.trim_end_matches(|c: char| c == '[' || c == ']' || c.is_ascii_digit());
         if name.ends_with("_m") {
@@ -65,8 +72,11 @@ impl fmt::Display for Statement {
 /// When a value that differs is false.
 #[derive(Clone, Copy)]
 enum Law {
-    /// A lower bound: beyond what was measured, and beyond this share of it. A weaker bound is true.
-    AtLeast { share: f64 },
+    /// A lower bound: beyond what was measured, for nothing proves that. A weaker bound is true. A version measures a path
+    /// alike each time, so that nothing is allowed for but rounding.
+    AtLeast,
+    /// An upper bound: below what was measured, by more than [`DEPTH_TOLERANCE_M`].
+    AtMost,
     /// Never.
     Reported,
     /// Only where it is no number: the judge of the path has compared numbers.
@@ -79,10 +89,10 @@ impl Law {
     /// The law of a key of a plan file.
     fn of(key: &str) -> Self {
         match key {
-            "clearance_m" | "clearances_per_edge_m" => Self::AtLeast { share: 0.0 },
-            // A radius is measured to a twentieth.
-            "robustness" => Self::AtLeast { share: 0.06 },
+            "clearance_m" | "clearances_per_edge_m" | "robustness" => Self::AtLeast,
             "own_grasp" => Self::Judged,
+            // Under `paper`, of the judge's own: which grasp is reached how exactly is measured.
+            "goal_threshold" => Self::Reported,
             _ => Self::Equal,
         }
     }
@@ -90,7 +100,7 @@ impl Law {
     /// The law of a key within a value.
     fn within(self, key: &str) -> Self {
         match key {
-            "clearances_m" => Self::AtLeast { share: 0.0 },
+            "clearances_m" => Self::AtLeast,
             "opening_m" => Self::Judged,
             // Files of older versions do not have it.
             "uneven_m" => Self::Reported,
@@ -101,20 +111,19 @@ impl Law {
     fn is_false(self, stated: &Value, measured: &Value) -> bool {
         match (self, stated.as_f64(), measured.as_f64()) {
             // A clearance without a measure: nothing is near.
-            (Self::Reported, _, _)
-            | (Self::Judged, Some(_), Some(_))
-            | (Self::AtLeast { .. }, Some(_), None) => false,
-            (Self::AtLeast { share }, Some(stated), Some(measured)) => {
-                stated > measured * (1.0 + share) + CLEARANCE_TOLERANCE
+            (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) | (Self::AtLeast, Some(_), None) => {
+                false
             }
+            (Self::AtLeast, Some(stated), Some(measured)) => stated > measured,
+            (Self::AtMost, Some(stated), Some(measured)) => stated < measured - DEPTH_TOLERANCE_M,
             (_, Some(stated), Some(measured)) => !is_near(stated, measured, TOLERANCE),
             _ => true,
         }
     }
 }
 
-/// Clearances (m) are proven to 10 µm.
-const CLEARANCE_TOLERANCE: f64 = 1.1e-5;
+/// Depths are measured to 10 µm: other versions may take other samples.
+const DEPTH_TOLERANCE_M: f64 = 1.1e-5;
 /// A figure (m, rad, s) is right to within this, and this share of it: other versions may add up in another order.
 const TOLERANCE: f64 = 1e-6;
 /// Relative difference below which two figures count as the same.
@@ -129,9 +138,49 @@ pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Ve
     let mut found = Vec::new();
     for key in keys {
         let (stated, measured) = (&stated[*key], &measured[*key]);
-        compare(key, Law::of(key), stated, measured, &mut found);
+        match (*key, stated.as_array(), measured.as_array()) {
+            (NOT_CHECKED, Some(stated), Some(measured)) => compare_pairs(stated, measured, &mut found),
+            _ => compare(key, Law::of(key), stated, measured, &mut found),
+        }
     }
     found
+}
+
+/// The key of the pairs that are not compared.
+pub(crate) const NOT_CHECKED: &str = "not_checked";
+
+/// Pairs that are said not to be compared, against those that are not. A pair that is left out is false: it is said to be
+/// compared. One too many is not.
+fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement>) {
+    let key = |index: usize| format!("{NOT_CHECKED}[{index}]");
+    let mut named = vec![false; stated.len()];
+    for pair in measured {
+        let at = stated.iter().zip(&named).position(|(other, named)| !named && is_pair(other, pair));
+        let Some(index) = at else {
+            let (key, stated, measured) = (NOT_CHECKED.to_owned(), Value::Null, pair.clone());
+            found.push(Statement { key, stated, measured, is_false: true });
+            continue;
+        };
+        named[index] = true;
+        for (name, law) in [("depth_m", Law::AtMost), ("allowance_m", Law::AtMost), ("reason", Law::Reported)]
+        {
+            compare(&format!("{}.{name}", key(index)), law, &stated[index][name], &pair[name], found);
+        }
+    }
+    for (index, _) in named.iter().enumerate().filter(|(_, named)| !**named) {
+        let (stated, measured) = (stated[index].clone(), Value::Null);
+        found.push(Statement { key: key(index), stated, measured, is_false: false });
+    }
+}
+
+/// Returns whether a pair that is said not to be compared covers one that is not: for the same reason, in the same segment.
+/// For one that is proven never to touch, any reason says less.
+fn is_pair(stated: &Value, measured: &Value) -> bool {
+    let is = |key: &str, other: &str| stated[key] == measured[other];
+    let are_named = is("first", "first") && is("second", "second");
+    let are_swapped = is("first", "second") && is("second", "first");
+    let is_reason = is("reason", "reason") || measured["reason"] == "adjacent-free";
+    (are_named || are_swapped) && is_reason && is("segment", "segment")
 }
 
 fn compare(key: &str, law: Law, stated: &Value, measured: &Value, found: &mut Vec<Statement>) {
