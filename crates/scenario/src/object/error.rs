@@ -1,5 +1,3 @@
-use std::path::PathBuf;
-
 use cranny_file::did_you_mean_here;
 
 /// What can be wrong with an object to be grasped. The message is complete in itself: file and line where there is one.
@@ -39,22 +37,6 @@ pub enum ObjectError {
         what: &'static str,
         /// The offending value.
         value: f64,
-    },
-    /// A figure of an `object.yaml` is not that of the meshes.
-    #[error(
-        "{}: {key} is stated as {stated}, but of the meshes and the mass it is {measured} (`cranny object add` with \
-         --mass writes the folder anew)",
-        path.display()
-    )]
-    Stated {
-        /// The file.
-        path: PathBuf,
-        /// The key.
-        key: &'static str,
-        /// Its value in the file.
-        stated: String,
-        /// The value that was measured.
-        measured: String,
     },
     /// No built-in object has that name.
     #[error(

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use cranny_shape::{ConvexParts, ShapeError, Solid, StablePose, TriangleSoup, VolumeError};
+use cranny_shape::{ConvexParts, StablePose, TriangleSoup, VolumeError};
 use cranny_spatial::nalgebra::{Matrix3, Quaternion};
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
 use crate::files::atomic_file::write_into;
 use crate::files::yaml;
 use crate::object::object_type::check_numbers;
-use crate::{ObjectError, ObjectSettings, ObjectType, ScenarioError, write_whole_file};
+use crate::{ObjectType, ScenarioError, write_whole_file};
 
 /// The file that makes a folder an object.
 pub const OBJECT_FILE: &str = "object.yaml";
@@ -61,6 +61,7 @@ impl ObjectType {
             write_into(folder, &name, part.obj_text(1))?;
             convex_parts.push(PathBuf::from(name));
         }
+        let i = &self.inertia_kg_m2;
         let file = ObjectFile {
             name: self.name.clone(),
             mesh: MESH_FILE.into(),
@@ -70,7 +71,7 @@ impl ObjectType {
             friction: self.friction,
             volume_m3: self.volume_m3,
             center_of_mass: self.center_of_mass.into(),
-            inertia_kg_m2: upper_triangle(&self.inertia_kg_m2),
+            inertia_kg_m2: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
             stable_poses: self.stable_poses.iter().map(RestingPose::of).collect(),
         };
         let path = folder.join(OBJECT_FILE);
@@ -81,80 +82,34 @@ impl ObjectType {
         write_whole_file(&path, text.as_bytes())
     }
 
-    /// Reads what [`Self::write_folder`] writes; mass, inertia, convex parts and poses are measured on the meshes.
+    /// Reads what [`Self::write_folder`] writes.
     ///
     /// # Errors
     /// [`ScenarioError`] with file and line for what is no object, [`ScenarioError::ShapeFile`] for a mesh
-    /// that cannot be read or encloses no volume, [`ObjectError::Stated`] for a figure that is not that of the mesh.
+    /// that cannot be read or encloses no volume.
     pub fn read_folder(folder: &Path) -> Result<Self, ScenarioError> {
         let path = folder.join(OBJECT_FILE);
         let file: ObjectFile = yaml::read(&path)?;
         let load = |name: &PathBuf| TriangleSoup::load(&folder.join(name), Vector::repeat(1.0));
-        let in_mesh = |fault: ShapeError| ScenarioError::from(fault.in_file(&folder.join(&file.mesh)));
+        let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
         check_numbers(file.mass_kg, file.friction)?;
-        let mesh = load(&file.mesh)?;
-        Solid::mesh(&mesh).map_err(in_mesh)?;
-        let parts = file.convex_parts.iter().map(load).collect::<Result<_, _>>()?;
-        let parts = ConvexParts::measured(&mesh, parts).map_err(in_mesh)?;
-        let mut settings = ObjectSettings::new(file.name.clone(), file.mass_kg);
-        settings.friction = file.friction;
-        settings.least_probability = 0.0;
-        let mut object = Self::of_parts(mesh, parts, &settings)?;
-        file.check(&object).map_err(|(key, stated, measured)| {
-            let path = path.clone();
-            ObjectError::Stated { path, key, stated, measured }
-        })?;
-        object.stable_poses = file.stable_poses.iter().map(RestingPose::pose).collect();
+        let object = Self {
+            name: file.name,
+            mesh: load(&file.mesh)?,
+            parts: ConvexParts {
+                parts: file.convex_parts.iter().map(load).collect::<Result<_, _>>()?,
+                error: file.convex_parts_error,
+            },
+            mass_kg: file.mass_kg,
+            friction: file.friction,
+            volume_m3: file.volume_m3,
+            center_of_mass: Point::from(file.center_of_mass),
+            inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            stable_poses: file.stable_poses.iter().map(RestingPose::pose).collect(),
+        };
+        object.solid().map_err(|fault| fault.in_file(&folder.join(file.mesh)))?;
         Ok(object)
     }
-}
-
-/// Difference between a stated figure and the measured one that is rounding, as a share of the measured one.
-const ROUNDING: f64 = 1e-3;
-/// Difference between stated and measured shares: of the volume, which is measured along lines, and of throws.
-const SHARE_ROUNDING: f64 = 0.01;
-
-impl ObjectFile {
-    /// Compares what the file states with what the mesh has: the first key that differs, with both figures.
-    fn check(&self, measured: &ObjectType) -> Result<(), (&'static str, String, String)> {
-        let differs = |key, stated: &[f64], measured: &[f64], most: f64| {
-            let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= most;
-            let alike = stated.iter().zip(measured).all(is_near);
-            if alike { Ok(()) } else { Err((key, format!("{stated:?}"), format!("{measured:?}"))) }
-        };
-        differs("volume_m3", &[self.volume_m3], &[measured.volume_m3], ROUNDING * measured.volume_m3)?;
-        let size_m = measured.volume_m3.cbrt();
-        let center = measured.center_of_mass.coords;
-        differs("center_of_mass", &self.center_of_mass, center.as_slice(), ROUNDING * size_m)?;
-        let inertia = upper_triangle(&measured.inertia_kg_m2);
-        let largest = measured.inertia_kg_m2.amax();
-        differs("inertia_kg_m2", &self.inertia_kg_m2, &inertia, ROUNDING * largest)?;
-        let [stated, error] = [self.convex_parts_error, measured.parts.error];
-        let [stated, error] = [[stated.excess, stated.missing], [error.excess, error.missing]];
-        differs("convex_parts_error", &stated, &error, SHARE_ROUNDING)?;
-        for pose in &self.stable_poses {
-            let stated = pose.pose();
-            let is_alike = |known: &&StablePose| {
-                let [a, b] = [&stated.ground_from_body, &known.ground_from_body];
-                // A turn about the vertical, and a place on the ground, make no other pose.
-                let up = |pose: &Pose| pose.rotation.inverse() * Vector::z();
-                (up(a) - up(b)).norm() <= ROUNDING
-                    && (a.translation.z - b.translation.z).abs() <= ROUNDING * size_m
-                    && (stated.probability - known.probability).abs() <= SHARE_ROUNDING
-            };
-            if !pose.is_unit() || !measured.stable_poses.iter().any(|known| is_alike(&known)) {
-                let stated =
-                    format!("a pose with z {} and quaternion {:?}", pose.position[2], pose.quaternion_xyzw);
-                return Err(("stable_poses", stated, "no such pose of that probability".to_owned()));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// xx, yy, zz, xy, xz, yz of a symmetric matrix.
-fn upper_triangle(matrix: &Matrix3<f64>) -> [f64; 6] {
-    [matrix.m11, matrix.m22, matrix.m33, matrix.m12, matrix.m13, matrix.m23]
 }
 
 impl RestingPose {
@@ -166,10 +121,6 @@ impl RestingPose {
             position: pose.translation.vector.into(),
             quaternion_xyzw: pose.rotation.coords.into(),
         }
-    }
-
-    fn is_unit(&self) -> bool {
-        (self.quaternion_xyzw.iter().map(|part| part * part).sum::<f64>() - 1.0).abs() <= ROUNDING
     }
 
     fn pose(&self) -> StablePose {
