@@ -366,14 +366,6 @@ pub enum RobotError {
         /// The names that are known.
         known: String,
     },
-    /// A start without a value for a joint of the group.
-    #[error("{at}: start: no value for joint `{joint}`, which moves")]
-    NoStart {
-        /// Location of the start in `robot.yaml`.
-        at: Location,
-        /// The joint.
-        joint: String,
-    },
     /// A joint is to be held at a value outside its limits.
     #[error("{at}: joint `{joint}` cannot be held at {value}: its limits are {lower} to {upper}")]
     HeldOutsideLimits {

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::hand_description::line_of;
-use crate::joint_group::{MIMIC_SLACK, admits, range, unknown_joint, unknown_link};
+use crate::joint_group::{admits, range, unknown_joint, unknown_link};
 use crate::rate_limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
@@ -44,10 +44,6 @@ pub struct RobotDescription {
     /// Its hand, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandDescription>,
-    /// Location of `start`.
-    #[serde(skip)]
-    #[schemars(skip)]
-    pub(crate) start_at: Option<Location>,
 }
 
 impl RobotDescription {
@@ -57,10 +53,7 @@ impl RobotDescription {
     /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
     /// that cannot be.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
-        let mut description: Self = parse_yaml(text, file)?;
-        if !description.start.is_empty() {
-            description.start_at = Some(line_of(text, file, "start"));
-        }
+        let description: Self = parse_yaml(text, file)?;
         if let Some(hand) = &description.hand {
             hand.check(text, file)?;
         }
@@ -138,33 +131,9 @@ impl RobotDescription {
                 return Err(unknown_link(urdf, place, name));
             }
         }
-        for (finger, range) in hand.into_iter().flat_map(|hand| &hand.fingers) {
-            let mimic =
-                tree.joint(finger).and_then(|joint| urdf.joints[joint].motion.as_ref()?.mimic.as_ref());
-            let Some(mimic) = mimic else { continue };
-            let not_free = |hindrance| {
-                let (at, joint) = (at("fingers", finger), finger.clone());
-                Err(RobotError::NotFree { at, joint, wanted: "moved as a finger", hindrance })
-            };
-            let master = mimic.master.clone();
-            let Some(of_master) = hand.and_then(|hand| hand.fingers.get(&master)) else {
-                return not_free(Hindrance::Mimic { master });
-            };
-            for (own, of_master) in [(range.open, of_master.open), (range.closed, of_master.closed)] {
-                let value = of_master * mimic.multiplier + mimic.offset;
-                if (own - value).abs() > MIMIC_SLACK {
-                    return not_free(Hindrance::MimicValue { master, value });
-                }
-            }
-        }
         for (name, &value) in &self.fixed {
             let Some(index) = tree.joint(name) else { continue };
             let (at, joint) = (at("fixed", name), name.clone());
-            let finger = hand.and_then(|hand| hand.fingers.get(name));
-            if let Some(open) = finger.map(|range| range.open).filter(|&open| open != value) {
-                let hindrance = Hindrance::Finger { open };
-                return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
-            }
             let Some(motion) = &urdf.joints[index].motion else {
                 return Err(RobotError::NotFree {
                     at,
@@ -181,27 +150,9 @@ impl RobotDescription {
         Ok(())
     }
 
-    /// The start of the group of these names; `None` without one.
-    ///
-    /// # Errors
-    /// [`RobotError::NotFree`] for a joint that does not belong to the group, [`RobotError::NoStart`] for one of the group
-    /// without a value, where `is_own_group`: a caller may choose other joints.
-    pub(crate) fn start_of(
-        &self,
-        joints: &[String],
-        is_own_group: bool,
-    ) -> Result<Option<Vec<f64>>, RobotError> {
-        if is_own_group && let Some(at) = &self.start_at {
-            if let Some(joint) = self.start.keys().find(|name| !joints.contains(name)) {
-                let (at, joint) = (at.clone(), joint.clone());
-                let (wanted, hindrance) = ("in the start", Hindrance::NotInGroup);
-                return Err(RobotError::NotFree { at, joint, wanted, hindrance });
-            }
-            if let Some(joint) = joints.iter().find(|name| !self.start.contains_key(*name)) {
-                return Err(RobotError::NoStart { at: at.clone(), joint: joint.clone() });
-            }
-        }
-        Ok(joints.iter().map(|joint| self.start.get(joint).copied()).collect())
+    /// The start of the group of these names; `None` if it is not said for all of them.
+    pub(crate) fn start_of(&self, joints: &[String]) -> Option<Vec<f64>> {
+        joints.iter().map(|joint| self.start.get(joint).copied()).collect()
     }
 }
 
