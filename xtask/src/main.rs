@@ -36,7 +36,7 @@ Tasks:
   site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,
                  target/site/book; builds mdBook where it is not installed
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
-                 machine paths, files of others
+                 machine paths, files of others, structs that drop unknown keys
   tidy --write   the same, after writing what is generated (the crate table of ARCHITECTURE.md, the
                  licences of what the programs are made of)
   help           this text

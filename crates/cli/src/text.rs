@@ -107,7 +107,7 @@ pub fn own_grasp(grasp: &OwnGrasp) -> String {
     format!("of its own (score {score}), fingers {opening} apart when closed{uneven}")
 }
 
-/// Fingers that meet the object farther apart than this in their travel are told, in metres: what is less nobody sees.
+/// Difference of the travel of two fingers above which it is reported, in metres: less is invisible.
 const UNEVEN_M: f64 = 1e-3;
 
 /// Text on fingers of which one meets the object before the other; empty where that is hardly so.

@@ -74,7 +74,7 @@ fn check(name: &str, reader: &PlanReader, whole: &Value, at: &str, most: usize) 
     let plan = whole.pointer(at).unwrap();
     let mut pairs = Vec::new();
     for (pointer, lie) in lies() {
-        // Of a plan that has no such key, or says the same, it is no lie.
+        // A plan without the key, or with the same value, states nothing false.
         if plan.pointer(pointer).is_none_or(|truth| *truth == lie) {
             continue;
         }
@@ -124,12 +124,12 @@ enum Effect {
     OtherTask,
 }
 
-/// What a verdict, as text, makes of the false statement of one key where another key is changed too; `None` if it is
+/// Treatment, in a verdict as text, of the false statement of one key where another key is changed too; `None` if it is
 /// trusted.
 fn effect(text: &str, own: &str, key: &str) -> Option<Effect> {
     let (_, text) = text.split_at(text.find(['[', '{'])?);
     let verdict: Value = serde_json::from_str(text).unwrap();
-    // Of one plan it stands with what the plan brings along, of several steps those of the steps stand in it.
+    // One plan lists it with what the plan brings along; several steps list those of each step.
     let whole = verdict.get(0).unwrap_or(&verdict);
     let steps = whole["steps"].as_array().cloned().unwrap_or_default();
     let verdicts = || steps.iter().chain([whole]);

@@ -2,6 +2,7 @@
 
 pub mod system;
 
+mod archive_names;
 mod bound;
 mod counted;
 mod distinct;
@@ -11,6 +12,7 @@ mod opener;
 mod spelling;
 mod text;
 
+pub use archive_names::archive_names;
 pub use bound::{at_least, at_most};
 pub use counted::counted;
 pub use distinct::distinct;

@@ -91,7 +91,7 @@ pub enum GraspError {
          follow)"
     )]
     NumberCount {
-        /// How many there are.
+        /// Count of the numbers.
         actual: usize,
     },
     /// A column of a header has a name that no column has.
@@ -101,9 +101,9 @@ pub enum GraspError {
         did_you_mean(name, COLUMNS)
     )]
     UnknownColumn {
-        /// Which one, from 1.
+        /// Its number, from 1.
         column: usize,
-        /// What it is called.
+        /// Its name.
         name: String,
     },
     /// Two columns of a header have one name.
@@ -112,7 +112,7 @@ pub enum GraspError {
         EXPECTED_COLUMNS
     )]
     RepeatedColumn {
-        /// What they are called.
+        /// Their names.
         name: &'static str,
         /// The first one, from 1.
         first: usize,
@@ -128,15 +128,15 @@ pub enum GraspError {
     /// A line holds more numbers than its header names, or too few for a pose.
     #[error("{actual} numbers under a header of {named} columns")]
     ColumnCount {
-        /// How many there are.
+        /// Count of the numbers.
         actual: usize,
-        /// How many the header names.
+        /// Count of the header's columns.
         named: usize,
     },
     /// What should be a number is none, or none that is finite.
     #[error("number {column} is '{text}', which is not a finite number")]
     NotANumber {
-        /// Which one, from 1.
+        /// Its number, from 1.
         column: usize,
         /// What stands there.
         text: String,

@@ -46,7 +46,7 @@ const MOST_TRIALS: f64 = 1e9;
 /// How far a score that a person rounded to two decimals may be from the share that it stands for.
 const TWO_DECIMALS: f64 = 0.005 + 1e-9;
 
-/// How far a written score may be from its counts: what the last digits of a decimal lose.
+/// Difference between a written score and its counts that is rounding of the last decimal.
 const SCORE_ROUNDING: f64 = 1e-9;
 
 impl Serialize for RobustScore {

@@ -123,7 +123,7 @@ fn each_finger_is_proven_up_to_where_it_touches() {
     assert!(free.valid, "{:?}", free.violations);
     let uneven_m = free.own_grasp.and_then(|grasp| grasp.uneven_m).expect("a grasp of this version");
     assert!((uneven_m - 0.02).abs() < 1e-4, "{uneven_m}");
-    // What the far pad meets once the near one touches.
+    // The far pad meets it once the near one touches.
     let mut bodies = still_life();
     bodies.push(block("peg", [x + 0.02, y + 0.02, z + 0.005], [0.003, 0.002, 0.003]));
     let blocked = standing_at(bodies, &q);

@@ -28,7 +28,7 @@ pub struct Srdf {
     pub passive_joints: Vec<String>,
     /// Locations of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` in the file.
     pub(crate) places: Places,
-    /// What is not read, one line for each kind.
+    /// Content that is not read, one line for each kind.
     pub(crate) notes: Vec<String>,
 }
 

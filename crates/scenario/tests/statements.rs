@@ -107,7 +107,7 @@ fn what_is_left_out_makes_no_other_statement_true() {
         let found = judge(&changed(&lie, "/not_checked/0/allowance_m", json!(allowance_m)));
         assert_eq!(keys(&found).len(), 1 + usize::from(is_false), "{allowance_m}");
     }
-    // What has no bearing on a clearance changes no task.
+    // A key without bearing on a clearance changes no task.
     for (key, value) in [("goal_threshold", json!(1.0)), ("grasps", json!("gone.csv"))] {
         let mut other = lie.clone();
         other[key] = value;
@@ -151,7 +151,7 @@ const ELBOW: &str = r#"<robot name="elbow"><link name="root"/>
     <limit lower="-1.6" upper="1.6" velocity="1" effort="1"/></joint>
   <joint name="t" type="fixed"><parent link="lower"/><child link="tip"/></joint></robot>"#;
 
-/// Who compares more pairs than the judge leaves them out of the list: the judge then compares them too.
+/// A planner that compares more pairs than the judge leaves them out of the list: the judge then compares them too.
 #[test]
 fn pairs_that_a_plan_leaves_out_are_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -180,7 +180,7 @@ fn pairs_that_a_plan_leaves_out_are_compared() {
         assert!(found.audit.valid && found.differs.is_empty(), "{:?}", found.audit.violations);
         assert_eq!(found.audit.not_checked, plan.not_checked);
     }
-    // Where they touch the path does not hold with them: it was not compared with them.
+    // A path on which they touch was not compared with them.
     let mut bent = own;
     bent.waypoints.insert(1, vec![1.57]);
     bent.waypoints.insert(2, vec![0.0]);

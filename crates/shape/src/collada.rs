@@ -72,7 +72,7 @@ pub(crate) fn pieces(text: &str) -> Result<Vec<Piece>, String> {
     Ok(reader.pieces)
 }
 
-/// How many metres a unit of the file has.
+/// Length of the file's unit, in metres.
 fn unit(root: Node) -> Result<f64, String> {
     let meter = |unit: Node| match unit.attribute("meter") {
         Some(word) => match number(unit, word)? {
@@ -96,7 +96,7 @@ fn unit(root: Node) -> Result<f64, String> {
     Ok(meters)
 }
 
-/// What a file shows that does not say so.
+/// The only scene of a file that names none to be shown.
 fn only_scene<'a>(root: Node<'a, 'a>) -> Result<Option<Node<'a, 'a>>, String> {
     let mut scenes = root.descendants().filter(|node| node.has_tag_name_of("visual_scene"));
     let first = scenes.next();

@@ -9,7 +9,7 @@ pub(crate) struct CornerTree {
     boxes: Vec<CornerBox>,
     /// Box by box of those that are not halved.
     corners: Vec<usize>,
-    /// Of each corner the box, or none if it is not in the tree.
+    /// The box of each corner; none for one that is not in the tree.
     boxes_of: Vec<Option<usize>>,
 }
 
@@ -17,12 +17,12 @@ struct CornerBox {
     low: Coord<f64>,
     high: Coord<f64>,
     parent: Option<usize>,
-    /// Where the boxes begin that are not in it.
+    /// Index of the first box outside it.
     behind: usize,
     /// Its range of corners.
     corners: (usize, usize),
     is_halved: bool,
-    /// How many corners are left.
+    /// Number of corners that are left.
     left: usize,
 }
 

@@ -6,7 +6,7 @@ use crate::polygon::triangulate;
 /// both binary forms; elements other than `vertex`, `face` and `tristrips` are passed over.
 ///
 /// # Errors
-/// What is wrong, with the line of a header or a text: a type or a form that is none, a name that is given twice, a count
+/// A sentence, with the line of a header or a text: a type or a form that is none, a name that is given twice, a count
 /// for which the file is too short or too long, an index without a vertex, a face that crosses itself, no faces.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     let (header, body) = Header::read(bytes)?;
@@ -193,7 +193,7 @@ impl Header {
         if has_form { Ok((header, rest)) } else { Err("the header has no line 'format'".into()) }
     }
 
-    /// What elements there are, in words.
+    /// Names of the elements, in words.
     fn names(&self) -> String {
         match &self.elements.iter().map(|element| format!("'{}'", element.name)).collect::<Vec<_>>()[..] {
             [] => "it has none".into(),

@@ -108,21 +108,21 @@ impl Shadow {
     }
 }
 
-/// What is left of a polygon from which ears are cut.
+/// Remainder of a polygon from which ears are cut.
 struct Cut<'a> {
     shadow: &'a Shadow,
-    /// Of each corner the next that is left.
+    /// The next remaining corner of each.
     after: Vec<usize>,
-    /// Of each corner the one that is left before it.
+    /// The previous remaining corner of each.
     before: Vec<usize>,
     is_left: Vec<bool>,
-    /// What an ear may hold is one of these: around other corners the polygon is convex.
+    /// Corners that an ear may hold: around others the polygon is convex.
     inward: CornerTree,
     /// Corners on one line with their neighbours.
     flat: BTreeSet<usize>,
     /// Corners that may be ears.
     untried: BTreeSet<usize>,
-    /// Of an inward corner those whose triangles it was found in; some have changed since.
+    /// Corners in whose triangles an inward one was found; some have changed since.
     hindered: Vec<Vec<usize>>,
 }
 

@@ -51,7 +51,7 @@ pub(crate) fn crosses_itself(corners: &[Coord<f64>]) -> bool {
     false
 }
 
-/// Whether a side begins where it is listed; else it ends there.
+/// True for a side that begins where it is listed; else it ends there.
 type IsBegin = bool;
 
 fn by_place(a: &Coord<f64>, b: &Coord<f64>) -> Ordering {

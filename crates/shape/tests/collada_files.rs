@@ -94,7 +94,7 @@ fn load(text: &str) -> TriangleSoup {
 
 const INPUT: &str = "<input semantic='VERTEX' source='#v' offset='0'/>";
 
-/// What a node looks at was passed over. The places are those that Assimp 6.0 gives for eye, interest and up.
+/// `<lookat>` was passed over. The places are those that Assimp 6.0 gives for eye, interest and up.
 #[test]
 fn a_node_that_looks_at_a_point_is_placed() {
     let node =
@@ -105,7 +105,7 @@ fn a_node_that_looks_at_a_point_is_placed() {
     for (vertex, expected) in placed.vertices.iter().zip(expected) {
         assert!((vertex.coords - expected).norm() < 1e-12, "{vertex} for {expected}");
     }
-    // What is up need not be upright to the line of sight.
+    // The upward direction need not be perpendicular to the line of sight.
     let slanting = load(&collada(FACES, &node("10 2 4  4 10 4  -3 4 7")));
     for (one, other) in placed.vertices.iter().zip(&slanting.vertices) {
         assert!((one - other).norm() < 1e-12);
@@ -133,7 +133,7 @@ fn a_convex_mesh_with_faces_is_read() {
     assert_eq!(load(&text.replace("mesh>", "convex_mesh>")), load(&text));
 }
 
-/// What nobody named a scene for was shown where no node places it.
+/// Geometry was shown where no node places it, if no scene was named.
 #[test]
 fn the_only_scene_of_a_file_is_shown() {
     let moved = collada(FACES, "<node><translate>2 0 0</translate><instance_geometry url='#g'/></node>");
@@ -221,7 +221,7 @@ fn what_is_not_read_of_a_collada_file_is_refused() {
     ] {
         assert!(fault.contains(message), "{message}: {fault}");
     }
-    // What has no surface, and what is for others, is no fault.
+    // Content without a surface, or for other programs, is no fault.
     let lines = format!("{FACES}<lines count='1'>{INPUT}<p>0 1</p></lines><extra><skew/></extra>");
     let node = NODE.replace("<node>", "<node><extra><skew/></extra><instance_camera url='#c'/>");
     assert_eq!(load(&collada(&lines, &node)), load(&collada(FACES, NODE)));

@@ -106,7 +106,7 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
         }
     }
 
-    // What is no filling may be triangles that nobody would see.
+    // Bytes that are no filling may be triangles, which would be lost.
     let triangle = &whole[84..134];
     for rest in [&b"made by a program"[..], &triangle[..49], triangle, &[triangle, b"x"].concat(), &whole] {
         let fault = fault_of_bytes("more.stl", &[&whole, rest].concat());
@@ -377,7 +377,7 @@ fn strips_of_a_ply_are_read() {
     assert_eq!(other.triangles.len(), 4);
 }
 
-/// The second element of a name took the place of the first, and what nobody counted was left out.
+/// The second element of a name took the place of the first, and faces beyond the count were left out.
 #[test]
 fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
     let polygon = FACE_ELEMENT.replace("face", "Face");

@@ -13,7 +13,7 @@ const MASK: &str = "grasps/mask";
 const GRIPPER: &str = "gripper/type";
 const SCALE: &str = "object/scale";
 
-/// What a file has beside these, without bearing on a pose: names, opening, mass, and how far the object moved.
+/// Other datasets of a file, without bearing on a pose: names, opening, mass, and how far the object moved.
 const WITHOUT_BEARING: [&str; 12] = [
     "grasps/qualities/flex/object_motion_during_closing_angular",
     "grasps/qualities/flex/object_motion_during_closing_linear",

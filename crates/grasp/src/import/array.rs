@@ -13,7 +13,7 @@ use zip::ZipArchive;
 pub struct Array<'a> {
     pub shape: Vec<u64>,
     pub numbers: Box<dyn Iterator<Item = io::Result<f64>> + 'a>,
-    /// What follows the numbers.
+    /// Bytes behind the numbers.
     rest: Box<dyn Source + 'a>,
 }
 
@@ -112,7 +112,7 @@ impl<'a> Archive<'a> {
             return Err("the archive: something stands before or after it".to_owned());
         }
         let directory = usize::try_from(archive.central_directory_start()).unwrap_or(usize::MAX);
-        let listed = names_listed(bytes.get(directory..).unwrap_or_default());
+        let listed = cranny_file::archive_names(bytes.get(directory..).unwrap_or_default());
         if listed.len() < archive.len() {
             return Err(format!(
                 "the archive: its directory names {}, but there are {}",
@@ -134,7 +134,7 @@ impl<'a> Archive<'a> {
         Ok(Self { bytes, names, others })
     }
 
-    /// What an archive holds beside the arrays of known names.
+    /// Entries of an archive beside the arrays of known names.
     pub fn unread(&self, known: &[&str]) -> Vec<String> {
         let arrays = self.names.iter().filter(|name| !known.contains(&name.as_str()));
         arrays.chain(&self.others).cloned().collect()
@@ -154,20 +154,4 @@ impl<'a> Archive<'a> {
         let entry = archive.by_name(&format!("{name}.npy")).map_err(fault)?;
         read(Array::of(entry, name)?).map(Some)
     }
-}
-
-/// The names that the directory of an archive lists, also those that it lists twice, of which the library gives the
-/// last one alone (APPNOTE 6.3.10, 4.3.12).
-fn names_listed(mut directory: &[u8]) -> Vec<String> {
-    const SIGNATURE: &[u8] = b"PK\x01\x02";
-    const HEADER: usize = 46;
-    let mut names = Vec::new();
-    while directory.len() >= HEADER && directory.starts_with(SIGNATURE) {
-        let length = |at: usize| usize::from(u16::from_le_bytes([directory[at], directory[at + 1]]));
-        let (name, rest) = (length(28), length(30) + length(32));
-        let Some(bytes) = directory.get(HEADER..HEADER + name) else { break };
-        names.push(String::from_utf8_lossy(bytes).into_owned());
-        directory = directory.get(HEADER + name + rest..).unwrap_or_default();
-    }
-    names
 }

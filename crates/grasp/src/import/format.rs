@@ -75,7 +75,7 @@ pub const FRANKA_PADS_M: f64 = 0.105;
 /// (`acronym_tools`, `create_gripper_marker`).
 pub const FRANKA_TIPS_TO_PADS_M: f64 = FRANKA_PADS_M - 0.1122;
 
-/// What files call the Franka hand, in small letters.
+/// Names of the Franka hand in files, in small letters.
 const FRANKA_NAMES: [&str; 6] =
     ["panda", "franka", "panda_hand", "franka_hand", "franka_panda", "franka_emika_panda"];
 

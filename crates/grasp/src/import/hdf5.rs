@@ -173,7 +173,7 @@ const FILTERS: [(&str, &str); 6] = [
     ("32015", "Zstandard"),
 ];
 
-/// What a dataset of a type holds.
+/// Description of the contents of a dataset of a type.
 fn named(datatype: &Datatype) -> &'static str {
     match datatype {
         Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. } => "numbers",

@@ -33,7 +33,7 @@ struct GraspGenObject {
     scale: Option<f64>,
 }
 
-/// A name, or figures with the name among them, which say nothing of the frame.
+/// A name, or figures with the name among them, which do not define the frame.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum GraspGenGripper {

@@ -96,7 +96,7 @@ impl ClosingHand {
         self.closed(q, |closed, touching| closed.closing_contact_each(q, touching, scratch))
     }
 
-    /// The hand closed until the first finger touches, unless one meets what `met` says.
+    /// The hand closed until the first finger touches, unless `met` finds a contact.
     fn closed(
         &self,
         q: &[f64],

@@ -13,7 +13,7 @@ pub struct OwnGrasp {
     pub opening_m: f64,
     /// How good it is, in [0, 1]: how little friction its contacts need ([`friction_score`](cranny_grasp::friction_score)).
     pub score: f64,
-    /// How much farther the finger that touches last goes than the first, in metres; `None` in files that are older than
+    /// Excess of the travel of the finger that touches last over that of the first, in metres; `None` in files that are older than
     /// this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
@@ -36,7 +36,7 @@ impl OwnGrasp {
         Some(PoseDifference::between(&self.pose()?, &said.pose()?))
     }
 
-    /// The measured grasp against what is said of it, in words.
+    /// Comparison of the measured grasp with a stated one, in words.
     pub(crate) fn against(&self, said: &Self) -> String {
         let pose = self.off(said).map_or_else(
             || "what is said to be the grasp there is no pose".to_owned(),

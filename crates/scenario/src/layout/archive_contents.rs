@@ -28,7 +28,7 @@ pub(crate) fn contents(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec
     };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|reason| broken(&reason))?;
     let directory = usize::try_from(archive.central_directory_start()).unwrap_or(usize::MAX);
-    let listed = names_listed(bytes.get(directory..).unwrap_or_default());
+    let listed = cranny_file::archive_names(bytes.get(directory..).unwrap_or_default());
     if listed.len() < archive.len() {
         return Err(broken(&"its directory cannot be found"));
     }
@@ -130,22 +130,6 @@ fn is_portable(part: &str) -> bool {
         && !part.contains(char::is_control)
         && !DEVICES.contains(&stem.as_str())
         && !is_port
-}
-
-/// The names that the directory of an archive lists, also those that it lists twice, of which the library gives the
-/// last one alone (APPNOTE 6.3.10, 4.3.12).
-fn names_listed(mut directory: &[u8]) -> Vec<String> {
-    const SIGNATURE: &[u8] = b"PK\x01\x02";
-    const HEADER: usize = 46;
-    let mut names = Vec::new();
-    while directory.len() >= HEADER && directory.starts_with(SIGNATURE) {
-        let length = |at: usize| usize::from(u16::from_le_bytes([directory[at], directory[at + 1]]));
-        let (name, rest) = (length(28), length(30) + length(32));
-        let Some(bytes) = directory.get(HEADER..HEADER + name) else { break };
-        names.push(String::from_utf8_lossy(bytes).into_owned());
-        directory = directory.get(HEADER + name + rest..).unwrap_or_default();
-    }
-    names
 }
 
 pub(crate) fn fault(archive: &Path, problem: impl Into<String>) -> ScenarioError {

@@ -149,8 +149,8 @@ pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Ve
 /// The key of the pairs that are not compared.
 pub(crate) const NOT_CHECKED: &str = "not_checked";
 
-/// Pairs that are said not to be compared, against those that are not. A pair that is left out is false: it is said to be
-/// compared. One too many is not.
+/// Compares the pairs that are stated as not compared with those that are not. A pair that is left out is false: it is
+/// stated as compared. One too many is not.
 fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement>) {
     let key = |index: usize| format!("{NOT_CHECKED}[{index}]");
     let mut named = vec![false; stated.len()];
@@ -173,8 +173,8 @@ fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement
     }
 }
 
-/// Returns whether a pair that is said not to be compared covers one that is not: for the same reason, in the same segment.
-/// For one that is proven never to touch, any reason says less.
+/// Returns whether a pair that is stated as not compared covers one that is not: for the same reason, in the same segment.
+/// For one that is proven never to touch, any reason claims less.
 fn is_pair(stated: &Value, measured: &Value) -> bool {
     let is = |key: &str, other: &str| stated[key] == measured[other];
     let are_named = is("first", "first") && is("second", "second");

@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::element::{fault, numbers};
 
-/// What an element of a node does to all in it, if it is a motion (COLLADA 1.4.1, "Core Elements").
+/// The transform that an element of a node applies to all in it, if it is one (COLLADA 1.4.1, "Core Elements").
 ///
 /// A node with `<lookat>` has its origin at the eye, its −z towards the point of interest and its y on the side of up,
 /// as Assimp places it.
@@ -49,7 +49,7 @@ pub(super) fn motion(element: Node) -> Result<Option<Matrix4<f64>>, String> {
     }))
 }
 
-/// Of numbers about 1 that were written in single precision.
+/// Rounding of numbers about 1 that were written in single precision.
 const ROUNDING: f64 = 1e-6;
 
 fn exactly<const COUNT: usize>(element: Node) -> Result<[f64; COUNT], String> {

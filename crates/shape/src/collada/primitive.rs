@@ -2,7 +2,7 @@ use roxmltree::Node;
 
 use super::element::{children, elements, fault, index, indices, unknown};
 
-/// How the vertices of a primitive make polygons.
+/// Rule by which the vertices of a primitive make polygons.
 pub(super) enum Primitive {
     Triangles,
     Polylist,
@@ -115,11 +115,11 @@ impl Primitive {
     }
 }
 
-/// Which of the indices of a corner names its vertex.
+/// Place of the vertex among the indices of a corner.
 pub(super) struct Inputs<'a> {
-    /// How many indices each corner has.
+    /// Number of indices of each corner.
     pub(super) stride: usize,
-    /// Which of them it is.
+    /// Place of the vertex among them.
     pub(super) vertex: usize,
     /// The input of the vertices; none if there is none.
     pub(super) element: Option<Node<'a, 'a>>,
