@@ -10,7 +10,31 @@ pub(crate) struct Across {
     axes: [Vector; 2],
 }
 
-/// Polygons of the supporting surface of less than this, twice their area (m²), are edges or sides of it.
+/// A triangle seen along a direction, anticlockwise, with the height of each corner along it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    corners: [PlanePoint; 3],
+    heights_m: [f64; 3],
+}
+
+/// Where a triangle of a body is above one of what may carry it: the corners of a convex polygon, which may be a line or a
+/// point.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Overlap {
+    pub corners: Vec<OverlapCorner>,
+}
+
+/// A corner of an [`Overlap`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OverlapCorner {
+    pub at: PlanePoint,
+    /// Height of the surface below, in metres.
+    pub surface_m: f64,
+    /// Height of the body above that, in metres; negative for its depth in it.
+    pub gap_m: f64,
+}
+
+/// Triangles of less than this, twice their area as seen (m²), are edges or sides: what they bound has others.
 const LEAST_AREA_M2: f64 = 1e-14;
 
 impl Across {
@@ -31,19 +55,108 @@ impl Across {
         (self.axes[0] * x + self.axes[1] * y + self.direction * height_m).into()
     }
 
-    /// Part of a triangle between two heights (m) along the direction, projected along it: a convex polygon, in the
-    /// order of the triangle's corners; empty if no part lies there.
-    pub fn slice(&self, triangle: &[Point; 3], [low_m, high_m]: [f64; 2]) -> Vec<PlanePoint> {
-        let height = |point: &Point| self.direction.dot(&point.coords);
-        let above = clipped(triangle, |point| height(point) - low_m);
-        let between = clipped(&above, |point| high_m - height(point));
-        between.iter().map(|point| self.seen(point)).collect()
+    /// A triangle as it is seen, raised by a height (m); `None` for one seen from its edge.
+    pub fn triangle(&self, corners: &[Point; 3], raised_m: f64) -> Option<Seen> {
+        let heights_m = corners.map(|corner| self.direction.dot(&corner.coords) + raised_m);
+        let corners = corners.map(|corner| self.seen(&corner));
+        let [a, b, c] = corners;
+        let area_m2 = turn(a, b, c);
+        if area_m2.abs() < LEAST_AREA_M2 {
+            return None;
+        }
+        let seen = Seen { corners, heights_m };
+        Some(if area_m2 > 0.0 { seen } else { seen.turned() })
     }
 }
 
-/// Part of a convex polygon whose height is not negative.
-fn clipped(polygon: &[Point], height: impl Fn(&Point) -> f64) -> Vec<Point> {
-    let mut kept = Vec::new();
+impl Seen {
+    fn turned(self) -> Self {
+        let ([a, b, c], [i, j, k]) = (self.corners, self.heights_m);
+        Self { corners: [a, c, b], heights_m: [i, k, j] }
+    }
+
+    /// The least and the greatest of the heights of its corners, in metres.
+    pub fn heights_m(&self) -> [f64; 2] {
+        let [a, b, c] = self.heights_m;
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    /// The box around it.
+    pub fn around(&self) -> [PlanePoint; 2] {
+        let bound = |of: fn(f64, f64) -> f64| {
+            [0, 1].map(|axis| {
+                self.corners.map(|corner| corner[axis]).into_iter().fold(self.corners[0][axis], of)
+            })
+        };
+        [bound(f64::min), bound(f64::max)]
+    }
+
+    /// Height of its plane where a point is seen, in metres.
+    fn height_at(&self, point: PlanePoint) -> f64 {
+        let ([a, b, c], [i, j, k]) = (self.corners, self.heights_m);
+        let area = turn(a, b, c);
+        let (of_b, of_c) = (turn(a, point, c) / area, turn(a, b, point) / area);
+        i + of_b * (j - i) + of_c * (k - i)
+    }
+
+    /// Where it is above another triangle, wherever that is lower than `ceiling_m` and the gap within a range, both in metres.
+    pub fn above(&self, surface: &Self, ceiling_m: f64, gaps_m: [f64; 2]) -> Overlap {
+        let corner = |index: usize| surface.corners[index % 3];
+        let mut rest: Vec<[f64; 3]> =
+            self.corners.iter().zip(self.heights_m).map(|(at, height_m)| [at[0], at[1], height_m]).collect();
+        for index in 0..3 {
+            let (from, to) = (corner(index), corner(index + 1));
+            rest = clipped(&rest, |[x, y, _]| turn(from, to, [*x, *y]), mixed);
+        }
+        let corners = rest.into_iter().map(|[x, y, height_m]| {
+            let surface_m = surface.height_at([x, y]);
+            OverlapCorner { at: [x, y], surface_m, gap_m: height_m - surface_m }
+        });
+        let overlap = Overlap { corners: corners.collect() };
+        overlap
+            .part(|corner| ceiling_m - corner.surface_m)
+            .part(|corner| corner.gap_m - gaps_m[0])
+            .within(gaps_m[1])
+    }
+
+    /// Where it is above a plane at a height, both in metres.
+    pub fn above_plane(&self, height_m: f64, gaps_m: [f64; 2]) -> Overlap {
+        let corners = self.corners.iter().zip(self.heights_m).map(|(at, of_corner_m)| OverlapCorner {
+            at: *at,
+            surface_m: height_m,
+            gap_m: of_corner_m - height_m,
+        });
+        Overlap { corners: corners.collect() }.part(|corner| corner.gap_m - gaps_m[0]).within(gaps_m[1])
+    }
+}
+
+impl Overlap {
+    /// Portion of it in which the gap is no more than so much, in metres.
+    pub fn within(&self, gap_m: f64) -> Self {
+        self.part(|corner| gap_m - corner.gap_m)
+    }
+
+    /// Portion of it in which a height, which is linear, is not negative.
+    pub fn part(&self, height: impl Fn(&OverlapCorner) -> f64) -> Self {
+        let between = |a: &OverlapCorner, b: &OverlapCorner, share: f64| {
+            let mix = |a: f64, b: f64| a + share * (b - a);
+            OverlapCorner {
+                at: [0, 1].map(|axis| mix(a.at[axis], b.at[axis])),
+                surface_m: mix(a.surface_m, b.surface_m),
+                gap_m: mix(a.gap_m, b.gap_m),
+            }
+        };
+        Self { corners: clipped(&self.corners, height, between) }
+    }
+}
+
+fn mixed(a: &[f64; 3], b: &[f64; 3], share: f64) -> [f64; 3] {
+    [0, 1, 2].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+}
+
+/// Part of a convex polygon whose height is not negative (Sutherland & Hodgman 1974).
+fn clipped<T: Copy>(polygon: &[T], height: impl Fn(&T) -> f64, between: impl Fn(&T, &T, f64) -> T) -> Vec<T> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (index, a) in polygon.iter().enumerate() {
         let b = &polygon[(index + 1) % polygon.len()];
         let (of_a, of_b) = (height(a), height(b));
@@ -51,72 +164,20 @@ fn clipped(polygon: &[Point], height: impl Fn(&Point) -> f64) -> Vec<Point> {
             kept.push(*a);
         }
         if (of_a >= 0.0) != (of_b >= 0.0) {
-            kept.push(a + (b - a) * (of_a / (of_a - of_b)));
+            kept.push(between(a, b, of_a / (of_a - of_b)));
         }
     }
     kept
 }
 
-/// The corners of all that any of some convex polygons shares with any of others, which count if they have an area, seen
-/// anticlockwise.
-pub(crate) fn all_shared(first: &[Vec<PlanePoint>], second: &[Vec<PlanePoint>]) -> Vec<PlanePoint> {
-    let second: Vec<_> = second.iter().filter(|polygon| area_m2(polygon) >= LEAST_AREA_M2).collect();
-    let boxes: Vec<_> = second.iter().map(|polygon| corners_of_box(polygon)).collect();
-    let mut corners = Vec::new();
-    for polygon in first {
-        let [low, high] = corners_of_box(polygon);
-        for (other, [other_low, other_high]) in second.iter().zip(&boxes) {
-            if (0..2).all(|axis| low[axis] <= other_high[axis] && other_low[axis] <= high[axis]) {
-                corners.extend(shared(polygon, other));
-            }
-        }
-    }
-    corners
-}
-
-fn corners_of_box(polygon: &[PlanePoint]) -> [PlanePoint; 2] {
-    let bound = |start: f64, of: fn(f64, f64) -> f64| {
-        [0, 1].map(|axis| polygon.iter().map(|point| point[axis]).fold(start, of))
-    };
-    [bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max)]
-}
-
-/// Twice the area of a convex polygon, positive if it is anticlockwise.
-fn area_m2(polygon: &[PlanePoint]) -> f64 {
-    (2..polygon.len()).map(|last| turn(polygon[0], polygon[last - 1], polygon[last])).sum()
-}
-
-/// The corners of what two convex polygons share (Sutherland & Hodgman 1974), the second anticlockwise.
-fn shared(first: &[PlanePoint], second: &[PlanePoint]) -> Vec<PlanePoint> {
-    let corner = |index: usize| second[index % second.len()];
-    let mut rest = first.to_vec();
-    for index in 0..second.len() {
-        let (from, to) = (corner(index), corner(index + 1));
-        let mut kept = Vec::new();
-        for (at, &a) in rest.iter().enumerate() {
-            let b = rest[(at + 1) % rest.len()];
-            let (of_a, of_b) = (turn(from, to, a), turn(from, to, b));
-            if of_a >= 0.0 {
-                kept.push(a);
-            }
-            if (of_a >= 0.0) != (of_b >= 0.0) {
-                let share = of_a / (of_a - of_b);
-                kept.push([0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])));
-            }
-        }
-        rest = kept;
-    }
-    rest
-}
-
-/// Distance of a point from the convex hull of others, in metres: 0 inside it, infinite if there are no others.
+/// Distance of a point from the convex hull of others, in metres: negative for its depth in it, infinite if there are no
+/// others.
 pub(crate) fn distance_to_hull(points: &[PlanePoint], point: PlanePoint) -> f64 {
     let corners = hull(points);
     let edges = || (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]));
-    if corners.len() > 2 && edges().all(|(a, b)| turn(a, b, point) >= 0.0) {
-        return 0.0;
-    }
-    edges().map(|(a, b)| distance_to_edge(a, b, point)).fold(f64::INFINITY, f64::min)
+    let nearest_m = edges().map(|(a, b)| distance_to_edge(a, b, point)).fold(f64::INFINITY, f64::min);
+    let is_inside = corners.len() > 2 && edges().all(|(a, b)| turn(a, b, point) >= 0.0);
+    if is_inside { -nearest_m } else { nearest_m }
 }
 
 /// The corners of the convex hull, anticlockwise (Andrew 1979).
@@ -165,36 +226,49 @@ mod tests {
 
     use super::*;
 
-    fn triangle() -> impl Strategy<Value = Vec<PlanePoint>> {
-        proptest::collection::vec(proptest::array::uniform2(-1.0..1.0_f64), 3).prop_map(|mut corners| {
-            if turn(corners[0], corners[1], corners[2]) < 0.0 {
-                corners.reverse();
-            }
-            corners
-        })
+    fn triangle() -> impl Strategy<Value = [Point; 3]> {
+        let corner = || proptest::array::uniform3(-1.0..1.0_f64).prop_map(|[x, y, z]| Point::new(x, y, z));
+        [corner(), corner(), corner()]
+    }
+
+    /// Height of a triangle where it is seen along z, by shares of its corners; `None` beside it.
+    fn height_m(triangle: &[Point; 3], [x, y]: PlanePoint) -> Option<f64> {
+        let [a, b, c] = triangle;
+        let columns = [b - a, c - a].map(|edge| edge.xy());
+        let shares = cranny_spatial::nalgebra::Matrix2::from_columns(&columns).try_inverse()?
+            * (cranny_spatial::nalgebra::Vector2::new(x, y) - a.coords.xy());
+        let (s, t) = (shares.x, shares.y);
+        (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then(|| a.z + s * (b.z - a.z) + t * (c.z - a.z))
     }
 
     proptest! {
-        /// A point lies in what two triangles share if it lies in both.
+        /// A point lies in an overlap if it lies in both triangles and the gap there is in the range.
         #[test]
-        fn what_is_shared_is_what_lies_in_both(a in triangle(), b in triangle(), point in proptest::array::uniform2(-1.0..1.0_f64)) {
-            let off = [distance_to_hull(&a, point), distance_to_hull(&b, point)];
-            let both = distance_to_hull(&shared(&a, &b), point);
-            prop_assert!(both >= off[0].max(off[1]) - 1e-9);
-            prop_assert_eq!(off == [0.0, 0.0], both < 1e-9, "{:?} {}", off, both);
+        fn an_overlap_is_where_both_are_and_the_gap_is_in_range(
+            a in triangle(), b in triangle(), point in proptest::array::uniform2(-1.0..1.0_f64),
+        ) {
+            let across = Across { direction: Vector::z(), axes: [Vector::x(), Vector::y()] };
+            let (Some(upper), Some(lower)) = (across.triangle(&a, 0.1), across.triangle(&b, 0.0)) else {
+                return Ok(());
+            };
+            let overlap = upper.above(&lower, 0.5, [-0.2, 0.6]);
+            let corners: Vec<_> = overlap.corners.iter().map(|corner| corner.at).collect();
+            let is_in = distance_to_hull(&corners, point) < 1e-12;
+            let heights = height_m(&a, point).zip(height_m(&b, point));
+            let expected =
+                heights.is_some_and(|(a, b)| b <= 0.5 && (-0.2..=0.6).contains(&(a + 0.1 - b)));
+            prop_assert_eq!(is_in, expected);
+            for corner in &overlap.corners {
+                prop_assert!(corner.surface_m <= 0.5 + 1e-9 && (-0.2 - 1e-9..=0.6 + 1e-9).contains(&corner.gap_m));
+            }
         }
     }
 
     #[test]
-    fn a_slice_is_seen_along_its_direction() {
+    fn a_triangle_seen_from_its_edge_is_none() {
         let across = Across::new(&Vector::z());
-        let corners = [Point::new(0.0, 0.0, 0.0), Point::new(1.0, 0.0, 2.0), Point::new(0.0, 1.0, 2.0)];
-        let slice = across.slice(&corners, [1.0, 3.0]);
-        assert_eq!(slice.len(), 4);
-        let of = |x: f64, y: f64| distance_to_hull(&slice, across.seen(&Point::new(x, y, 0.0)));
-        assert!(of(0.5, 0.4) < 1e-12 && of(0.3, 0.3) < 1e-12);
-        assert!((of(0.0, 0.0) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
-        assert!(across.slice(&corners, [3.0, 4.0]).is_empty());
+        let upright = [Point::origin(), Point::new(1.0, 0.0, 0.0), Point::new(0.0, 0.0, 1.0)];
+        assert!(across.triangle(&upright, 0.0).is_none());
         assert!(distance_to_hull(&[], [0.0, 0.0]).is_infinite());
     }
 }

@@ -1,11 +1,12 @@
-use cranny_shape::{Solid, closest_points, overlap};
-use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
+use cranny_shape::{Solid, overlap};
+use cranny_spatial::{CONTACT_M, Pose, Vector};
 
 use crate::CollisionError;
 use crate::cell::{Cell, Scratch};
-use crate::contact_patch::{Across, PlanePoint, all_shared, distance_to_hull};
+use crate::contact_patch::{Across, PlanePoint, distance_to_hull};
 use crate::extent::Extent;
 use crate::link_body::group_separation;
+use crate::resting_face::{CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, Standing, UNEVEN_M, lip};
 use crate::world::{Body, Part};
 
 /// A body of the world on the faces that carry it.
@@ -40,8 +41,10 @@ struct RestingContact {
     direction: Vector,
     /// Height of the face along the direction, in metres.
     top_m: f64,
-    /// At rest, along the direction, in metres.
+    /// Height of the body's lowest point above the face at rest, along the direction, in metres.
     separation_m: f64,
+    /// The least height of the body above the face where one is above the other, along the direction, in metres.
+    gap_m: f64,
 }
 
 /// A part near a body that it does not rest on.
@@ -54,30 +57,13 @@ struct Neighbour {
     depth_m: f64,
 }
 
-/// Depth to which a body may be in the face that it rests on, in metres: stated poses and sizes are rounded.
-pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
-
-/// A body rests on what is no farther below it, in metres: those of the paper's release float up to 1.8 mm above what
-/// carries them.
-const MOST_GAP_M: f64 = 2e-3;
-/// Points of a body that are no higher above its lowest are its foot, in metres: it may be tilted a little, and coarse where
-/// it is round (a ball of 27 corners in the paper's release is 1.3 mm off the ground below its middle).
-const FOOT_M: f64 = 2e-3;
-/// A face that is no farther below the highest, in metres, carries a body too, if it must.
-const LOWER_M: f64 = 1e-3;
-/// The least cosine of the angle between a face's normal and the vertical: on steeper ones hardly anything stays.
-const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Normals of a part that are closer are one, as a chord.
-const ONE_NORMAL: f64 = 1e-3;
-/// Directions of a part that are tried.
-const MOST_DIRECTIONS: usize = 12;
-/// As in a proof of a motion, in metres.
-const RESOLUTION_M: f64 = 1e-6;
+/// What is no farther below a body than the nearest, in metres, carries it too: rounding.
+const EVEN_M: f64 = CONTACT_ALLOWANCE_M;
 
 /// A part that may carry a body, and where the two meet, seen along gravity.
 struct Candidate {
-    contact: RestingContact,
-    patch: Vec<PlanePoint>,
+    part: usize,
+    face: Face,
     neighbour: Neighbour,
 }
 
@@ -134,6 +120,8 @@ impl Cell {
         // 1.
         let required_m = self.margins().of_held_m();
         let near_m = required_m.max(MOST_GAP_M);
+        let up = self.world().up();
+        let standing = Standing { extent, world_from_held, placed };
         let (mut candidates, mut beside) = (Vec::new(), Vec::new());
         for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
         {
@@ -148,84 +136,55 @@ impl Cell {
             let depth_m = if gap.upper_m > 0.0 { 0.0 } else { depths.fold(0.0, f64::max) };
             let neighbour = Neighbour { body: *other, gap_m: gap.lower_m, depth_m };
             let is_near = neighbour.gap_m < MOST_GAP_M && depth_m <= CONTACT_ALLOWANCE_M + RESOLUTION_M;
-            let carried = || self.carried_by((index, part), (extent, world_from_held, placed), neighbour);
-            match is_near.then(carried).flatten() {
-                Some(candidate) => candidates.push(candidate),
+            let face = || Face::below(standing, part, &up).filter(|face| face.gap_m <= MOST_GAP_M);
+            match is_near.then(face).flatten() {
+                Some(face) => candidates.push(Candidate { part: index, face, neighbour }),
                 None => beside.push(neighbour),
             }
         }
         // 2.
-        candidates.sort_by(|a, b| a.contact.separation_m.total_cmp(&b.contact.separation_m));
-        let up = self.world().up();
-        let center = Across::new(&up).seen(&extent.center_of_mass(world_from_held));
-        let highest_m = candidates.first().map_or(0.0, |first| first.contact.separation_m);
-        let (mut patch, mut count, mut off_m) = (Vec::new(), 0, f64::INFINITY);
-        for candidate in &candidates {
-            let below_m = candidate.contact.separation_m - highest_m;
-            if below_m > LOWER_M || (below_m > CONTACT_ALLOWANCE_M && off_m <= CONTACT_ALLOWANCE_M) {
-                break;
-            }
-            patch.extend_from_slice(&candidate.patch);
-            off_m = distance_to_hull(&patch, center);
-            count += 1;
-        }
-        let is_carried = off_m <= CONTACT_ALLOWANCE_M;
-        let others = candidates.split_off(if is_carried { count } else { 0 });
-        beside.extend(others.iter().map(|other| other.neighbour));
-        beside.retain(|other| other.gap_m < required_m);
-        Resting {
-            extent: extent.clone(),
-            contacts: candidates.iter().map(|candidate| candidate.contact).collect(),
-            beside,
-            overhang_m: (!is_carried && count > 0).then_some(off_m),
-        }
-    }
-
-    /// The face by which a part may carry a body.
-    fn carried_by(
-        &self,
-        (index, part): (usize, &Part),
-        (extent, world_from_held, placed): (&Extent, &Pose, &[(Pose, &Solid)]),
-        neighbour: Neighbour,
-    ) -> Option<Candidate> {
-        let up = self.world().up();
-        let surface = surface_near(part, placed);
-        let signed_m = if neighbour.depth_m > 0.0 { -neighbour.depth_m } else { neighbour.gap_m };
-        directions(part, &surface, placed, &up).into_iter().find_map(|direction| {
-            let low_m = extent.lowest_along(world_from_held, &direction);
-            // A mesh is as far below as it is away.
-            let top_m = reach_along(part, &direction).unwrap_or(low_m - signed_m);
-            let separation_m = low_m - top_m;
-            let contact =
-                RestingContact { part: index, body: neighbour.body, direction, top_m, separation_m };
-            if !(-CONTACT_ALLOWANCE_M - RESOLUTION_M..MOST_GAP_M + LOWER_M).contains(&separation_m) {
-                return None;
-            }
-            let is_higher = |corner: &Point| direction.dot(&corner.coords) > contact.cut_m();
-            if surface.iter().flatten().any(is_higher)
-                && let Some(lip) = contact.lip(part)
-            {
-                let lip = std::iter::once((lip.world_from_solid, &lip.solid));
-                if group_separation(placed.iter().copied(), &lip, CONTACT_M).lower_m < CONTACT_M {
-                    return None;
+        candidates.sort_by(|a, b| a.face.gap_m.total_cmp(&b.face.gap_m));
+        let gravity = Across::new(&up);
+        let center = gravity.seen(&(world_from_held * extent.center_of_mass()));
+        let nearest_m = candidates.first().map_or(0.0, |first| first.face.gap_m);
+        let is_within = |candidate: &Candidate, most_m: f64| candidate.face.gap_m <= nearest_m + most_m;
+        let even = candidates.iter().filter(|candidate| is_within(candidate, EVEN_M)).count();
+        let uneven = candidates.iter().filter(|candidate| is_within(candidate, UNEVEN_M)).count();
+        let off_m = |places: &[PlanePoint]| distance_to_hull(places, center) + extent.center_error_m();
+        let of = candidates[..even].iter();
+        let places: Vec<_> = of.flat_map(|other| other.face.places(&gravity, nearest_m + EVEN_M)).collect();
+        let mut least_m = off_m(&places);
+        let mut found = (least_m <= CONTACT_ALLOWANCE_M).then_some(even);
+        if found.is_none() {
+            let most_m = nearest_m + UNEVEN_M;
+            let mut places = Vec::new();
+            for (index, candidate) in candidates[..uneven].iter().enumerate() {
+                places.extend(candidate.face.places_on_hull(standing, &gravity, most_m));
+                least_m = off_m(&places).min(least_m);
+                if least_m <= CONTACT_ALLOWANCE_M {
+                    found = Some(index + 1);
+                    break;
                 }
             }
-            let feet = extent.lower_triangles(world_from_held, &direction, low_m + FOOT_M);
-            let across = Across::new(&direction);
-            let slices = |triangles: &[[Point; 3]], heights_m: [f64; 2]| -> Vec<Vec<PlanePoint>> {
-                triangles.iter().map(|corners| across.slice(corners, heights_m)).collect()
-            };
-            let feet = slices(&feet, [f64::NEG_INFINITY, low_m + FOOT_M]);
-            let patch = if part.solid.is_half_space() {
-                feet.concat()
-            } else {
-                all_shared(&feet, &slices(&surface, [top_m - LOWER_M, top_m + CONTACT_ALLOWANCE_M]))
-            };
-            let along_gravity = Across::new(&up);
-            let patch: Vec<_> =
-                patch.iter().map(|point| along_gravity.seen(&across.point(*point, top_m))).collect();
-            (!patch.is_empty()).then_some(Candidate { contact, patch, neighbour })
-        })
+        }
+        let is_near_any = !candidates.is_empty();
+        let others = candidates.split_off(found.unwrap_or(0));
+        beside.extend(others.iter().map(|other| other.neighbour));
+        beside.retain(|other| other.gap_m < required_m);
+        let contact = |Candidate { part, face, neighbour }: &Candidate| RestingContact {
+            part: *part,
+            body: neighbour.body,
+            direction: face.direction,
+            top_m: face.top_m,
+            separation_m: face.separation_m,
+            gap_m: face.gap_m,
+        };
+        Resting {
+            extent: extent.clone(),
+            contacts: candidates.iter().map(contact).collect(),
+            beside,
+            overhang_m: (found.is_none() && is_near_any).then_some(least_m),
+        }
     }
 
     /// Least height of the held body above the faces that it rested on, at `q`, in metres; infinite where it rested on
@@ -291,7 +250,7 @@ impl Cell {
 impl Resting {
     /// The bodies that carry it, and its height above the face of each, in metres, negative for its depth in it.
     pub fn supports(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.contacts.iter().map(|contact| (contact.body, contact.separation_m))
+        self.contacts.iter().map(|contact| (contact.body, contact.gap_m))
     }
 
     /// Other bodies nearer than the margin of what is held, with the distance and the depth, in metres.
@@ -334,7 +293,7 @@ impl Resting {
         parts: &'a [(usize, Part)],
     ) -> impl Iterator<Item = (usize, f64, Option<(usize, Part)>)> + use<'a> {
         self.contacts.iter().map(|contact| {
-            let lip = contact.lip(&parts[contact.part].1);
+            let lip = lip(&parts[contact.part].1, &contact.direction, contact.top_m);
             (contact.part, contact.depth_m(), lip.map(|lip| (contact.body, lip)))
         })
     }
@@ -348,76 +307,10 @@ impl RestingContact {
     fn depth_m(&self) -> f64 {
         (-self.separation_m).max(0.0)
     }
-
-    /// Height along the direction above which the part no longer counts as the face, in metres.
-    fn cut_m(&self) -> f64 {
-        self.top_m + CONTACT_ALLOWANCE_M
-    }
-
-    /// Portion of a part that is higher than its face: an obstacle like any other.
-    fn lip(&self, part: &Part) -> Option<Part> {
-        let Part { world_from_solid, solid } = part;
-        let own = world_from_solid.rotation.inverse() * self.direction;
-        let height_m = self.cut_m() - self.direction.dot(&world_from_solid.translation.vector);
-        let solid = solid.surface_above(&own, height_m)?;
-        Some(Part { world_from_solid: *world_from_solid, solid })
-    }
 }
 
 /// What moves a body so that its first solid comes to a pose.
 pub(crate) fn moved_to(body: &Body, world_from_held: &Pose) -> Pose {
     let now = body.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
     world_from_held * now.inverse()
-}
-
-/// Reach of a convex part along a direction, in metres; `None` for a mesh, infinite for what has no end that way.
-fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
-    let Part { world_from_solid, solid } = part;
-    let origin_m = direction.dot(&world_from_solid.translation.vector);
-    if solid.is_half_space() {
-        let normal = world_from_solid.rotation * Vector::z();
-        return Some(if (normal - direction).norm() < 1e-9 { origin_m } else { f64::INFINITY });
-    }
-    let own = world_from_solid.rotation.inverse() * direction;
-    Some(own.dot(&solid.support_point(&own)?.coords) + origin_m)
-}
-
-/// The triangles of a part near a body.
-fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
-    let Part { world_from_solid, solid } = part;
-    let mut near: Vec<[Point; 3]> = Vec::new();
-    for (pose, own) in placed {
-        let region = own.aabb().transformed(&world_from_solid.inv_mul(pose)).grown(MOST_GAP_M + LOWER_M);
-        let corners = solid.triangles_near(&region).into_iter();
-        near.extend(corners.map(|corners| corners.map(|corner| world_from_solid * corner)));
-        if solid.support_point(&Vector::x()).is_some() {
-            break;
-        }
-    }
-    near
-}
-
-/// Normals that a face of a part below a body may have, the first to be tried first.
-fn directions(part: &Part, surface: &[[Point; 3]], placed: &[(Pose, &Solid)], up: &Vector) -> Vec<Vector> {
-    let normal = part.world_from_solid.rotation * Vector::z();
-    if part.solid.is_half_space() {
-        return if normal.dot(up) >= STEEPEST { vec![normal] } else { Vec::new() };
-    }
-    let normals = surface.iter().filter_map(|[a, b, c]| (b - a).cross(&(c - a)).try_normalize(0.0));
-    let mut found = vec![*up];
-    for normal in normals.chain(between(placed, part)).filter(|normal| normal.dot(up) >= STEEPEST) {
-        let is_known = found.iter().any(|known| (known - normal).norm() < ONE_NORMAL);
-        if !is_known && found.len() < MOST_DIRECTIONS {
-            found.push(normal);
-        }
-    }
-    found
-}
-
-/// Directions from a part to a body between their nearest points.
-fn between(placed: &[(Pose, &Solid)], part: &Part) -> Vec<Vector> {
-    let nearest = placed
-        .iter()
-        .filter_map(|(pose, solid)| closest_points(&part.solid, &part.world_from_solid, solid, pose));
-    nearest.filter_map(|[from, to]| (to - from).try_normalize(1e-9)).collect()
 }

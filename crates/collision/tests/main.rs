@@ -14,5 +14,6 @@ mod margins;
 mod motions;
 mod released_check;
 mod resting;
+mod resting_faces;
 mod robot_bodies;
 mod self_pairs;

@@ -190,3 +190,30 @@ fn a_plan_that_drags_the_object_past_a_post_is_not_valid() {
     let is_post = |violation: &Violation| violation.to_string().contains("post");
     assert!(near.violations.iter().any(is_post), "{:?}", near.violations);
 }
+
+#[test]
+fn a_rectangle_is_level_in_the_scene_however_the_robot_stands() {
+    let folder = tempfile::tempdir().unwrap();
+    let places = |rpy_deg: &str| {
+        let text = format!(
+            "about: {{title: tilted}}\nrobot: panda_mobile\nframe: {{position: [0, 0, 0.05], rotation_rpy_deg: [0, 4, 0]}}\n\
+             start: [0, 0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534]\nfloor: -0.5\nobstacles:\n\
+             - {{name: board, pose: {{position: [0.9, 0, 0.6]}}, shapes: [{{box: {{size: [0.4, 0.8, 0.02]}}}}]}}\n\
+             target: {{name: can, pose: {{position: [0.8, 0, 0.67]}}, shapes: [{{cylinder: {{radius: 0.03, length: 0.12}}}}]}}\n\
+             places:\n- {{name: there, on: board, size: [0.3, 0.3], \
+             pose: {{position: [0.9, 0.2, 0.61], rotation_rpy_deg: {rpy_deg}}}}}\n"
+        );
+        std::fs::write(folder.path().join("scenario.yaml"), text).unwrap();
+        let grasp = "-1,0,0,0.8,0,1,0,0,0,0,-1,0.67,0,0,0,1\n";
+        std::fs::write(folder.path().join("grasps.csv"), grasp).unwrap();
+        Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).map(|scenario| {
+            let carrier = Carrier::new(&problem(&scenario, 0.0), LiftOffSettings::default()).unwrap();
+            let goal = scenario.places[0].clone();
+            let settings = PlaceSettings { goal, clear_m: 0.05, then: AfterPlacing::Stay };
+            Placer::new(&carrier, settings).unwrap().with_placements(0).placements().count()
+        })
+    };
+    assert!(places("[0, 0, 20]").unwrap() > 0);
+    // What is level for the robot is not.
+    assert!(places("[0, 4, 0]").unwrap_err().to_string().contains("not level"));
+}

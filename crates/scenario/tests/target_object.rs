@@ -8,7 +8,7 @@ use cranny_scenario::{
     Credits, DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario,
     ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
 };
-use cranny_shape::{Surface, TriangleSoup, VolumeMoments};
+use cranny_shape::{Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, PoseDifference, Vector};
 
 const AS_SAID: TargetPhysics = TargetPhysics { mass_kg: None, friction: None };
@@ -75,7 +75,9 @@ fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
     assert!(is_among(&placed, &expected) && is_among(&expected, &placed), "{}", scenario.id);
     let volume_m3 = |soup: &TriangleSoup| VolumeMoments::of_mesh(soup).unwrap().volume_m3;
     assert!(near(volume_m3(&placed), volume_m3(&expected), 1e-6), "{}", scenario.id);
-    assert!(near(found.object.volume_m3, volume_m3(&expected), 1e-6), "{}", scenario.id);
+    // Parts that overlap weigh once.
+    let union_m3 = UnionMoments::of_mesh(&expected).unwrap().moments.volume_m3;
+    assert!(near(found.object.volume_m3, union_m3, 1e-3), "{}", scenario.id);
 }
 
 /// Mass, friction, pose and inertia are the same.

@@ -49,6 +49,7 @@ mod stl;
 mod surface;
 mod tessellation;
 mod triangle_tree;
+mod union_moments;
 mod walls;
 
 pub use area::{AreaDistribution, SurfacePoint};
@@ -74,3 +75,4 @@ pub use separation::{Overlap, Separation, overlap, quick_lower_bound, reaches, s
 pub use solid::{Outline, Solid};
 pub use stable_pose::{StablePose, stable_poses};
 pub use surface::Surface;
+pub use union_moments::UnionMoments;

@@ -74,8 +74,8 @@ impl Placer {
         let extent = Extent::of(body)?;
         let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
         let rests = match &settings.goal.spot {
-            PlaceSpot::Target(_) => stable_rests(body, &level_from_world, 0.0).unwrap_or_default(),
-            PlaceSpot::Surface { .. } => rests(body, &level_from_world),
+            PlaceSpot::Target(_) => stable_rests(body, &extent, &level_from_world, 0.0).unwrap_or_default(),
+            PlaceSpot::Surface { .. } => rests(body, &extent, &level_from_world),
         };
         let placer = Self { carrier: carrier.clone(), settings, extent, rests, draws: Vec::new() };
         placer.check()?;

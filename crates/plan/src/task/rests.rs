@@ -1,5 +1,5 @@
-use cranny_collision::Body;
-use cranny_shape::{Outline, TriangleSoup, VolumeMoments, stable_poses};
+use cranny_collision::{Body, Extent};
+use cranny_shape::{Outline, TriangleSoup, stable_poses};
 use cranny_spatial::{Rotation, Vector};
 
 /// Ways to rest that are less likely when the object is dropped are not asked for.
@@ -10,8 +10,8 @@ const AS_IT_RESTS_RAD: f64 = 0.1;
 /// The rotations of a body's first solid in which it rests on level ground, turns about the vertical aside, from a frame
 /// whose z axis is up: those that are likely ([`stable_rests`]), first the one in which it is now. A sphere rests in any,
 /// and so does, for want of better, what has no volume: of these the present one.
-pub(crate) fn rests(body: &Body, level_from_world: &Rotation) -> Vec<Rotation> {
-    stable_rests(body, level_from_world, LEAST_PROBABILITY).unwrap_or_else(|| {
+pub(crate) fn rests(body: &Body, extent: &Extent, level_from_world: &Rotation) -> Vec<Rotation> {
+    stable_rests(body, extent, level_from_world, LEAST_PROBABILITY).unwrap_or_else(|| {
         body.parts
             .first()
             .map(|first| level_from_world * first.world_from_solid.rotation)
@@ -20,11 +20,12 @@ pub(crate) fn rests(body: &Body, level_from_world: &Rotation) -> Vec<Rotation> {
     })
 }
 
-/// The rotations of all stable poses of a body ([`stable_poses`]) of at least this probability, with uniform density (where
-/// its solids overlap, what they share counts for each), first the one in which it is now, which is among them in any case;
+/// The rotations of all stable poses of a body ([`stable_poses`]) of at least this probability, with the centre of
+/// mass that its extent gives, first the one in which it is now, which is among them in any case;
 /// `None` for a sphere and for what has no volume.
 pub(crate) fn stable_rests(
     body: &Body,
+    extent: &Extent,
     level_from_world: &Rotation,
     least_probability: f64,
 ) -> Option<Vec<Rotation>> {
@@ -39,8 +40,7 @@ pub(crate) fn stable_rests(
     for part in &body.parts {
         mesh.append(&part.solid.tessellation()?, &(held_from_world * part.world_from_solid));
     }
-    let moments = VolumeMoments::of_mesh(&mesh).ok()?;
-    let stable = stable_poses(&mesh.vertices, &moments.center).ok()?;
+    let stable = stable_poses(&mesh.vertices, &extent.center_of_mass()).ok()?;
     let up_now = now.inverse() * Vector::z();
     let is_now = |rest: &Rotation| (rest.inverse() * Vector::z() - up_now).norm() < AS_IT_RESTS_RAD;
     let rotations = stable.iter().enumerate().filter_map(|(index, pose)| {

@@ -307,7 +307,8 @@ impl Layout<'_> {
                     )));
                 }
                 let pose = planning_from_scene * self.pose(pose.as_ref())?;
-                let tilt = (pose.rotation * Vector::z() - Vector::z()).norm();
+                // Up is the z axis of the scene, however the robot stands in it.
+                let tilt = (pose.rotation * Vector::z() - planning_from_scene.rotation * Vector::z()).norm();
                 if tilt > EXACT_ROTATION_RAD {
                     return Err(refuse("the rectangle is not level: its z axis must point up".to_owned()));
                 }

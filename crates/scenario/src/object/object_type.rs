@@ -2,7 +2,7 @@ use std::path::Path;
 
 use cranny_shape::{
     ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, TriangleSoup,
-    VolumeMoments, distinct_poses, stable_poses,
+    UnionMoments, distinct_poses, stable_poses,
 };
 use cranny_spatial::Point;
 use cranny_spatial::nalgebra::Matrix3;
@@ -101,7 +101,7 @@ impl ObjectType {
         settings: &ObjectSettings,
     ) -> Result<Self, ScenarioError> {
         check_numbers(settings.mass_kg, settings.friction)?;
-        let moments = VolumeMoments::of_mesh(&mesh)?;
+        let moments = UnionMoments::of_mesh(&mesh)?.moments;
         let mut poses = distinct_poses(&stable_poses(&mesh.vertices, &moments.center)?, &mesh)?;
         let likely = poses.iter().take_while(|pose| pose.probability >= settings.least_probability).count();
         poses.truncate(likely.max(1));

@@ -42,7 +42,7 @@ impl Scenario {
     ///
     /// A target that is one object has that object's frame, convex parts and stable poses. Any other has the
     /// mesh of [`Self::target_mesh`], each of its shapes cut into convex parts by itself, with uniform density;
-    /// where shapes overlap, what they share counts for each. Its frame is that of its only shape; of several
+    /// where shapes overlap, what they share counts once. Its frame is that of its only shape; of several
     /// shapes it has the axes of the planning frame and its origin in the middle of their bounds. This takes up
     /// to seconds for a shape that is far from convex.
     ///
