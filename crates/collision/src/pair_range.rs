@@ -1,8 +1,8 @@
 use std::collections::VecDeque;
 
 use cranny_robot::{JointKind, LinkFrames, Robot};
-use cranny_shape::{Overlap, Solid, overlap};
-use cranny_spatial::{CONTACT_M, ROUNDING_M, Vector};
+use cranny_shape::{Solid, overlap};
+use cranny_spatial::{CONTACT_M, Pose, ROUNDING_M, Rotation, Vector};
 
 use crate::link_body::{LinkBody, group_separation};
 use crate::travel::{Travel, shared_joints};
@@ -14,12 +14,13 @@ pub(crate) enum PairRange {
     AlwaysTouching { depth_m: f64 },
     /// They touch at none.
     NeverTouching,
-    /// They are free at one value, and touch at another: only near their joint, or elsewhere too.
-    Both { is_at_joint: bool },
-    /// They are free at one value; the others were not asked about.
-    SomewhereFree,
+    /// They are free at one value, and touch, that deep (m), or may touch, at another: proven only near their joint, or maybe
+    /// elsewhere.
+    Both { is_at_joint: bool, depth_m: f64 },
+    /// One value refutes what was asked; the others were not tried.
+    Refuted,
     /// Nothing is proven with the allowed number of boxes: the links touched in the middle of every box, with at least
-    /// this depth (m), or in none.
+    /// this depth (m), or in none, and are then proven not to touch away from their joint.
     Unproven { depth_m: f64 },
 }
 
@@ -30,6 +31,8 @@ pub(crate) enum Question {
     DoTheyAlwaysTouch,
     /// Contact at every value, or at none.
     DoTheyEverChange,
+    /// Contact at none: the first value at which they touch refutes it.
+    DoTheyNeverTouch,
 }
 
 /// Proofs about pairs of links over the whole range of the joints between them.
@@ -57,9 +60,6 @@ const MOST_BOXES: usize = 20_000;
 /// Greatest number of pieces of the range of a single joint: the last are less than a thousandth of it.
 const MOST_PIECES: usize = 4095;
 
-/// Steps of a sweep over the range of a joint.
-const SWEEP: u32 = 512;
-
 /// The search for the depth of two convex bodies ends within a thousandth of it; of each depth so much is believed.
 const BELIEVED: f64 = 0.9;
 
@@ -85,7 +85,7 @@ impl<'a> PairRanges<'a> {
         let whole: JointBox =
             joints.iter().map(|&joint| self.robot.limits()[joint]).map(|l| [l.lower, l.upper]).collect();
         let (mut boxes, mut is_free, mut least_depth_m) =
-            (VecDeque::from([whole.clone()]), false, None::<f64>);
+            (VecDeque::from([whole]), false, None::<f64>);
         for _ in 0..if joints.len() == 1 { MOST_PIECES } else { MOST_BOXES } {
             let Some(values) = boxes.pop_front() else {
                 return match least_depth_m {
@@ -100,26 +100,32 @@ impl<'a> PairRanges<'a> {
             let gap = group_separation(first.placed(&self.frames), &others, enough_m);
             if gap.lower_m > CONTACT_M {
                 if question == Question::DoTheyAlwaysTouch {
-                    return PairRange::SomewhereFree;
+                    return PairRange::Refuted;
                 }
                 is_free = true;
             } else {
-                let (depth_m, _) = self.deepest(pair, shared);
+                if question == Question::DoTheyNeverTouch {
+                    return PairRange::Refuted;
+                }
+                let depth_m = self.deepest_m(pair);
                 least_depth_m = Some(least_depth_m.map_or(depth_m, |least| least.min(depth_m)));
                 if BELIEVED * depth_m > travel_m {
                     continue;
                 }
             }
-            if is_free && least_depth_m.is_some() {
-                return PairRange::Both {
-                    is_at_joint: self.touch_at_joint_alone(pair, shared, &joints, &whole),
-                };
+            if let Some(depth_m) = least_depth_m.filter(|_| is_free) {
+                return PairRange::Both { is_at_joint: self.touch_at_joint_alone(pair, shared), depth_m };
             }
             if gap.lower_m < enough_m {
                 boxes.extend(self.halves(pair, shared, &joints, values).into_iter().flatten());
             }
         }
-        PairRange::Unproven { depth_m: least_depth_m.unwrap_or(0.0) }
+        match least_depth_m {
+            None if question == Question::DoTheyEverChange && !self.touch_at_joint_alone(pair, shared) => {
+                PairRange::Both { is_at_joint: false, depth_m: 0.0 }
+            }
+            depth_m => PairRange::Unproven { depth_m: depth_m.unwrap_or(0.0) },
+        }
     }
 
     /// The joints that the pair's pose against each other depends on, as indices into `q`.
@@ -175,52 +181,47 @@ impl<'a> PairRanges<'a> {
         Some(halves)
     }
 
-    /// The greatest depth of two convex solids of the links in each other, and how far the deepest place of any two is from
-    /// the axis of the last joint between them, in metres: endlessly far from one that slides.
-    fn deepest(&self, pair: (usize, usize), shared: usize) -> (f64, f64) {
+    /// The greatest depth of two convex solids of the links in each other, in metres.
+    fn deepest_m(&self, pair: (usize, usize)) -> f64 {
         let [first, second] = [pair.0, pair.1].map(|body| &self.bodies[body]);
         let others: Vec<_> = second.placed(&self.frames).collect();
         let is_convex = |solid: &Solid| solid.support_point(&Vector::x()).is_some();
-        let (mut depth_m, mut deepest) = (0.0_f64, None::<Overlap>);
-        for (pose_a, a) in first.placed(&self.frames) {
-            for (pose_b, b) in &others {
-                let Some(found) = overlap(a, &pose_a, b, pose_b) else { continue };
-                if is_convex(a) && is_convex(b) {
-                    depth_m = depth_m.max(found.depth_m);
-                }
-                deepest = deepest.filter(|known| known.depth_m >= found.depth_m).or(Some(found));
+        let mut depth_m = 0.0_f64;
+        for (pose_a, a) in first.placed(&self.frames).filter(|(_, solid)| is_convex(solid)) {
+            for (pose_b, b) in others.iter().filter(|(_, solid)| is_convex(solid)) {
+                depth_m = overlap(a, &pose_a, b, pose_b).map_or(depth_m, |found| depth_m.max(found.depth_m));
             }
         }
-        let movers =
-            [second, first].map(|body| self.robot.ancestors(body.link).get(shared..).unwrap_or_default());
-        let from_axis_m =
-            movers.iter().find_map(|movers| movers.last()).zip(deepest).map(|(mover, deepest)| {
-                if mover.kind == JointKind::Prismatic {
-                    return f64::INFINITY;
-                }
-                let frame = self.frames.link(mover.child_link);
-                let axis = frame.rotation * mover.axis_in_child;
-                axis.cross(&(deepest.point.coords - frame.translation.vector)).norm()
-            });
-        (depth_m, from_axis_m.unwrap_or(0.0))
+        depth_m
     }
 
-    /// Returns whether two links that one joint moves touch only near its axis, in all samples of a sweep over its
-    /// range.
-    fn touch_at_joint_alone(
-        &mut self,
-        pair: (usize, usize),
-        shared: usize,
-        joints: &[usize],
-        range: &JointBox,
-    ) -> bool {
-        let (&[joint], &[[lower, upper]]) = (joints, &range[..]) else { return false };
-        let joint_m = self.joint_neighbourhood_m(pair);
-        (0..=SWEEP).all(|step| {
-            let value = lower + (upper - lower) * f64::from(step) / f64::from(SWEEP);
-            self.travel_m(pair, shared, &[joint], &vec![[value; 2]]);
-            self.deepest(pair, shared).1 <= joint_m
-        })
+    /// Returns whether two links that are free at one value of their only joint touch, at all others, nowhere but near its
+    /// axis: their surfaces beyond [`Self::joint_neighbourhood_m`] from it are proven never to meet, so neither ever gets
+    /// into the other there. Never so for a joint that slides.
+    fn touch_at_joint_alone(&self, pair: (usize, usize), shared: usize) -> bool {
+        let movers =
+            [pair.0, pair.1].map(|body| self.robot.ancestors(self.bodies[body].link).get(shared..));
+        let mut movers = movers.into_iter().flatten().flatten();
+        let (Some(mover), None) = (movers.next(), movers.next()) else { return false };
+        if mover.kind == JointKind::Prismatic {
+            return false;
+        }
+        let world_from_child = self.frames.link(mover.child_link);
+        let radius_m = self.joint_neighbourhood_m(pair);
+        let outer = |body: usize| {
+            let LinkBody { link, shapes, .. } = &self.bodies[body];
+            let child_from_link = world_from_child.inv_mul(self.frames.link(*link));
+            let far = shapes.iter().flat_map(|(link_from_solid, solid)| {
+                let pose = child_from_link * link_from_solid;
+                beyond_axis(solid, &pose, &mover.axis_in_child, radius_m)
+                    .into_iter()
+                    .map(|surface| (*link_from_solid, surface))
+            });
+            LinkBody::of_shapes(*link, far.collect())
+        };
+        let [Some(first), Some(second)] = [pair.0, pair.1].map(outer) else { return true };
+        let bodies = [first, second];
+        PairRanges::new(self.robot, &bodies).of((0, 1), Question::DoTheyNeverTouch) == PairRange::NeverTouching
     }
 
     /// Distance from the axis of their joint within which two links count as being at the joint, in metres: the sum of
@@ -229,6 +230,29 @@ impl<'a> PairRanges<'a> {
         let thickness_m = |body: usize| 2.0 * self.bodies[body].bounds.aabb.half_extents.min();
         thickness_m(pair.0) + thickness_m(pair.1)
     }
+}
+
+/// Sides of the prism that stands for a cylinder.
+const SIDES: u32 = 12;
+
+/// The surface of a solid, at a pose against an axis through the origin, outside the prism around a cylinder about that: in
+/// as many pieces as sides, in the frame of the solid.
+fn beyond_axis(solid: &Solid, pose: &Pose, axis: &Vector, radius_m: f64) -> Vec<Solid> {
+    let is_mesh = solid.support_point(&Vector::x()).is_none();
+    let surface = if is_mesh {
+        Some(solid.clone())
+    } else {
+        solid.tessellation().and_then(|soup| Solid::mesh(&soup).ok())
+    };
+    let Some(surface) = surface else { return Vec::new() };
+    let across = axis.cross(&Vector::ith(axis.iamin(), 1.0)).normalize();
+    let sides = (0..SIDES).filter_map(|side| {
+        let angle = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
+        let direction = Rotation::from_scaled_axis(axis * angle) * across;
+        let height_m = radius_m - direction.dot(&pose.translation.vector);
+        surface.surface_above(&(pose.rotation.inverse() * direction), height_m)
+    });
+    sides.collect()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::unchecked::{Exempt, ExemptPair, UncheckedReason};
 /// A pair is left out if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is
 /// proven over the whole range of the joints between them that comparing them shows nothing new. All others are
 /// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were
-/// found to touch only at their joint: every answer names them.
+/// proven to touch only near their joint: every answer names them.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
@@ -90,7 +90,7 @@ fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) 
         PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AdjacentTouching, depth_m),
         PairRange::NeverTouching => of(UncheckedReason::AdjacentFree, 0.0),
         PairRange::Unproven { depth_m } => of(UncheckedReason::AdjacentUnproven, depth_m),
-        PairRange::Both { is_at_joint: true } => of(UncheckedReason::AdjacentAtJoint, 0.0),
-        PairRange::Both { is_at_joint: false } | PairRange::SomewhereFree => None,
+        PairRange::Both { is_at_joint: true, depth_m } => of(UncheckedReason::AdjacentAtJoint, depth_m),
+        PairRange::Both { is_at_joint: false, .. } | PairRange::Refuted => None,
     }
 }

@@ -32,8 +32,7 @@ pub enum UncheckedReason {
     AdjacentTouching,
     /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all sampled values.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: only near the joint, in all
-    /// samples.
+    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
     AdjacentFree,

@@ -17,7 +17,7 @@ fn arm(finger: &dyn Fn(f64) -> String, carried: &str) -> String {
         r#"<robot name="arm">
   <link name="rail"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
   <link name="cart"><collision><origin xyz="0 0 0.1"/><geometry><box size="0.2 0.1 0.04"/></geometry></collision></link>
-  <link name="upper"><collision><origin xyz="0 0 0.2"/><geometry><capsule radius="0.03" length="0.4"/></geometry></collision></link>
+  <link name="upper"><collision><origin xyz="0 0 0.18"/><geometry><capsule radius="0.03" length="0.36"/></geometry></collision></link>
   <link name="lower"><collision><origin xyz="0 0 0.15"/><geometry><cylinder radius="0.03" length="0.3"/></geometry></collision></link>
   <link name="wrist"><collision><geometry><sphere radius="0.04"/></geometry></collision></link>
   <link name="palm"><collision><origin xyz="0 0 0.05"/><geometry><box size="0.04 0.16 0.04"/></geometry></collision></link>

@@ -51,8 +51,7 @@ pub enum NotCheckedReason {
     AdjacentTouching,
     /// Two adjacent links that touch, or nearly do, at all sampled values of their joint.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: only near the joint, in all
-    /// samples.
+    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
     AdjacentFree,
