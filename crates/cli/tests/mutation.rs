@@ -344,7 +344,7 @@ fn no_key_of_the_files_of_a_robot_is_changed_unseen() {
     fs::write(robot.join("cart.urdf"), CART).unwrap();
     fs::write(robot.join("cart.srdf"), SRDF).unwrap();
     let whole = json!({
-        "urdf": "cart.urdf", "group": "arm", "tip": "ball", "fixed": {"z": 0.1}, "solid_meshes": ["ball"],
+        "urdf": "cart.urdf", "group": "arm", "tip": "ball", "fixed": {"z": 0.2}, "solid_meshes": ["ball"],
         "start": {"x": 0.1, "y": 0.2}, "floor_m": -0.5,
         "hand": {"name": "grip", "tip": "ball", "fingers": {"z": {"open": 0.2, "closed": 0.1}}, "opening_m": 0.08,
                  "finger_depth_m": 0.03, "closing_force_n": 20.0},

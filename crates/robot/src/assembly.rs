@@ -20,8 +20,8 @@ use crate::text_source::{parsed, read};
 use crate::tree::Tree;
 use crate::urdf_model::{Urdf, UrdfCollision, UrdfJoint, UrdfJointKind, UrdfLink};
 use crate::{
-    GroupJoint, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot, RobotDescription,
-    RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
+    GroupJoint, JointGroup, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot,
+    RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, mesh_path,
 };
 
 impl Robot {
@@ -60,6 +60,7 @@ impl Robot {
             }
         }
         let scales = planning.scales(options.rate_scales);
+        let is_own_group = options.group == JointGroup::RootToTip;
         let (options, description) = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
         // 2. Which joints move, and how.
         let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
@@ -91,7 +92,7 @@ impl Robot {
         let joints = group_joints(&urdf, &tree, &resolved.group);
         let joint_names: Vec<String> =
             resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect();
-        let start = description.as_ref().and_then(|description| description.start_of(&joint_names));
+        let start = description.as_ref().map(|own| own.start_of(&joint_names, &limits, is_own_group)).transpose()?;
         let group_states = group_states(&urdf, &tree, &srdf, &resolved.group)?;
         let pairs = declared_pairs(&urdf, &tree, &srdf, options)?;
         let values = urdf.joints.iter().map(|joint| joint.name.clone()).zip(resolved.values).collect();
@@ -113,7 +114,7 @@ impl Robot {
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
             hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
-            start,
+            start: start.flatten(),
             floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,
             tip_steps: steps.iter().filter(|step| on_way.contains(&step.link)).cloned().collect(),

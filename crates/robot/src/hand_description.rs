@@ -26,17 +26,24 @@ pub struct HandDescription {
     pub closing_force_n: f64,
 }
 
+/// Length that no hand exceeds, in metres: a longer one is in other units.
+const LONGEST_M: f64 = 1.0;
+
 impl HandDescription {
     /// Whether its figures can be; `text` is that of `file`, in which it stands.
     pub(crate) fn check(&self, text: &str, file: &str) -> Result<(), RobotError> {
         let of_hand = || format!("hand `{}`", self.name);
-        for (attribute, value) in [
-            ("opening_m", self.opening_m),
-            ("finger_depth_m", self.finger_depth_m),
-            ("closing_force_n", self.closing_force_n),
+        for (attribute, value, most) in [
+            ("opening_m", self.opening_m, LONGEST_M),
+            ("finger_depth_m", self.finger_depth_m, LONGEST_M),
+            ("closing_force_n", self.closing_force_n, f64::MAX),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                let (at, range) = (line_of(text, file, attribute), "a number greater than 0".to_owned());
+            if !(value > 0.0 && value <= most) {
+                let range = match most {
+                    f64::MAX => "a number greater than 0".to_owned(),
+                    _ => format!("greater than 0 and at most {most}, in metres"),
+                };
+                let at = line_of(text, file, attribute);
                 return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
             }
         }
@@ -51,6 +58,11 @@ impl HandDescription {
         limits: impl Fn(&str) -> (f64, f64),
     ) -> Result<(), RobotError> {
         for (finger, places) in &self.fingers {
+            if places.open == places.closed {
+                let (at, element) = (line_of(text, file, finger), format!("finger `{finger}`"));
+                let (value, range) = (places.closed, "other than `open`".to_owned());
+                return Err(RobotError::HandFigure { at, element, attribute: "closed", value, range });
+            }
             for (attribute, value) in [("open", places.open), ("closed", places.closed)] {
                 let (lower, upper) = limits(finger);
                 if !(lower..=upper).contains(&value) {

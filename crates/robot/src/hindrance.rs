@@ -19,6 +19,27 @@ pub enum Hindrance {
         /// The value it has because of that, in metres or radians.
         value: f64,
     },
+    /// It follows another joint to a value outside its limits.
+    #[error("it mimics joint `{master}`, which puts it at {value}, outside its limits {lower} to {upper}")]
+    MimicOutsideLimits {
+        /// The joint it follows.
+        master: String,
+        /// The value it has because of that, in metres or radians.
+        value: f64,
+        /// The lower limit.
+        lower: f64,
+        /// The upper limit.
+        upper: f64,
+    },
+    /// It is a finger of the hand, which stands open.
+    #[error("it is a finger of the hand, which stands open with it at {open}")]
+    Finger {
+        /// The value it has because of that, in metres or radians.
+        open: f64,
+    },
+    /// It does not belong to the joint group.
+    #[error("it is not among the joints that move")]
+    NotInGroup,
     /// It belongs to the joint group.
     #[error("it belongs to the joint group")]
     InGroup,

@@ -355,7 +355,7 @@ impl Resolver<'_> {
         Ok(JointValue { follows: None, offset, stands: true })
     }
 
-    /// Held values lie within limits, and those of mimic joints agree with what they follow.
+    /// Held values lie within limits, those of joints that mimic held ones too, and agree with what they follow.
     fn check_held(&self, values: &[JointValue]) -> Result<(), RobotError> {
         for (name, &value) in &self.options.fixed {
             let Some(index) = self.tree.joint(name) else { continue };
@@ -380,8 +380,31 @@ impl Resolver<'_> {
                 return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
             }
         }
+        for (joint, value) in self.urdf.joints.iter().zip(values) {
+            let Some(UrdfMotion { mimic: Some(mimic), .. }) = &joint.motion else { continue };
+            if value.follows.is_none() {
+                mimic_within_limits(joint, &mimic.master, value.offset)?;
+            }
+        }
         Ok(())
     }
+}
+
+/// Excess of a mimic joint over its limits that is rounding (m, rad): files give factors and limits to some four digits.
+pub(crate) const MIMIC_SLACK: f64 = 1e-3;
+
+/// Whether a joint may stand at the value at which its master puts it.
+///
+/// # Errors
+/// [`RobotError::NotFree`] for a value outside its limits.
+pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -> Result<(), RobotError> {
+    let Some(motion) = &joint.motion else { return Ok(()) };
+    let (lower, upper) = range(motion);
+    if [value - MIMIC_SLACK, value, value + MIMIC_SLACK].iter().any(|&near| admits(motion, near)) {
+        return Ok(());
+    }
+    let hindrance = Hindrance::MimicOutsideLimits { master: master.to_owned(), value, lower, upper };
+    Err(not_free(joint, "held", hindrance))
 }
 
 /// A joint without an end is not held farther than this from 0, in radians: its links are where they are to within 1e-12 rad.

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::hand_description::line_of;
-use crate::joint_group::{admits, range, unknown_joint, unknown_link};
+use crate::joint_group::{MIMIC_SLACK, admits, range, unknown_joint, unknown_link};
 use crate::rate_limits::parse_yaml;
 use crate::tree::Tree;
 use crate::urdf_model::Urdf;
-use crate::{HandDescription, Hindrance, JointGroup, Location, RobotError, RobotOptions};
+use crate::{HandDescription, Hindrance, JointGroup, JointLimits, Location, RobotError, RobotOptions};
 
 /// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
 pub(crate) const LIMITS: &str = "limits.yaml";
@@ -35,7 +35,7 @@ pub struct RobotDescription {
     /// a palm that is one body with a jaw. Motions of the others are found faster.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solid_meshes: Vec<String>,
-    /// Where it starts if a scenario says nothing else: each joint that moves (m, rad).
+    /// Start if a scenario states none: the joints that move (m, rad); those left out are as near to 0 as they can be.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub start: BTreeMap<String, f64>,
     /// Height of the ground that it stands on in its root frame, in metres: there a scene's floor is laid.
@@ -44,6 +44,10 @@ pub struct RobotDescription {
     /// Its hand, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandDescription>,
+    /// Location of `start`.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub(crate) start_at: Option<Location>,
 }
 
 impl RobotDescription {
@@ -53,7 +57,10 @@ impl RobotDescription {
     /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
     /// that cannot be.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
-        let description: Self = parse_yaml(text, file)?;
+        let mut description: Self = parse_yaml(text, file)?;
+        if !description.start.is_empty() {
+            description.start_at = Some(line_of(text, file, "start"));
+        }
         if let Some(hand) = &description.hand {
             hand.check(text, file)?;
         }
@@ -131,9 +138,33 @@ impl RobotDescription {
                 return Err(unknown_link(urdf, place, name));
             }
         }
+        for (finger, range) in hand.into_iter().flat_map(|hand| &hand.fingers) {
+            let mimic =
+                tree.joint(finger).and_then(|joint| urdf.joints[joint].motion.as_ref()?.mimic.as_ref());
+            let Some(mimic) = mimic else { continue };
+            let not_free = |hindrance| {
+                let (at, joint) = (at("fingers", finger), finger.clone());
+                Err(RobotError::NotFree { at, joint, wanted: "moved as a finger", hindrance })
+            };
+            let master = mimic.master.clone();
+            let Some(of_master) = hand.and_then(|hand| hand.fingers.get(&master)) else {
+                return not_free(Hindrance::Mimic { master });
+            };
+            for (own, of_master) in [(range.open, of_master.open), (range.closed, of_master.closed)] {
+                let value = of_master * mimic.multiplier + mimic.offset;
+                if (own - value).abs() > MIMIC_SLACK {
+                    return not_free(Hindrance::MimicValue { master, value });
+                }
+            }
+        }
         for (name, &value) in &self.fixed {
             let Some(index) = tree.joint(name) else { continue };
             let (at, joint) = (at("fixed", name), name.clone());
+            let finger = hand.and_then(|hand| hand.fingers.get(name));
+            if let Some(open) = finger.map(|range| range.open).filter(|&open| open != value) {
+                let hindrance = Hindrance::Finger { open };
+                return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
+            }
             let Some(motion) = &urdf.joints[index].motion else {
                 return Err(RobotError::NotFree {
                     at,
@@ -150,9 +181,27 @@ impl RobotDescription {
         Ok(())
     }
 
-    /// The start of the group of these names; `None` if it is not said for all of them.
-    pub(crate) fn start_of(&self, joints: &[String]) -> Option<Vec<f64>> {
-        joints.iter().map(|joint| self.start.get(joint).copied()).collect()
+    /// The start of the group of these names and limits, joints without a value as near to 0 as they can be; `None` where it
+    /// names none of them.
+    ///
+    /// # Errors
+    /// [`RobotError::NotFree`] for a joint that does not belong to the group, where `is_own_group`: a caller may choose other
+    /// joints.
+    pub(crate) fn start_of(
+        &self,
+        joints: &[String],
+        limits: &[JointLimits],
+        is_own_group: bool,
+    ) -> Result<Option<Vec<f64>>, RobotError> {
+        let other = self.start.keys().find(|name| !joints.contains(name)).filter(|_| is_own_group);
+        if let Some((joint, at)) = other.zip(self.start_at.as_ref()) {
+            let (at, joint) = (at.clone(), joint.clone());
+            let (wanted, hindrance) = ("in the start", Hindrance::NotInGroup);
+            return Err(RobotError::NotFree { at, joint, wanted, hindrance });
+        }
+        let stated: Vec<_> = joints.iter().map(|joint| self.start.get(joint).copied()).collect();
+        let at = |(stated, limits): (&Option<f64>, &JointLimits)| stated.unwrap_or_else(|| limits.clamp(0.0));
+        Ok(stated.iter().any(Option::is_some).then(|| stated.iter().zip(limits).map(at).collect()))
     }
 }
 

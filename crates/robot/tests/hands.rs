@@ -1,7 +1,7 @@
 //! What a `robot.yaml` says of a robot's hand.
 
 use cranny_robot::{
-    HandDescription, JointGroup, JointKind, Robot, RobotDescription, RobotError, RobotOptions,
+    HandDescription, JointGroup, JointKind, Robot, RobotDescription, RobotError, RobotOptions, TextSource,
 };
 
 const GRIPPER: &str = r#"<robot name="gripper"><link name="base"/><link name="flange"/>
@@ -142,4 +142,66 @@ fn a_faulty_description_is_refused_with_its_line() {
     }
     let fault = RobotDescription::parse(" ", "robot.yaml").unwrap_err().to_string();
     assert!(fault.contains("empty"), "{fault}");
+}
+
+/// The robot of [`GRIPPER`] with another text of its URDF and `robot.yaml`.
+fn with_files(urdf: &str, description: &str) -> Result<Robot, RobotError> {
+    let description = TextSource::Text { name: "robot.yaml".to_owned(), text: description.to_owned() };
+    let options = RobotOptions { description: Some(description), ..RobotOptions::default() };
+    Robot::from_urdf_text(urdf, "gripper.urdf", None, &options)
+}
+
+#[test]
+fn what_contradicts_hand_or_group_is_refused() {
+    let with = |from: &str, to: &str| HAND.replacen(from, to, 1);
+    for (description, says) in [
+        (
+            format!("{HAND}fixed: {{slide_a: 0}}\n"),
+            "robot.yaml:10: joint 'slide_a' cannot be held at another",
+        ),
+        (format!("{HAND}start: {{turn: 0, slide_a: 0}}\n"), "joint 'slide_a' cannot be in the start"),
+        (format!("{HAND}start: {{slide_a: 0}}\n"), "joint 'slide_a' cannot be in the start"),
+        (with("opening_m: 0.06", "opening_m: 60"), "at most 1, in metres"),
+        (with("closed: 0.0}", "closed: 0.03}"), "must be other than"),
+    ] {
+        let fault = with_files(GRIPPER, &description).expect_err(&description).to_string();
+        assert!(fault.replace('`', "'").contains(says), "{fault}");
+    }
+    assert!(with_files(GRIPPER, &format!("{HAND}fixed: {{slide_a: 0.03}}\nstart: {{turn: 0.2}}\n")).is_ok());
+    let two = GRIPPER.replace(
+        r#"<joint name="mount" type="fixed"><parent link="flange"/>"#,
+        r#"<link name="wrist"/><joint name="bend" type="revolute"><parent link="flange"/><child link="wrist"/>
+        <axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+        <joint name="mount" type="fixed"><parent link="wrist"/>"#,
+    );
+    let robot = with_files(&two, &format!("{HAND}start: {{turn: 0.2}}\n")).unwrap();
+    assert_eq!(robot.default_start(), Some(&[0.2, 0.0][..]), "`bend` is as near to 0 as it can be");
+}
+
+#[test]
+fn a_joint_that_mimics_a_held_one_keeps_its_limits() {
+    let coupled = |limits: &str, mimic: &str| {
+        let joint = r#"<axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.03" velocity="1" effort="1"/>"#;
+        let mimic = format!(
+            r#"<axis xyz="0 -1 0"/><limit {limits} velocity="1" effort="1"/><mimic joint="slide_a" {mimic}/>"#
+        );
+        GRIPPER.replacen(joint, &mimic, 1)
+    };
+    let one = HAND.replace("    slide_b: {open: 0.03, closed: 0.0}\n", "");
+    assert!(with_files(&coupled(r#"lower="0" upper="0.03""#, ""), &one).is_ok());
+    for (limits, mimic) in [
+        (r#"lower="0" upper="0.01""#, ""),
+        (r#"lower="0" upper="0.03""#, r#"multiplier="1.5""#),
+        (r#"lower="0" upper="0.03""#, r#"multiplier="0" offset="0.3""#),
+    ] {
+        let fault = with_files(&coupled(limits, mimic), &one).expect_err(mimic).to_string();
+        assert!(fault.contains("outside its limits"), "{fault}");
+    }
+    // A finger is driven by its master, to where that puts it.
+    let urdf = coupled(r#"lower="0" upper="0.03""#, "");
+    let alone = HAND.replace("    slide_a: {open: 0.03, closed: 0.0}\n", "");
+    assert!(with_files(&urdf, &alone).is_err());
+    assert!(with_files(&urdf, HAND).is_ok());
+    assert!(with_files(&urdf, &HAND.replace("slide_b: {open: 0.03", "slide_b: {open: 0.02")).is_err());
 }
