@@ -88,6 +88,40 @@ fn an_object_survives_its_folder() {
 }
 
 #[test]
+fn figures_of_an_object_that_its_meshes_do_not_have_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("banana");
+    builtin_object("banana").unwrap().write_folder(&path).unwrap();
+    let file = path.join("object.yaml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let value = |key: &str, from: &str| -> String {
+        let rest = &text[text.find(from).unwrap()..];
+        let rest = &rest[rest.find(key).unwrap() + key.len()..];
+        rest[..rest.find('\n').unwrap()].to_owned()
+    };
+    for (key, from, stated) in [
+        ("mass_kg:", "mass_kg:", " 350"),
+        ("volume_m3:", "volume_m3:", " -0.1"),
+        ("missing:", "missing:", " 0.5"),
+        ("probability:", "stable_poses:", " 7"),
+        ("mass_kg:", "mass_kg:", " .nan"),
+    ] {
+        let old = format!("{key}{}", value(key, from));
+        let at = text.find(from).unwrap();
+        let changed = format!("{}{}", &text[..at], text[at..].replacen(&old, &format!("{key}{stated}"), 1));
+        assert_ne!(changed, text, "{key}");
+        std::fs::write(&file, changed).unwrap();
+        assert!(ObjectType::read_folder(&path).is_err(), "{key}{stated}");
+    }
+    // A part less is no object with the stated error.
+    let first = text.find("- parts/00.obj").unwrap();
+    let line = &text[first..first + text[first..].find('\n').unwrap()];
+    std::fs::write(&file, text.replacen(line, "", 1)).unwrap();
+    let fault = ObjectType::read_folder(&path).unwrap_err().to_string();
+    assert!(fault.contains("convex_parts_error"), "{fault}");
+}
+
+#[test]
 fn a_mesh_in_other_units_gets_a_hint_and_bad_numbers_are_refused() {
     let cuboid = |size: f64| Surface::cuboid_soup(&Vector::new(0.2 * size, 0.3 * size, 0.5 * size));
     let settings = ObjectSettings::new("box", 0.4);

@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use cranny_file::did_you_mean_here;
 
 /// What can be wrong with an object to be grasped. The message is complete in itself: file and line where there is one.
@@ -37,6 +39,22 @@ pub enum ObjectError {
         what: &'static str,
         /// The offending value.
         value: f64,
+    },
+    /// A figure of an `object.yaml` is not that of the meshes.
+    #[error(
+        "{}: {key} is {stated}; by the meshes and the mass it is {expected} (`cranny object add` with --mass writes the \
+         folder anew)",
+        path.display()
+    )]
+    Stated {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// Its value in the file.
+        stated: String,
+        /// The value that was measured, or those that can be.
+        expected: String,
     },
     /// No built-in object has that name.
     #[error(

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cranny_shape::{ConvexParts, StablePose, TriangleSoup, VolumeError};
+use cranny_shape::{ConvexParts, ShapeError, Solid, StablePose, TriangleSoup, VolumeError, stable_poses};
 use cranny_spatial::nalgebra::{Matrix3, Quaternion};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::atomic_file::write_into;
 use crate::files::yaml;
 use crate::object::object_type::check_numbers;
-use crate::{ObjectType, ScenarioError, write_whole_file};
+use crate::{ObjectError, ObjectSettings, ObjectType, ScenarioError, write_whole_file};
 
 /// The file that makes a folder an object.
 pub const OBJECT_FILE: &str = "object.yaml";
@@ -61,7 +61,6 @@ impl ObjectType {
             write_into(folder, &name, part.obj_text(1))?;
             convex_parts.push(PathBuf::from(name));
         }
-        let i = &self.inertia_kg_m2;
         let file = ObjectFile {
             name: self.name.clone(),
             mesh: MESH_FILE.into(),
@@ -71,7 +70,7 @@ impl ObjectType {
             friction: self.friction,
             volume_m3: self.volume_m3,
             center_of_mass: self.center_of_mass.into(),
-            inertia_kg_m2: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
+            inertia_kg_m2: upper_triangle(&self.inertia_kg_m2),
             stable_poses: self.stable_poses.iter().map(RestingPose::of).collect(),
         };
         let path = folder.join(OBJECT_FILE);
@@ -82,34 +81,120 @@ impl ObjectType {
         write_whole_file(&path, text.as_bytes())
     }
 
-    /// Reads what [`Self::write_folder`] writes.
+    /// Reads what [`Self::write_folder`] writes, and compares it with the meshes.
     ///
     /// # Errors
     /// [`ScenarioError`] with file and line for what is no object, [`ScenarioError::ShapeFile`] for a mesh
-    /// that cannot be read or encloses no volume.
+    /// that cannot be read or encloses no volume, [`ObjectError::Stated`] for a figure that is not that of the mesh.
     pub fn read_folder(folder: &Path) -> Result<Self, ScenarioError> {
         let path = folder.join(OBJECT_FILE);
         let file: ObjectFile = yaml::read(&path)?;
         let load = |name: &PathBuf| TriangleSoup::load(&folder.join(name), Vector::repeat(1.0));
-        let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
+        let in_mesh = |fault: ShapeError| ScenarioError::from(fault.in_file(&folder.join(&file.mesh)));
         check_numbers(file.mass_kg, file.friction)?;
-        let object = Self {
-            name: file.name,
-            mesh: load(&file.mesh)?,
-            parts: ConvexParts {
-                parts: file.convex_parts.iter().map(load).collect::<Result<_, _>>()?,
-                error: file.convex_parts_error,
-            },
-            mass_kg: file.mass_kg,
-            friction: file.friction,
-            volume_m3: file.volume_m3,
+        let mesh = load(&file.mesh)?;
+        Solid::mesh(&mesh).map_err(in_mesh)?;
+        let parts = file.convex_parts.iter().map(load).collect::<Result<_, _>>()?;
+        let parts = ConvexParts::measured(&mesh, parts).map_err(in_mesh)?;
+        let mut settings = ObjectSettings::new(file.name.clone(), file.mass_kg);
+        settings.friction = file.friction;
+        settings.least_probability = 0.0;
+        let measured = Self::of_parts(mesh, parts, &settings)?;
+        file.check(&measured).map_err(|(key, stated, expected)| {
+            let path = path.clone();
+            ObjectError::Stated { path, key, stated, expected }
+        })?;
+        let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
+        Ok(Self {
             center_of_mass: Point::from(file.center_of_mass),
             inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             stable_poses: file.stable_poses.iter().map(RestingPose::pose).collect(),
-        };
-        object.solid().map_err(|fault| fault.in_file(&folder.join(file.mesh)))?;
-        Ok(object)
+            ..measured
+        })
     }
+}
+
+/// Difference between a stated figure and the measured one that is rounding, as a share of the measured one.
+const ROUNDING: f64 = 1e-3;
+/// The same of shares of the volume, which is measured along lines.
+const SHARE_ROUNDING: f64 = 0.01;
+
+/// An inertia that is a smaller share of that of uniform density belongs to another mass.
+const LEAST_SPREAD: f64 = 0.05;
+
+impl ObjectFile {
+    /// Compares what the file states with what the mesh has: the first key that differs, with what it states and what is
+    /// expected.
+    ///
+    /// Centre of mass and inertia may be those of any density within the mesh's convex hull; stable poses are those of
+    /// that centre.
+    fn check(&self, measured: &ObjectType) -> Result<(), (&'static str, String, String)> {
+        let differs = |key, stated: &[f64], measured: &[f64], most: f64| {
+            let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= most;
+            let alike = stated.iter().zip(measured).all(is_near);
+            if alike { Ok(()) } else { Err((key, format!("{stated:?}"), format!("{measured:?}"))) }
+        };
+        differs("volume_m3", &[self.volume_m3], &[measured.volume_m3], ROUNDING * measured.volume_m3)?;
+        let [stated, error] = [self.convex_parts_error, measured.parts.error];
+        let [stated, error] = [[stated.excess, stated.missing], [error.excess, error.missing]];
+        differs("convex_parts_error", &stated, &error, SHARE_ROUNDING)?;
+        let size_m = measured.volume_m3.cbrt();
+        let center = Point::from(self.center_of_mass);
+        let vertices = &measured.mesh.vertices;
+        let is_inside = TriangleSoup::convex_hull(vertices).is_ok_and(|hull| {
+            (0..hull.triangles.len()).map(|triangle| hull.corners(triangle)).all(|[a, b, c]| {
+                let outwards = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+                outwards.dot(&(center - a)) <= ROUNDING * size_m
+            })
+        });
+        if !is_inside {
+            let stated = format!("{:?}", self.center_of_mass);
+            return Err(("center_of_mass", stated, "a point within the convex hull of the mesh".to_owned()));
+        }
+        // Principal moments of any mass within reach of the centre, none greater than the sum of the others.
+        let [xx, yy, zz, xy, xz, yz] = self.inertia_kg_m2;
+        let moments = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
+        let reach_m2 = vertices.iter().map(|vertex| (vertex - center).norm_squared()).fold(0.0, f64::max);
+        let most = self.mass_kg * reach_m2 * (1.0 + ROUNDING);
+        let least = LEAST_SPREAD * measured.inertia_kg_m2.trace();
+        let is_possible = moments.min() > 0.0
+            && moments.max() <= most
+            && 2.0 * moments.max() <= moments.sum() * (1.0 + ROUNDING)
+            && moments.sum() >= least;
+        if !is_possible {
+            let expected = format!(
+                "of principal moments of at most {most:.3e}, of {least:.3e} or more in all, none greater than the sum \
+                 of the others"
+            );
+            return Err(("inertia_kg_m2", format!("{:?}", self.inertia_kg_m2), expected));
+        }
+        let stable = stable_poses(vertices, &center).unwrap_or_default();
+        let mut left = 1.0 + SHARE_ROUNDING;
+        for pose in &self.stable_poses {
+            let stated = pose.pose();
+            let is_alike = |known: &StablePose| {
+                let [a, b] = [&stated.ground_from_body, &known.ground_from_body];
+                // A turn about the vertical, and a place on the ground, make no other pose.
+                let up = |pose: &Pose| pose.rotation.inverse() * Vector::z();
+                (up(a) - up(b)).norm() <= ROUNDING
+                    && (a.translation.z - b.translation.z).abs() <= ROUNDING * size_m
+            };
+            left -= stated.probability;
+            if !(stated.probability >= 0.0 && left >= 0.0 && pose.is_unit() && stable.iter().any(is_alike)) {
+                let stated = format!(
+                    "z {} and quaternion {:?} with probability {}",
+                    pose.position[2], pose.quaternion_xyzw, pose.probability
+                );
+                return Err(("stable_poses", stated, "a pose at rest, of probabilities of at most 1 in all".to_owned()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// xx, yy, zz, xy, xz, yz of a symmetric matrix.
+fn upper_triangle(matrix: &Matrix3<f64>) -> [f64; 6] {
+    [matrix.m11, matrix.m22, matrix.m33, matrix.m12, matrix.m13, matrix.m23]
 }
 
 impl RestingPose {
@@ -121,6 +206,10 @@ impl RestingPose {
             position: pose.translation.vector.into(),
             quaternion_xyzw: pose.rotation.coords.into(),
         }
+    }
+
+    fn is_unit(&self) -> bool {
+        (self.quaternion_xyzw.iter().map(|part| part * part).sum::<f64>() - 1.0).abs() <= ROUNDING
     }
 
     fn pose(&self) -> StablePose {
