@@ -20,7 +20,10 @@ def draw_curves(
     axes: Axes | None = None,
 ) -> Axes:
     """Draws the curves of one scenario: a step function and its band for each planner."""
-    import matplotlib.pyplot as plt
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as reason:
+        raise ImportError("curves are drawn with matplotlib: pip install cranny[plots]") from reason
 
     if over not in LABELS:
         raise ValueError(f"over is '{over}', but 'time' or 'iterations' is expected")

@@ -83,6 +83,7 @@ pub struct SampleArguments {
 }
 
 /// What is grasped, and with what.
+#[derive(Debug)]
 pub struct Subject {
     pub name: String,
     /// In the frame that grasps are written in.
@@ -93,6 +94,7 @@ pub struct Subject {
 }
 
 /// What is around the object.
+#[derive(Debug)]
 enum Place {
     /// Nothing.
     Nowhere,

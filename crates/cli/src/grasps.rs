@@ -5,8 +5,8 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_file::counted;
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, nearest_distances,
-    read_csv, sample_grasps, spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, go_on_sampling,
+    nearest_distances, read_csv, spread,
 };
 use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
@@ -18,7 +18,8 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::grasp_subject::{SampleArguments, Subject};
 use crate::grasps_import::ImportArguments;
-use crate::progress::{bar, stop_on_interrupt};
+use crate::progress::{bar, stop_on_interrupt, unless_stopped};
+use crate::unfinished::Unfinished;
 use crate::{Answer, grasps_import, output_file, text};
 
 #[derive(Clone, Debug, Args)]
@@ -114,6 +115,9 @@ struct Sampled {
     best_score: f64,
     mean_score: f64,
     stopped: bool,
+    /// Candidates that are kept until the same command goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unfinished: Option<PathBuf>,
     /// Why nothing was looked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     too_wide: Option<TooWide>,
@@ -129,31 +133,44 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let filter =
         if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
     let stop = stop_on_interrupt()?;
+    let unfinished = Unfinished::beside(
+        &arguments.output,
+        &[&format!("{subject:?}"), &format!("{settings:?} {:?} {}", arguments.approach, arguments.bare)],
+        output,
+    )?;
+    let known = unfinished.rows::<Sampling>()?.pop().unwrap_or_default();
     let progress = bar(settings.count as u64, output.quiet);
     let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
     // Better now than after a million contacts in vain.
-    let too_wide = TooWide::of(&surface, &settings);
+    let too_wide = TooWide::of(&surface, &settings, 0.0);
     let mut going_on = |count| {
         progress.set_position(count as u64);
         !stop.load(Ordering::Relaxed)
     };
     let found = match too_wide {
         Some(_) => Ok(Sampling::default()),
-        None => sample_grasps(&surface, &settings, &accept, &mut going_on),
+        None => go_on_sampling(known, &surface, &settings, &accept, &mut going_on),
     };
     progress.finish_and_clear();
     let found = found.map_err(ScenarioError::from)?;
-    // Ctrl-C after the last candidate stops nothing.
-    let is_whole = found.grasps.len() >= settings.count || found.first_contacts >= settings.most_contacts;
-    let is_stopped = stop.load(Ordering::Relaxed) && !is_whole && too_wide.is_none();
     let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
-    let chosen = arguments.choose.choose(&candidates, arguments.count, arguments.seed);
-    let chosen: Vec<Grasp> = chosen.into_iter().map(|index| candidates[index]).collect();
+    let (choice, count, seed) = (arguments.choose, arguments.count, arguments.seed);
+    let choose = move || {
+        let chosen = choice.choose(&candidates, count, seed);
+        chosen.into_iter().map(|index| candidates[index]).collect::<Vec<Grasp>>()
+    };
+    let is_whole = found.grasps.len() >= settings.count || found.first_contacts >= settings.most_contacts;
+    let chosen = if is_whole || too_wide.is_some() { unless_stopped(&stop, choose) } else { None };
+    let kept_in = match chosen {
+        None => Some(unfinished.keep(std::slice::from_ref(&found))?.to_owned()),
+        Some(_) => None,
+    };
+    let chosen = chosen.unwrap_or_default();
     let scores = || chosen.iter().filter_map(|grasp| grasp.score);
     let mut sampled = Sampled {
         object: subject.name,
         grasps: chosen.len(),
-        candidates: candidates.len(),
+        candidates: found.grasps.len(),
         first_contacts: found.first_contacts,
         pairs: found.pairs,
         rejected: found.rejected,
@@ -161,17 +178,22 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         best_score: scores().fold(0.0, f64::max),
         // The sum of nothing is −0.
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
-        stopped: is_stopped,
+        stopped: kept_in.is_some(),
+        unfinished: kept_in,
         too_wide,
         file: None,
     };
     let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
     if !set.is_empty() {
-        sampled.file = Some(written(&arguments.output, &set, is_stopped, output)?);
+        output_file::write(&arguments.output, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
+        sampled.file = Some(arguments.output.clone());
+    }
+    if !sampled.stopped {
+        unfinished.clear()?;
     }
     text::answer(&sampled, || sampled.page(), output)?;
     // Fewer than wished is an honest no, though they are written.
-    Ok(if set.len() == arguments.count && !is_stopped { Answer::Done } else { Answer::No })
+    Ok(if set.len() == arguments.count { Answer::Done } else { Answer::No })
 }
 
 /// Writes grasps, or the part of them that a command had found when it was stopped, and returns the file.
@@ -198,15 +220,19 @@ impl Sampled {
         );
         line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
+        if let Some(file) = &self.unfinished {
+            line(
+                "stopped",
+                format!("the candidates are in {}; the same command goes on from there", file.display()),
+            );
+            return page;
+        }
         let file = self.file.as_ref().map(|file| file.display().to_string());
         let why_not = match self.too_wide {
             Some(too_wide) => too_wide.to_string(),
             None => "no grasp was found".to_owned(),
         };
         line("written to", file.unwrap_or_else(|| format!("nowhere: {why_not}")));
-        if self.stopped {
-            line("stopped", "before all candidates were found; the same command begins anew".to_owned());
-        }
         page
     }
 }

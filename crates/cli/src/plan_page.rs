@@ -8,6 +8,7 @@ use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
 
+use crate::statements::demanded_margins;
 use crate::text::{
     self, at_least_degrees, at_least_mm, at_most_degrees, at_most_mm, at_most_seconds, millimetres,
 };
@@ -194,6 +195,21 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
 }
 
+/// Obstacles between the robot and its grasps, those of its own taken together; and why it took none.
+pub fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)) {
+    for (reason, count) in GraspFailure::counted(&plan.failures) {
+        let which = if is_own { "own grasps".to_owned() } else { counted(count, "grasp") };
+        line("blocked", format!("{which:>11}: {reason}"));
+    }
+    let margins = demanded_margins(&plan.margins);
+    if !(plan.failures.is_empty() || margins.is_empty()) {
+        line("", format!("where nearer than demanded counts as touching: {}", margins.join(", ")));
+    }
+    if let Some(reason) = &plan.no_grasp {
+        no_grasp(reason, line);
+    }
+}
+
 /// Why no grasp was taken at all, and what helps.
 fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
     match reason {
@@ -253,12 +269,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     for Improvement { cost, iterations, time_s } in milestones(improvements) {
         line("cost", format!("{cost:.3} after {time_s:.3} s, {}", counted(*iterations, "iteration")));
     }
-    for (reason, count) in GraspFailure::counted(&plan.failures) {
-        line("blocked", format!("{:>11}: {reason}", counted(count, "grasp")));
-    }
-    if let Some(reason) = &plan.no_grasp {
-        no_grasp(reason, &mut line);
-    }
+    blocked(plan, grasps.is_empty(), &mut line);
     for fault in &answered.start_faults {
         line("start", fault.clone());
     }

@@ -1,9 +1,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use cranny_file::counted;
-use cranny_plan::{AuditSettings, GraspFailure, Outcome};
-use cranny_scenario::{PlanFile, Scenario, SequenceError, SequenceJudgement, SequencePlan, StepDemand};
+use cranny_plan::{AuditSettings, Outcome};
+use cranny_scenario::{PlanFile, Scenario, SequenceError, SequenceJudgement, SequencePlan, Step, StepDemand};
 use cranny_solve::Request;
 use serde::Serialize;
 
@@ -12,6 +11,7 @@ use crate::arguments::{Output, PlanArguments, VerifyArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file;
+use crate::plan_page;
 use crate::plan_task::check_scenario;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::statements::{Brought, statement_lines};
@@ -53,16 +53,17 @@ pub fn plan(
         plans.write(file)?;
     }
     let planned = Planned { plans: &plans, solved: is_solved, plan_file: is_written.then_some(file) };
-    text::answer(&planned, || page(&planned, scenario.steps.len()), output)?;
+    text::answer(&planned, || page(&planned, &scenario.steps), output)?;
     Ok(if is_solved { Answer::Done } else { Answer::No })
 }
 
-fn page(planned: &Planned, count: usize) -> String {
+fn page(planned: &Planned, steps: &[Step]) -> String {
     let Planned { plans, solved, plan_file } = planned;
     let word = if *solved { "solved" } else { "NOT solved" };
-    let mut page = format!("{}: {word}, {} of {count} steps\n", plans.scenario, plans.steps.len());
-    for (index, plan) in plans.steps.iter().enumerate() {
-        let _ = writeln!(page, "  step {:<7}{}", index + 1, step(plan));
+    let count = plans.steps.iter().filter(|plan| plan.outcome == Outcome::Solved).count();
+    let mut page = format!("{}: {word}, {count} of {} steps\n", plans.scenario, steps.len());
+    for (index, (plan, Step { pick, .. })) in plans.steps.iter().zip(steps).enumerate() {
+        let _ = writeln!(page, "  step {:<7}{}", index + 1, step(pick, plan));
         page.push_str(&causes(plan));
         for (name, pairs) in text::not_checked(&plan.not_checked) {
             let _ = writeln!(page, "  {name:<12}{pairs}");
@@ -77,9 +78,8 @@ fn page(planned: &Planned, count: usize) -> String {
     page
 }
 
-/// What came of a step.
-fn step(plan: &PlanFile) -> String {
-    let object = plan.segments.iter().find_map(|segment| segment.attached.as_deref()).unwrap_or("nothing");
+/// What came of a step that picks an object.
+fn step(object: &str, plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);
     let clearance = plan.clearance_m.map_or_else(String::new, |clearance_m| {
@@ -98,9 +98,9 @@ fn causes(plan: &PlanFile) -> String {
         return String::new();
     }
     let mut lines = format!("  cause       {}\n", plan.outcome.sentence());
-    for (reason, count) in GraspFailure::counted(&plan.failures) {
-        let _ = writeln!(lines, "  blocked     {:>11}: {reason}", counted(count, "grasp"));
-    }
+    plan_page::blocked(plan, plan.grasps.as_deref() == Some("none"), &mut |name, value| {
+        let _ = writeln!(lines, "  {name:<12}{value}");
+    });
     lines
 }
 

@@ -32,6 +32,22 @@ pub async fn interrupted(stop: Arc<AtomicBool>) {
     }
 }
 
+/// Result of work that reports no progress; `None` if the flag is set before its end: the work is abandoned, and ends with
+/// the program.
+pub fn unless_stopped<T: Send + 'static>(
+    stop: &AtomicBool,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Option<T> {
+    let working = std::thread::spawn(work);
+    while !working.is_finished() {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Some(working.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+}
+
 /// A bar for `total` pieces of work, hidden if `quiet` or if standard error is no terminal.
 pub fn bar(total: u64, quiet: bool) -> ProgressBar {
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };

@@ -55,14 +55,18 @@ impl Brought {
     }
 }
 
-/// Lines on everything in a plan file that is not its path.
-pub fn statement_lines(judgement: &Judgement) -> String {
-    let Judgement { demanded: Demanded { margins, carry_to, carry_clear_m, place }, .. } = judgement;
+/// The margins that are demanded, each with its name.
+pub fn demanded_margins(margins: &Margins) -> Vec<String> {
     let Margins { margin_m, grasp_margin_m, object_margin_m } = *margins;
     let margins =
         [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
     let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
-    let margins = margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m)));
+    margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m))).collect()
+}
+
+/// Lines on everything in a plan file that is not its path.
+pub fn statement_lines(judgement: &Judgement) -> String {
+    let Judgement { demanded: Demanded { margins, carry_to, carry_clear_m, place }, .. } = judgement;
     let ends = [
         carry_to.as_ref().map(|ends| format!("carried to one of {}", counted(ends.len(), "configuration"))),
         carry_clear_m.map(|clear_m| format!("carried until {} clear", at_least_mm(clear_m))),
@@ -70,7 +74,8 @@ pub fn statement_lines(judgement: &Judgement) -> String {
             format!("put down in '{name}', the hand {} off it, then {}", at_least_mm(*clear_m), then.name())
         }),
     ];
-    let demanded: Vec<String> = margins.chain(ends.into_iter().flatten()).collect();
+    let demanded: Vec<String> =
+        demanded_margins(margins).into_iter().chain(ends.into_iter().flatten()).collect();
     let mut lines = String::new();
     for statement in &judgement.differs {
         let _ = writeln!(lines, "  differs     {statement}");

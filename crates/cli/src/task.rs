@@ -78,7 +78,6 @@ pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<
     let scenario = Scenario::open(id, options)?;
     note_all(&brief_model_notes(&scenario.robot, &scenario.world), output)?;
     note_all(scenario.misplaced_grasps().as_slice(), output)?;
-    note_all(scenario.too_wide_target().as_slice(), output)?;
     Ok(scenario)
 }
 

@@ -128,7 +128,7 @@ pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
     let Margins { margin_m, grasp_margin_m, .. } = margins;
     match limit {
         Some(ClearanceLimit { first, second, margin: AppliedMargin::GraspMargin, .. })
-            if margin_m.total_cmp(&grasp_margin_m).is_ne() =>
+            if grasp_margin_m < margin_m =>
         {
             let [margin, grasp_margin] = [margin_m, grasp_margin_m].map(at_least_mm);
             format!(

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use cranny_grasp::{GraspSet, read_csv, write_csv};
+use cranny_grasp::{GraspSet, write_csv};
 use cranny_scenario::{OpenOptions, Scenario};
 
 fn command(folder: &Path, arguments: &str) -> Command {
@@ -73,16 +73,31 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
 }
 
 #[test]
-fn grasps_that_were_sampled_before_a_stop_are_written_and_replace_nothing() {
+fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let sample = "grasps sample banana --count 20000 --choose random -o banana.csv";
-    for name in ["banana.csv", "banana.partial.csv"] {
-        let output = stopped_after(1.0, folder, sample);
-        let found = document(&output);
-        assert_eq!((output.status.code(), &found["stopped"]), (Some(1), &true.into()));
-        assert_eq!(found["file"], name);
-        let set = read_csv(&folder.join(name)).expect("grasps");
-        assert_eq!(found["grasps"], set.len());
+    let sample = |file: &str| format!("grasps sample banana --count 1500 --candidates 40000 -o {file}");
+    let whole = command(folder, &sample("whole.csv")).output().expect("it runs");
+    assert_eq!(document(&whole)["stopped"], false);
+    let mut stops = 0;
+    loop {
+        let found = document(&stopped_after(0.4, folder, &sample("banana.csv")));
+        if found["stopped"] == false {
+            break;
+        }
+        stops += 1;
+        let kept = found["unfinished"].as_str().expect("a file");
+        assert!(folder.join(kept).exists() && !folder.join("banana.csv").exists());
+        // Choosing takes longer than a stop leaves it.
+        if found["candidates"] == 40_000 {
+            let rest = command(folder, &sample("banana.csv")).output().expect("it runs");
+            assert_eq!(document(&rest)["stopped"], false);
+            break;
+        }
     }
+    assert!(stops > 0);
+    let grasps = |file: &str| std::fs::read_to_string(folder.join(file)).expect("grasps");
+    assert_eq!(grasps("banana.csv"), grasps("whole.csv"));
+    let files = std::fs::read_dir(folder).expect("a folder").count();
+    assert_eq!(files, 2, "nothing is left that was unfinished");
 }

@@ -38,6 +38,12 @@ impl Margins {
         CONTACT_M.max(if is_grasp { self.grasp_margin_m } else { self.margin_m })
     }
 
+    /// Least distance that is demanded between the hand and the object that it is to grasp, in metres; 0 where contact
+    /// alone counts.
+    pub fn of_grasp_m(&self) -> f64 {
+        self.grasp_margin_m + self.object_margin_m
+    }
+
     /// The least distance that counts as free for what is held, in metres.
     pub fn of_held_m(&self) -> f64 {
         self.required_m(false) + self.object_margin_m

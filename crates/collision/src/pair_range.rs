@@ -28,11 +28,11 @@ pub(crate) enum PairRange {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Question {
     /// Contact at every value: the first value at which they are free refutes it.
-    DoTheyAlwaysTouch,
+    AlwaysTouching,
     /// Contact at every value, or at none.
-    DoTheyEverChange,
+    AlwaysAlike,
     /// Contact at none: the first value at which they touch refutes it.
-    DoTheyNeverTouch,
+    NeverTouching,
 }
 
 /// Proofs about pairs of links over the whole range of the joints between them.
@@ -84,8 +84,7 @@ impl<'a> PairRanges<'a> {
         let joints = self.joints_between(pair, shared);
         let whole: JointBox =
             joints.iter().map(|&joint| self.robot.limits()[joint]).map(|l| [l.lower, l.upper]).collect();
-        let (mut boxes, mut is_free, mut least_depth_m) =
-            (VecDeque::from([whole]), false, None::<f64>);
+        let (mut boxes, mut is_free, mut least_depth_m) = (VecDeque::from([whole]), false, None::<f64>);
         for _ in 0..if joints.len() == 1 { MOST_PIECES } else { MOST_BOXES } {
             let Some(values) = boxes.pop_front() else {
                 return match least_depth_m {
@@ -99,12 +98,12 @@ impl<'a> PairRanges<'a> {
             let others = second.placed(&self.frames);
             let gap = group_separation(first.placed(&self.frames), &others, enough_m);
             if gap.lower_m > CONTACT_M {
-                if question == Question::DoTheyAlwaysTouch {
+                if question == Question::AlwaysTouching {
                     return PairRange::Refuted;
                 }
                 is_free = true;
             } else {
-                if question == Question::DoTheyNeverTouch {
+                if question == Question::NeverTouching {
                     return PairRange::Refuted;
                 }
                 let depth_m = self.deepest_m(pair);
@@ -121,7 +120,7 @@ impl<'a> PairRanges<'a> {
             }
         }
         match least_depth_m {
-            None if question == Question::DoTheyEverChange && !self.touch_at_joint_alone(pair, shared) => {
+            None if question == Question::AlwaysAlike && !self.touch_at_joint_alone(pair, shared) => {
                 PairRange::Both { is_at_joint: false, depth_m: 0.0 }
             }
             depth_m => PairRange::Unproven { depth_m: depth_m.unwrap_or(0.0) },
@@ -199,8 +198,7 @@ impl<'a> PairRanges<'a> {
     /// axis: their surfaces beyond [`Self::joint_neighbourhood_m`] from it are proven never to meet, so neither ever gets
     /// into the other there. Never so for a joint that slides.
     fn touch_at_joint_alone(&self, pair: (usize, usize), shared: usize) -> bool {
-        let movers =
-            [pair.0, pair.1].map(|body| self.robot.ancestors(self.bodies[body].link).get(shared..));
+        let movers = [pair.0, pair.1].map(|body| self.robot.ancestors(self.bodies[body].link).get(shared..));
         let mut movers = movers.into_iter().flatten().flatten();
         let (Some(mover), None) = (movers.next(), movers.next()) else { return false };
         if mover.kind == JointKind::Prismatic {
@@ -221,7 +219,7 @@ impl<'a> PairRanges<'a> {
         };
         let [Some(first), Some(second)] = [pair.0, pair.1].map(outer) else { return true };
         let bodies = [first, second];
-        PairRanges::new(self.robot, &bodies).of((0, 1), Question::DoTheyNeverTouch) == PairRange::NeverTouching
+        PairRanges::new(self.robot, &bodies).of((0, 1), Question::NeverTouching) == PairRange::NeverTouching
     }
 
     /// Distance from the axis of their joint within which two links count as being at the joint, in metres: the sum of
@@ -309,7 +307,7 @@ mod tests {
             let bodies = LinkBody::all(&robot);
             let mut ranges = PairRanges::new(&robot, &bodies);
             for pair in [(0, 1), (1, 2), (3, 4), (0, 2), (1, 3), (0, 3)] {
-                let range = ranges.of(pair, Question::DoTheyEverChange);
+                let range = ranges.of(pair, Question::AlwaysAlike);
                 let is_touching = match range {
                     PairRange::AlwaysTouching { .. } => true,
                     PairRange::NeverTouching => false,

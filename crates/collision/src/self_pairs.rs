@@ -81,12 +81,12 @@ fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usi
 fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) -> Option<Exempt> {
     let of = |reason, depth_m| Some(Exempt { reason, depth_m });
     if !is_adjacent {
-        return match ranges.of(pair, Question::DoTheyAlwaysTouch) {
+        return match ranges.of(pair, Question::AlwaysTouching) {
             PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AlwaysTouching, depth_m),
             _ => None,
         };
     }
-    match ranges.of(pair, Question::DoTheyEverChange) {
+    match ranges.of(pair, Question::AlwaysAlike) {
         PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AdjacentTouching, depth_m),
         PairRange::NeverTouching => of(UncheckedReason::AdjacentFree, 0.0),
         PairRange::Unproven { depth_m } => of(UncheckedReason::AdjacentUnproven, depth_m),

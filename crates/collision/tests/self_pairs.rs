@@ -189,7 +189,8 @@ fn a_deep_contact_at_a_joint_hides_none_far_from_it() {
     };
     let thick = collision(r#"xyz="0.25 0 0""#, "0.46 0.02 0.02");
     // Thinner than a step of any sweep, between two angles at which a sweep looks.
-    let thin = collision(r#"xyz="0.02 0 0""#, "0.05 0.02 0.02") + &collision(r#"xyz="0.25 0 0""#, "0.46 0.001 0.02");
+    let thin =
+        collision(r#"xyz="0.02 0 0""#, "0.05 0.02 0.02") + &collision(r#"xyz="0.25 0 0""#, "0.46 0.001 0.02");
     let post = collision(r#"xyz="0.40 0 0""#, "0.006 0.006 0.04");
     let blade = collision(r#"xyz="0.449996 0.001767 0" rpy="0 0 0.003926""#, "0.02 0.001 0.04");
     for (pin, arm) in [(&post, &thick), (&blade, &thin)] {

@@ -1,7 +1,9 @@
 use cranny_spatial::{Point, Vector};
+use serde::{Deserialize, Serialize};
 
 /// Where a finger touches the object.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Contact {
     /// The place, in the object's frame.
     pub point_in_object: Point,

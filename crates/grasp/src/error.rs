@@ -74,7 +74,7 @@ pub enum GraspError {
     },
     /// A grasp has no robust score, where it counts.
     #[error(
-        "grasp {grasp} has no robust score (`cranny simulate grasps ID --trials 32 -o FILE` writes the grasps with theirs)"
+        "grasp {grasp} has no robust score (`cranny simulate grasps ID --trials 32 -o FILE` writes the grasps with theirs; --min-score leaves out those without)"
     )]
     NoRobustScore {
         /// Index of the grasp, from 0.

@@ -1,9 +1,11 @@
 use cranny_spatial::{Pose, PoseDifference, Rotation};
+use serde::{Deserialize, Serialize};
 
 use crate::{GraspError, RobustScore, ScoreKind};
 
 /// One way to hold the object.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Grasp {
     /// Pose of the gripper frame in the planning frame.
     pub world_from_gripper: Pose,
@@ -103,18 +105,14 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
-    /// The same grasps, each with the score of this kind as its [`score`](Grasp::score).
-    ///
-    /// # Errors
-    /// [`GraspError::NoRobustScore`] for the first grasp that has none.
-    pub fn scored_by(&self, kind: ScoreKind) -> Result<Self, GraspError> {
-        let scored = |(index, grasp): (usize, &Grasp)| match (kind, grasp.robust) {
-            (ScoreKind::Geometric, _) => Ok(*grasp),
-            (ScoreKind::Physics, Some(robust)) => Ok(Grasp { score: Some(robust.score()), ..*grasp }),
-            (ScoreKind::Physics, None) => Err(GraspError::NoRobustScore { grasp: index }),
+    /// The same grasps, each with the score of this kind, if it has one, as its [`score`](Grasp::score).
+    #[must_use]
+    pub fn scored_by(&self, kind: ScoreKind) -> Self {
+        let scored = |grasp: &Grasp| match kind {
+            ScoreKind::Geometric => *grasp,
+            ScoreKind::Physics => Grasp { score: grasp.robust.map(|robust| robust.score()), ..*grasp },
         };
-        let grasps = self.grasps.iter().enumerate().map(scored).collect::<Result<_, _>>()?;
-        Ok(Self { grasps })
+        Self { grasps: self.grasps.iter().map(scored).collect() }
     }
 
     /// Indices from the highest score down; unscored grasps follow in the order of the file.
@@ -162,15 +160,14 @@ mod tests {
     }
 
     #[test]
-    fn physics_counts_where_every_grasp_has_a_robust_score() {
+    fn physics_counts_where_a_grasp_has_a_robust_score() {
         let robust = |held| Grasp { robust: Some(RobustScore { trials: 4, held }), ..grasp(Some(0.5)) };
         let set = GraspSet::new(vec![robust(1), robust(3)]).unwrap();
-        assert_eq!(set.scored_by(ScoreKind::Geometric).unwrap(), set);
+        assert_eq!(set.scored_by(ScoreKind::Geometric), set);
         let scores = |set: &GraspSet| set.grasps().iter().map(|grasp| grasp.score).collect::<Vec<_>>();
-        assert_eq!(scores(&set.scored_by(ScoreKind::Physics).unwrap()), [Some(0.25), Some(0.75)]);
+        assert_eq!(scores(&set.scored_by(ScoreKind::Physics)), [Some(0.25), Some(0.75)]);
         let set = GraspSet::new(vec![robust(1), grasp(Some(0.5))]).unwrap();
-        let fault = set.scored_by(ScoreKind::Physics).unwrap_err();
-        assert!(matches!(fault, GraspError::NoRobustScore { grasp: 1 }));
+        assert_eq!(scores(&set.scored_by(ScoreKind::Physics)), [Some(0.25), None]);
     }
 
     #[test]

@@ -27,7 +27,9 @@ pub use import::format::{ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, Gras
 pub use import::{Imported, import_grasps};
 pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};
 pub use robust_score::RobustScore;
-pub use sampler::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, sample_grasps};
+pub use sampler::{
+    FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, go_on_sampling, sample_grasps,
+};
 pub use score_kind::ScoreKind;
 pub use subset::{covering_subset, farthest_subset, random_subset};
 pub use too_wide::TooWide;

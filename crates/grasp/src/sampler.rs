@@ -15,6 +15,7 @@
 use cranny_shape::{AreaDistribution, Surface, SurfacePoint};
 use cranny_spatial::{Point, Pose, Rotation, Stream, Vector, nalgebra, sin_cos};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::twins::TwinFilter;
 use crate::{Contact, Grasp, GraspError, friction_needed, friction_score};
@@ -94,7 +95,8 @@ impl Default for SamplerSettings {
 }
 
 /// A grasp with the contacts that it was made from. Its pose is `object_from_gripper`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SampledGrasp {
     /// The grasp, scored, with its width.
     pub grasp: Grasp,
@@ -103,7 +105,8 @@ pub struct SampledGrasp {
 }
 
 /// What a sampling found.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sampling {
     /// The grasps, `count` or fewer.
     pub grasps: Vec<SampledGrasp>,
@@ -130,10 +133,27 @@ pub fn sample_grasps(
     accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Sampling, GraspError> {
+    go_on_sampling(Sampling::default(), surface, settings, accept, progress)
+}
+
+/// [`sample_grasps`] from where it was stopped, with the same arguments: the end is the same.
+///
+/// # Errors
+/// As [`sample_grasps`].
+pub fn go_on_sampling(
+    known: Sampling,
+    surface: &Surface,
+    settings: &SamplerSettings,
+    accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
+    progress: &mut dyn FnMut(usize) -> bool,
+) -> Result<Sampling, GraspError> {
     let sampler = GraspSampler::new(surface, settings)?;
-    let mut found = Sampling::default();
+    let mut found = known;
     let mut twins = TwinFilter::default();
-    let mut chunk = 0;
+    for known in &found.grasps {
+        twins.is_new(&known.grasp);
+    }
+    let mut chunk = (found.first_contacts / CONTACTS_PER_CHUNK) as u64;
     while found.grasps.len() < settings.count && found.first_contacts < settings.most_contacts {
         let wave: Vec<Chunk> = (chunk..chunk + CHUNKS_PER_WAVE)
             .into_par_iter()
@@ -260,9 +280,9 @@ impl<'a> GraspSampler<'a> {
     }
 
     /// By how much the object is too wide for the gripper, as far as so many first contacts tell: the least distance of two
-    /// contacts in force closure, in metres, where all are farther apart than it opens. `None` as soon as two are not, and
-    /// where there are none at all.
-    pub fn too_wide_m(&self, first_contacts: usize) -> Option<f64> {
+    /// contacts in force closure, in metres, where all are farther apart than `most_m`, no more than it opens. `None` as soon
+    /// as two are not, and where there are none at all.
+    pub fn too_wide_m(&self, first_contacts: usize, most_m: f64) -> Option<f64> {
         let endless_m = 4.0 * self.surface.aabb().half_extents.norm();
         let settings = SamplerSettings { opening_m: endless_m, ..self.settings.clone() };
         let mut random = Stream::new(settings.seed, 0);
@@ -273,7 +293,7 @@ impl<'a> GraspSampler<'a> {
             for [one, other] in pairs_along(self.surface, &first, &ray, &settings, self.settings.opening_m) {
                 narrowest_m = narrowest_m.min((one.point_in_object - other.point_in_object).norm());
             }
-            if narrowest_m <= self.settings.opening_m {
+            if narrowest_m <= most_m {
                 return None;
             }
         }

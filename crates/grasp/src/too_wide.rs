@@ -17,23 +17,40 @@ pub struct TooWide {
     pub narrowest_m: f64,
     /// Between the pads of the open hand, in metres.
     pub opening_m: f64,
+    /// Distance that is demanded of the object on the side of either pad while the hand is open, in metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub clearance_m: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(clearance_m: &f64) -> bool {
+    *clearance_m == 0.0
 }
 
 impl TooWide {
-    /// Of an object, if it is; `settings` are those of the sampling of grasps.
-    pub fn of(surface: &Surface, settings: &SamplerSettings) -> Option<Self> {
-        let narrowest_m = GraspSampler::new(surface, settings).ok()?.too_wide_m(FIRST_CONTACTS)?;
-        Some(Self { narrowest_m, opening_m: settings.opening_m })
+    /// Of an object, if it is, with a distance (m) to either pad; `settings` are those of the sampling of grasps.
+    pub fn of(surface: &Surface, settings: &SamplerSettings, clearance_m: f64) -> Option<Self> {
+        let opening_m = settings.opening_m;
+        let most_m = opening_m - 2.0 * clearance_m;
+        let narrowest_m = GraspSampler::new(surface, settings).ok()?.too_wide_m(FIRST_CONTACTS, most_m)?;
+        Some(Self { narrowest_m, opening_m, clearance_m })
     }
 }
 
 impl fmt::Display for TooWide {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [narrowest, opening] = distinct([self.narrowest_m, self.opening_m].map(|metres| metres * 1e3), 1);
+        let Self { narrowest_m, opening_m, clearance_m } = self;
+        let left_m = opening_m - 2.0 * clearance_m;
+        let [narrowest, left] = distinct([narrowest_m, &left_m].map(|metres| metres * 1e3), 1);
+        let hand = if is_zero(clearance_m) {
+            format!("opens {left} mm")
+        } else {
+            let [opening_mm, clearance_mm] = [opening_m, clearance_m].map(|metres| metres * 1e3);
+            format!("opens {opening_mm:.1} mm: {left} mm with {clearance_mm:.1} mm free on either side")
+        };
         write!(
             formatter,
-            "no grasp fits: two pads that hold it are at least {narrowest} mm apart, as sampled, and the hand opens \
-             {opening} mm"
+            "no grasp fits: two pads that hold it are at least {narrowest} mm apart, as sampled, and the hand {hand}"
         )
     }
 }
@@ -55,7 +72,10 @@ mod tests {
             let text = format!(r#"{{"reason": "too-wide", "narrowest_m": 0.2, "opening_m": 0.08{rest}}}"#);
             cranny_file::json::<Reason>(text.as_bytes())
         };
-        assert_eq!(read(""), Ok(Reason::TooWide(TooWide { narrowest_m: 0.2, opening_m: 0.08 })));
+        assert_eq!(
+            read(""),
+            Ok(Reason::TooWide(TooWide { narrowest_m: 0.2, opening_m: 0.08, clearance_m: 0.0 }))
+        );
         let fault = read(r#", "openning_m": 1"#).unwrap_err().to_string();
         assert!(fault.contains("openning_m"), "{fault}");
     }

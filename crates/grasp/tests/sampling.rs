@@ -2,7 +2,7 @@
 
 use cranny_grasp::{
     BoxHand, FirstApproach, GraspError, GraspSampler, SampledGrasp, SamplerSettings, Sampling,
-    grasp_distance, sample_grasps,
+    go_on_sampling, grasp_distance, sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
@@ -156,7 +156,7 @@ fn what_is_too_wide_everywhere_is_known_by_how_wide_it_is() {
     let surface = Surface::new(&cuboid()).unwrap();
     let too_wide_m = |opening_m: f64| {
         let settings = SamplerSettings { opening_m, ..settings(1) };
-        GraspSampler::new(&surface, &settings).unwrap().too_wide_m(1000)
+        GraspSampler::new(&surface, &settings).unwrap().too_wide_m(1000, opening_m)
     };
     // A ray within the cone of friction is longer than the object is wide, by 3 % at most.
     assert!(too_wide_m(0.03).is_some_and(|narrowest_m| (0.04..0.0412).contains(&narrowest_m)));
@@ -318,4 +318,19 @@ fn a_gripper_of_boxes_leaves_its_opening_free() {
         let fault = bad.hand().unwrap_err().to_string();
         assert!(fault.contains(says), "{fault}");
     }
+}
+
+#[test]
+fn a_sampling_that_was_stopped_goes_on_to_the_same_end() {
+    let surface = Surface::new(&ball()).unwrap();
+    let whole = sampled(&surface, &settings(30_000));
+    let (mut waves, mut known) = (0, Sampling::default());
+    while known != whole {
+        let mut one_wave = |_| false;
+        known = go_on_sampling(known, &surface, &settings(30_000), &|_| true, &mut one_wave).unwrap();
+        known = serde_json::from_str(&serde_json::to_string(&known).unwrap()).unwrap();
+        waves += 1;
+        assert!(waves < 1000);
+    }
+    assert!(waves > 2, "{waves}");
 }

@@ -92,7 +92,8 @@ impl Robot {
         let joints = group_joints(&urdf, &tree, &resolved.group);
         let joint_names: Vec<String> =
             resolved.group.iter().map(|&joint| urdf.joints[joint].name.clone()).collect();
-        let start = description.as_ref().map(|own| own.start_of(&joint_names, &limits, is_own_group)).transpose()?;
+        let start =
+            description.as_ref().map(|own| own.start_of(&joint_names, &limits, is_own_group)).transpose()?;
         let group_states = group_states(&urdf, &tree, &srdf, &resolved.group)?;
         let pairs = declared_pairs(&urdf, &tree, &srdf, options)?;
         let values = urdf.joints.iter().map(|joint| joint.name.clone()).zip(resolved.values).collect();

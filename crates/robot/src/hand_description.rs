@@ -58,7 +58,7 @@ impl HandDescription {
         limits: impl Fn(&str) -> (f64, f64),
     ) -> Result<(), RobotError> {
         for (finger, places) in &self.fingers {
-            if places.open == places.closed {
+            if (places.open - places.closed).abs() < 1e-9 {
                 let (at, element) = (line_of(text, file, finger), format!("finger `{finger}`"));
                 let (value, range) = (places.closed, "other than `open`".to_owned());
                 return Err(RobotError::HandFigure { at, element, attribute: "closed", value, range });

@@ -20,16 +20,12 @@ pub enum Hindrance {
         value: f64,
     },
     /// It follows another joint to a value outside its limits.
-    #[error("it mimics joint `{master}`, which puts it at {value}, outside its limits {lower} to {upper}")]
+    #[error("it mimics joint `{master}`, which puts it {beyond} outside its limits")]
     MimicOutsideLimits {
         /// The joint it follows.
         master: String,
-        /// The value it has because of that, in metres or radians.
-        value: f64,
-        /// The lower limit.
-        lower: f64,
-        /// The upper limit.
-        upper: f64,
+        /// Distance to the nearer limit, in metres or radians.
+        beyond: f64,
     },
     /// It is a finger of the hand, which stands open.
     #[error("it is a finger of the hand, which stands open with it at {open}")]

@@ -403,7 +403,8 @@ pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -
     if [value - MIMIC_SLACK, value, value + MIMIC_SLACK].iter().any(|&near| admits(motion, near)) {
         return Ok(());
     }
-    let hindrance = Hindrance::MimicOutsideLimits { master: master.to_owned(), value, lower, upper };
+    let beyond = (value - upper).max(lower - value);
+    let hindrance = Hindrance::MimicOutsideLimits { master: master.to_owned(), beyond };
     Err(not_free(joint, "held", hindrance))
 }
 

@@ -161,7 +161,9 @@ impl RobotDescription {
             let Some(index) = tree.joint(name) else { continue };
             let (at, joint) = (at("fixed", name), name.clone());
             let finger = hand.and_then(|hand| hand.fingers.get(name));
-            if let Some(open) = finger.map(|range| range.open).filter(|&open| open != value) {
+            if let Some(open) =
+                finger.map(|range| range.open).filter(|&open| (open - value).abs() > MIMIC_SLACK)
+            {
                 let hindrance = Hindrance::Finger { open };
                 return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
             }

@@ -85,8 +85,11 @@ impl Scenario {
         let surface = Surface::new(&self.target_mesh().ok()??).ok()?;
         let friction = self.target_physics().friction.unwrap_or(DEFAULT_FRICTION);
         let opening_m = hand.description.opening_m;
-        let too_wide =
-            TooWide::of(&surface, &SamplerSettings { friction, opening_m, ..SamplerSettings::default() })?;
+        let too_wide = TooWide::of(
+            &surface,
+            &SamplerSettings { friction, opening_m, ..SamplerSettings::default() },
+            0.0,
+        )?;
         Some(format!("{}: {too_wide}", self.world.bodies()[self.target?].name))
     }
 

@@ -1,6 +1,6 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use cranny_file::{TextFault, counted, did_you_mean, did_you_mean_here};
+use cranny_file::{TextFault, counted, did_you_mean, nearest_files, nearest_names, suggested};
 use cranny_robot::Location;
 
 use crate::family::error::FamilyError;
@@ -251,7 +251,7 @@ pub enum ScenarioError {
     #[error(
         "{at}: there is no robot '{name}': it is neither built in ({known}) nor a file or folder ({}){}",
         path.display(),
-        did_you_mean_here(name, known.split(", "))
+        did_you_mean_robot(name, known)
     )]
     UnknownRobot {
         /// Where.
@@ -267,7 +267,7 @@ pub enum ScenarioError {
     #[error(
         "there is no robot '{}': it is neither built in ({known}) nor a file or folder{}",
         what.display(),
-        did_you_mean_here(&what.display().to_string(), known.split(", "))
+        did_you_mean_robot(&what.display().to_string(), known)
     )]
     NoRobot {
         /// Its name, or its path.
@@ -345,4 +345,14 @@ pub enum ScenarioError {
 /// The names that may be meant, or else a hint.
 fn meant(near: &[String], hint: &str) -> String {
     if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
+}
+
+/// The end of a message about a robot that is nowhere: the built-in ones, and files and folders without a scenario, whose
+/// names are near.
+fn did_you_mean_robot(name: &str, known: &str) -> String {
+    let files = nearest_files(Path::new(name)).into_iter();
+    let is_scenario = |file: &String| Path::new(file).join("scenario.yaml").exists();
+    let mut near = nearest_names(name, known.split(", "));
+    near.extend(files.filter(|file| !is_scenario(file)));
+    suggested(&near)
 }

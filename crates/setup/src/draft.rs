@@ -41,7 +41,11 @@ impl<'a> Draft<'a> {
         let (text, file) = read(urdf, options, &mut choices)?;
         let folder = urdf.parent().map_or_else(|| PathBuf::from("."), Path::to_owned);
         if text.joints()?.iter().all(|joint| joint.motion.is_none()) {
-            return Err(SetupError::NoArm { file, joints: "nothing moves".to_owned() });
+            return Err(SetupError::NoArm {
+                file,
+                tip: options.tip.clone(),
+                joints: "nothing moves".to_owned(),
+            });
         }
         let anatomy = Anatomy::of(&text, Some(&folder), &options.packages, &[])?;
         check_ranges(&file, &anatomy)?;
@@ -151,7 +155,7 @@ impl<'a> Draft<'a> {
 
     fn no_arm(&self) -> SetupError {
         let joints = self.anatomy.robot.joint_names().join(", ");
-        SetupError::NoArm { file: self.file.clone(), joints }
+        SetupError::NoArm { file: self.file.clone(), tip: self.options.tip.clone(), joints }
     }
 
     /// Puts the robot on the base that is wanted; a hand alone on one that flies.

@@ -27,12 +27,15 @@ pub enum SetupError {
     },
     /// Neither an arm nor a hand.
     #[error(
-        "{file}: nothing here can grasp: no joint leads to a hand or a tool ({joints}). Give the URDF of the whole robot, \
-         or one to which --tip LINK names the link that grasps"
+        "{file}: nothing here can grasp: no joint moves {} ({joints}). Give the URDF of the whole robot{}",
+        tip.as_ref().map_or_else(|| "a hand or a tool".to_owned(), |tip| format!("--tip {tip}")),
+        if tip.is_none() { ", or the link that grasps by --tip LINK" } else { ", or another link" }
     )]
     NoArm {
         /// The file.
         file: String,
+        /// The link that is to grasp, if it was named.
+        tip: Option<String>,
         /// What moves.
         joints: String,
     },

@@ -1,4 +1,4 @@
-use cranny_grasp::{Grasp, GraspSet, ScoreKind};
+use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
 use cranny_plan::{
     AuditSettings, Budget, CarryEnd, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem,
     Registry, TimingMethod, default_planner,
@@ -213,8 +213,12 @@ impl Request {
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        let grasps = grasps.scored_by(self.score).map_err(|fault| refuse(fault.to_string()))?;
-        Ok(problem.with_goal(Goal::Grasps(grasps))?)
+        // Those without are no goals where a least score is asked for.
+        let blank = grasps.grasps().iter().position(|grasp| grasp.robust.is_none());
+        if let Some(grasp) = blank.filter(|_| self.min_score.is_none()) {
+            return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
+        }
+        Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(self.score)))?)
     }
 
     pub(crate) fn planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {

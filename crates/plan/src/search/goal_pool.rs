@@ -220,9 +220,12 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// What stood between the robot and each grasp that was given, as far as it was met.
+    /// Obstacle between the robot and each grasp that was given, as far as it was met; of those from a source the last that
+    /// was met at any, as one.
     pub fn failures(&self, scratch: &mut Scratch) -> Vec<GraspFailure> {
-        if self.source.is_some() {
+        if self.source.is_some()
+            && self.records.iter().all(|record| record.hand_contacts == 0 && record.attempts == 0)
+        {
             return Vec::new();
         }
         let failure = |(grasp, record): (usize, &Record)| {
@@ -239,7 +242,9 @@ impl<'a> GoalPool<'a> {
         if record.goals > 0 {
             return FailureReason::NotConnected { goals: record.goals };
         }
-        if let Some(contact) = record.hand_contact.filter(|_| record.hand_contacts == 2) {
+        let is_hand_blocked =
+            if self.source.is_some() { record.attempts == 0 } else { record.hand_contacts == 2 };
+        if let Some(contact) = record.hand_contact.filter(|_| is_hand_blocked) {
             let [link, body] = contact.names(self.cell);
             return FailureReason::HandCollides { link, body };
         }

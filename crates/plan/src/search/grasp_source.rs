@@ -1,3 +1,4 @@
+use cranny_collision::Margins;
 use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, TooWide};
 use cranny_spatial::{Pose, Stream};
 
@@ -48,9 +49,9 @@ impl<'a> GraspSource<'a> {
             .map_err(|_| PlanError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })
     }
 
-    /// By how much the target is too wide for the hand, if it is.
-    pub fn too_wide(measure: &GraspMeasure) -> Option<TooWide> {
-        TooWide::of(measure.surface_in_world(), &Self::settings(measure))
+    /// By how much the target is too wide for the hand with what is demanded between them, if it is.
+    pub fn too_wide(measure: &GraspMeasure, margins: Margins) -> Option<TooWide> {
+        TooWide::of(measure.surface_in_world(), &Self::settings(measure), margins.of_grasp_m())
     }
 
     fn settings(measure: &GraspMeasure) -> SamplerSettings {

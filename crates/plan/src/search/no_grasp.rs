@@ -41,9 +41,11 @@ pub struct ReachMiss {
 /// Why each grasp of a problem is excluded before any search, if all of them are: by their stated widths, or for certain
 /// beyond reach. Empty where grasps are sampled, and none can be.
 pub(crate) fn all_excluded(problem: &Problem) -> Option<Vec<GraspFailure>> {
-    let robot = problem.cell()?.robot();
+    let cell = problem.cell()?;
+    let robot = cell.robot();
     if let Some(measure) = problem.grasp_measure() {
-        let is_excluded = own_beyond_m(robot, measure) > 0.0 || GraspSource::too_wide(measure).is_some();
+        let is_excluded =
+            own_beyond_m(robot, measure) > 0.0 || GraspSource::too_wide(measure, cell.margins()).is_some();
         return is_excluded.then(Vec::new);
     }
     let grasps = problem.grasps().filter(|grasps| !grasps.is_empty())?.grasps();
@@ -70,9 +72,10 @@ impl NoGrasp {
     /// Looks for the reason after a search without a path, in which grasps failed like this: some milliseconds. `None`
     /// where the arm came to a grasp, or may have.
     pub fn of(problem: &Problem, failures: &[GraspFailure]) -> Option<Self> {
-        let robot = problem.cell()?.robot();
+        let cell = problem.cell()?;
+        let robot = cell.robot();
         let candidates: Vec<(Option<usize>, Grasp)> = if let Some(measure) = problem.grasp_measure() {
-            if let Some(too_wide) = GraspSource::too_wide(measure) {
+            if let Some(too_wide) = GraspSource::too_wide(measure, cell.margins()) {
                 return Some(Self::TooWide(too_wide));
             }
             let is_out_of_reach = own_beyond_m(robot, measure) > 0.0;

@@ -42,19 +42,14 @@ pub enum ObjectError {
     },
     /// A figure of an `object.yaml` is not that of the meshes.
     #[error(
-        "{}: {key} is {stated}; by the meshes and the mass it is {expected} (`cranny object add` with --mass writes the \
-         folder anew)",
+        "{}: {figures} by the meshes and the mass (`cranny object add` with --mass writes the folder anew)",
         path.display()
     )]
     Stated {
         /// The file.
         path: PathBuf,
-        /// The key.
-        key: &'static str,
-        /// Its value in the file.
-        stated: String,
-        /// The value that was measured, or those that can be.
-        expected: String,
+        /// The key, its value in the file, and the one that was measured or those that can be.
+        figures: String,
     },
     /// No built-in object has that name.
     #[error(

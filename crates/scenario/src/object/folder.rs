@@ -101,8 +101,8 @@ impl ObjectType {
         settings.least_probability = 0.0;
         let measured = Self::of_parts(mesh, parts, &settings)?;
         file.check(&measured).map_err(|(key, stated, expected)| {
-            let path = path.clone();
-            ObjectError::Stated { path, key, stated, expected }
+            let figures = format!("{key} is {stated}, but {expected}");
+            ObjectError::Stated { path: path.clone(), figures }
         })?;
         let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
         Ok(Self {
@@ -185,7 +185,11 @@ impl ObjectFile {
                     "z {} and quaternion {:?} with probability {}",
                     pose.position[2], pose.quaternion_xyzw, pose.probability
                 );
-                return Err(("stable_poses", stated, "a pose at rest, of probabilities of at most 1 in all".to_owned()));
+                return Err((
+                    "stable_poses",
+                    stated,
+                    "a pose at rest, of probabilities of at most 1 in all".to_owned(),
+                ));
             }
         }
         Ok(())
