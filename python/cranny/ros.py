@@ -121,7 +121,7 @@ class JointPositions:
 
 def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPositions]:
     """Times (T,) in seconds and positions (T, dof) of such a message, from anybody, with the names of its joints:
-    `cranny.verify_path` judges them in the order of its robot."""
+    `cranny.verify_path` judges them in the order of its robot. Times that decrease are a `ValueError`."""
     import numpy as np
 
     names, points = list(message["joint_names"]), message["points"]
@@ -130,6 +130,8 @@ def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPos
     for index, point in enumerate(points):
         if len(point["positions"]) != len(names):
             raise ValueError(f"points[{index}] has {len(point['positions'])} positions for {len(names)} joint names")
+    if back := [index for index in range(1, len(times)) if not times[index] >= times[index - 1]]:
+        raise ValueError(f"points[{back[0]}] is at {times[back[0]]} s, before the point that it follows")
     rows = np.array([point["positions"] for point in points], dtype=np.float64).reshape(len(points), len(names))
     return times, JointPositions(names, rows)
 

@@ -80,6 +80,10 @@ def test_joints_are_known_by_their_names() -> None:
             cranny.verify_path(scene, other, any_end=True)
     with pytest.raises(ValueError, match=r"points\[0\] has 4 positions for 2"):
         cranny.ros.positions_of(message(["elbow", "shoulder"], [0.0] * 4))
+    late = message(["elbow"], [0.0], [0.1])
+    late["points"][0]["time_from_start"] = {"sec": 1, "nanosec": 0}  # type: ignore[index]
+    with pytest.raises(ValueError, match=r"points\[1\] is at 0.0 s, before"):
+        cranny.ros.positions_of(late)
     with pytest.raises(ValueError, match="named twice"):
         cranny.ros.positions_of(message(["elbow", "elbow"], [0.0, 0.0]))
 

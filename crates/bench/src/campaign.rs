@@ -180,6 +180,13 @@ impl Campaign {
             scenarios.push(source);
         }
         self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
+        for Exception { scenario, planner, .. } in &self.exceptions {
+            if !scenarios.iter().any(|source| matches(scenario, &source.scenario)) {
+                notes.push(format!(
+                    "the exception of planner '{planner}' in '{scenario}' is of no scenario here"
+                ));
+            }
+        }
         // Whoever made the calls: a trial is known by all settings of its planner, the defaults included.
         let settings_of = |planner: &CampaignPlanner| {
             Ok(self.demand.among(planner.call.clone().checked(registry)?.settings()))

@@ -102,9 +102,12 @@ fn words_are_paths_from_the_folder_of_the_file_unless_they_are_ids() {
 fn a_schedule_has_every_trial_once_seed_by_seed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = "scenarios: ['021', '045']\nplanners: [{planner: reach}, {planner: ik-rrt, each_goal: true, runs: 2}]\n\
-                criteria: [exact, exact]\nruns: 3\ntime_limit_s: 7\nexceptions: [{scenario: 04x, planner: reach, time_limit_s: 900}]\n";
+                criteria: [exact, exact]\nruns: 3\ntime_limit_s: 7\nexceptions: [{scenario: 04x, planner: reach, time_limit_s: 900}, \
+                {scenario: '046', planner: reach, time_limit_s: 900}]\n";
     let schedule =
         read(folder.path(), text).expect("a campaign").schedule(&Registry::default()).expect("a schedule");
+    let [note] = &schedule.notes[..] else { panic!("{:?}", schedule.notes) };
+    assert!(note.contains("'046' is of no scenario here"), "{note}");
     let goals: Vec<usize> = schedule.scenarios.iter().map(|s| s.goals.expect("counted")).collect();
     assert!(goals.iter().all(|goals| *goals > 0), "{goals:?}");
     let all: usize = goals.iter().sum();

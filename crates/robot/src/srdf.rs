@@ -92,6 +92,8 @@ pub struct GroupState {
     pub group: String,
     /// Joint and value, in metres or radians.
     pub values: Vec<(String, f64)>,
+    /// Joints that have a pose, which is not read.
+    pub unread: Vec<String>,
     /// Where it stands.
     pub at: Location,
 }
@@ -162,13 +164,50 @@ impl Srdf {
                 tag => return Err(unknown(element, "element", tag, &ELEMENTS)),
             }
         }
-        srdf.notes = notes.lines();
+        srdf.notes = [notes.lines(), srdf.contradictions()].concat();
         // Groups may hold groups, and are looked up by their name.
         if let Some(extra) = srdf.groups.get(MAX_LINKS) {
             let (at, actual) = (extra.at.clone(), srdf.groups.len());
             return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
         }
         Ok(srdf)
+    }
+
+    /// Names that are given twice, or that nothing has, in sentences.
+    fn contradictions(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let is_group = |name: &String| self.group(name).is_some();
+        for (index, SrdfGroup { name, at, .. }) in self.groups.iter().enumerate() {
+            if self.groups[..index].iter().any(|earlier| earlier.name == *name) {
+                found.push(format!("{at}: group `{name}` is there before: the first counts"));
+            }
+        }
+        for (index, state) in self.group_states.iter().enumerate() {
+            let GroupState { name, group, values, at, .. } = state;
+            if !is_group(group) {
+                found.push(format!("{at}: state `{name}` is of group `{group}`, which is not there"));
+            }
+            let is_same = |other: &GroupState| other.name == *name && other.group == *group;
+            if self.group_states[..index].iter().any(is_same) {
+                found.push(format!(
+                    "{at}: state `{name}` of group `{group}` is there before: the first counts"
+                ));
+            }
+            for (index, (joint, _)) in values.iter().enumerate() {
+                if values[..index].iter().any(|(earlier, _)| earlier == joint) {
+                    found.push(format!("{at}: state `{name}` has joint `{joint}` twice: the last counts"));
+                }
+            }
+            for joint in &state.unread {
+                found.push(format!("{at}: state `{name}` has a pose of joint `{joint}`, which is not read"));
+            }
+        }
+        for EndEffector { name, group, at, .. } in
+            self.end_effectors.iter().filter(|end| !is_group(&end.group))
+        {
+            found.push(format!("{at}: end effector `{name}` is of group `{group}`, which is not there"));
+        }
+        found
     }
 
     fn add_passive_joint(&mut self, element: Element<'_>) -> Result<(), RobotError> {
@@ -289,9 +328,16 @@ fn parse_group(element: Element<'_>) -> Result<SrdfGroup, RobotError> {
 
 fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
     known(element, &["name", "group"], &["joint"])?;
+    let is_pose =
+        |joint: &Element<'_>| joint.text("value").is_ok_and(|value| value.split_whitespace().count() == 7);
     Ok(GroupState {
         name: element.text("name")?.to_owned(),
         group: element.text("group")?.to_owned(),
+        unread: element
+            .all("joint")
+            .filter(is_pose)
+            .map(|joint| Ok(joint.text("name")?.to_owned()))
+            .collect::<Result<_, RobotError>>()?,
         values: element
             .all("joint")
             .map(parse_value)
@@ -304,7 +350,7 @@ fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
 }
 
 /// The value of a joint; of a planar one three, which stand for the three joints that it is here. Of a floating one
-/// `MoveIt` writes a quaternion: that is not read.
+/// `MoveIt` writes a pose: that is not read.
 fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
     known(joint, &["name", "value"], &[])?;
     let name = joint.text("name")?;

@@ -1,6 +1,6 @@
 //! Content of a URDF is read, refused where it could change geometry or motion, or named.
 
-use cranny_robot::{Robot, RobotError, RobotOptions};
+use cranny_robot::{Robot, RobotError, RobotOptions, TextSource};
 use cranny_spatial::Point;
 
 /// One of everything that is read.
@@ -190,4 +190,26 @@ fn extensions_of_drake_are_read_with_and_without_their_namespace() {
         assert_eq!(robot.limits()[0].acceleration, Some(2.0));
         assert!(robot.notes().is_empty(), "{:?}", robot.notes());
     }
+}
+
+#[test]
+fn what_an_srdf_contradicts_or_leaves_unread_is_named() {
+    let text = r#"<robot name="r"><group name="arm"><joint name="turn"/></group>
+<group name="arm"><link name="foot"/></group>
+<virtual_joint name="world" type="floating" parent_frame="world" child_link="bar"/>
+<group_state name="home" group="arm"><joint name="turn" value="0"/><joint name="turn" value="0.1"/></group_state>
+<group_state name="home" group="arm"><joint name="world" value="0 0 0 0 0 0 1"/></group_state>
+<group_state name="home" group="leg"/><end_effector name="tool" group="hand" parent_link="bar"/></robot>"#;
+    let srdf = TextSource::Text { name: "r.srdf".to_owned(), text: text.to_owned() };
+    let options = RobotOptions { srdf: Some(srdf), ..RobotOptions::default() };
+    let robot = Robot::from_urdf_text(WHOLE, "r.urdf", None, &options).expect("it is read");
+    let expected = [
+        "r.srdf:2: group `arm` is there before: the first counts",
+        "r.srdf:4: state `home` has joint `turn` twice: the last counts",
+        "r.srdf:5: state `home` of group `arm` is there before: the first counts",
+        "r.srdf:5: state `home` has a pose of joint `world`, which is not read",
+        "r.srdf:6: state `home` is of group `leg`, which is not there",
+        "r.srdf:6: end effector `tool` is of group `hand`, which is not there",
+    ];
+    assert_eq!(robot.notes(), expected);
 }
