@@ -130,8 +130,8 @@ fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
                 };
                 let within = format!(".{key}");
                 visit(path, &within, "another name", &rename);
-                // A key without a value is equivalent to a missing key.
-                if !inner.is_null() {
+                // A key without a value, or with an empty list, is equivalent to a missing key.
+                if !inner.is_null() && *inner != json!([]) {
                     visit(path, &within, "no such key", &|place| drop(take(place)));
                 }
                 path.push(Step::Key(key.clone()));

@@ -174,8 +174,7 @@ impl SequencePlan {
         let measured = Self::of(scenario, measured);
         // Each step has compared its own time.
         let durations = [self, &measured].map(|plans| serde_json::json!({"duration_s": plans.duration_s}));
-        let is_stated = holds && self.duration_s.is_some();
-        let keys = if is_stated { &["duration_s"][..] } else { &[] };
+        let keys = if holds { &["duration_s"][..] } else { &[] };
         let differs = differences(keys, &durations[0], &durations[1]);
         let is_own_task = steps.iter().all(|judgement| judgement.is_own_task);
         let (lies, differs): (Vec<_>, Vec<_>) =
