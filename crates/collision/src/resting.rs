@@ -248,6 +248,11 @@ impl Cell {
 }
 
 impl Resting {
+    /// Its shape.
+    pub fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
     /// The bodies that carry it, and its height above the face of each, in metres, negative for its depth in it.
     pub fn supports(&self) -> impl Iterator<Item = (usize, f64)> {
         self.contacts.iter().map(|contact| (contact.body, contact.gap_m))

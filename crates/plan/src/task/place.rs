@@ -71,7 +71,7 @@ impl Placer {
     pub fn new(carrier: &Carrier, settings: PlaceSettings) -> Result<Self, PlanError> {
         let target = carrier.hand().target();
         let body = &carrier.hand().holding().world().bodies()[target];
-        let extent = Extent::of(body)?;
+        let extent = carrier.resting().extent().clone();
         let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
         let rests = match &settings.goal.spot {
             PlaceSpot::Target(_) => stable_rests(body, &extent, &level_from_world, 0.0).unwrap_or_default(),

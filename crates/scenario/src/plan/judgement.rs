@@ -1,7 +1,6 @@
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, Clearances, LiftOffSettings, NotChecked, Outcome, PlanError, Problem,
-    path_length,
+    Audit, AuditSettings, Carrier, Clearances, NotChecked, Outcome, PlanError, Problem, path_length,
 };
 use cranny_solve::{Robustness, Segment, TaskTrajectory};
 use serde::Serialize;
@@ -179,12 +178,16 @@ impl PlanFile {
         problem: &Problem,
         settings: AuditSettings,
     ) -> Result<Option<Judgement>, PlanError> {
+        let carrier = self.carrier(problem)?;
+        let carrier = carrier.as_ref();
         // The radii take as long as the verdict.
-        let (audit, robustness) =
-            rayon::join(|| self.audit(problem, settings), || self.measured_robustness(problem));
+        let (audit, robustness) = rayon::join(
+            || self.audit_by(carrier, problem, settings),
+            || self.measured_robustness(carrier, problem),
+        );
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness?.filter(|_| audit.valid);
-        let measured = Self { robustness, ..self.measured(task, problem, &audit, settings)? };
+        let measured = Self { robustness, ..self.measured(task, (carrier, problem), &audit, settings)? };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -240,7 +243,11 @@ impl PlanFile {
     }
 
     /// The radii where the file states some.
-    fn measured_robustness(&self, problem: &Problem) -> Result<Option<Robustness>, PlanError> {
+    fn measured_robustness(
+        &self,
+        carrier: Option<&Carrier>,
+        problem: &Problem,
+    ) -> Result<Option<Robustness>, PlanError> {
         let is_path = self.waypoints.iter().all(|q| q.len() == problem.robot().dof());
         if self.robustness.is_none() || self.waypoints.is_empty() || !is_path {
             return Ok(None);
@@ -249,14 +256,14 @@ impl PlanFile {
         let cell = problem.cell().filter(|_| self.is_blended()).map(AsRef::as_ref);
         let trajectory = cell.map(|cell| self.trajectory(problem.robot(), Some(cell))).transpose()?.flatten();
         let corners = trajectory.as_ref().map_or(&[][..], TaskTrajectory::cut_corners);
-        Ok(Robustness::of(problem, self.task_cells(problem)?.as_ref(), &segments, corners))
+        Ok(Robustness::of(problem, self.task_cells_by(carrier, problem)?.as_ref(), &segments, corners))
     }
 
     /// The plan with every figure but its radii as it is measured: no field is left out, so that a new one needs a decision.
     fn measured(
         &self,
         task: &PlanSource,
-        problem: &Problem,
+        (carrier, problem): (Option<&Carrier>, &Problem),
         audit: &Audit,
         settings: AuditSettings,
     ) -> Result<Self, PlanError> {
@@ -299,7 +306,7 @@ impl PlanFile {
             clearance_m,
             not_checked: audit.not_checked.clone(),
             path_length: path_length(&self.waypoints),
-            segments: self.measured_segments(problem, segments, &clearances_per_edge_m)?,
+            segments: self.measured_segments(carrier, segments, &clearances_per_edge_m),
             clearances_per_edge_m,
             waypoints: self.waypoints.clone(),
             timing,
@@ -321,16 +328,12 @@ impl PlanFile {
     /// The segments with their clearances, and what the hand holds where it is closed.
     fn measured_segments(
         &self,
-        problem: &Problem,
+        carrier: Option<&Carrier>,
         mut segments: Vec<Segment>,
         clearances_per_edge_m: &[Option<f64>],
-    ) -> Result<Vec<PlanSegment>, PlanError> {
-        let carrier = match segments.len() {
-            0 | 1 => None,
-            _ => Some(Carrier::new(problem, LiftOffSettings::default())?),
-        };
+    ) -> Vec<PlanSegment> {
         let reach = self.reach();
-        let held = carrier.as_ref().zip(reach.last()).and_then(|(carrier, grasp)| {
+        let held = carrier.zip(reach.last()).and_then(|(carrier, grasp)| {
             let grip = carrier.close(grasp).ok()?;
             Some((carrier.object().to_owned(), grip))
         });
@@ -344,7 +347,7 @@ impl PlanFile {
                 segment.uneven_m = Some(grip.uneven_m);
             }
         }
-        Ok(segments.iter().map(PlanSegment::of).collect())
+        segments.iter().map(PlanSegment::of).collect()
     }
 }
 

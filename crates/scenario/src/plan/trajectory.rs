@@ -71,10 +71,24 @@ impl PlanFile {
     /// # Errors
     /// As [`Carrier::new`] and [`Self::carry_end`].
     pub fn task_cells(&self, problem: &Problem) -> Result<Option<TaskCells>, PlanError> {
+        self.task_cells_by(self.carrier(problem)?.as_ref(), problem)
+    }
+
+    pub(crate) fn task_cells_by(
+        &self,
+        carrier: Option<&Carrier>,
+        problem: &Problem,
+    ) -> Result<Option<TaskCells>, PlanError> {
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        let Some(segments) = segments.ok().filter(|segments| segments.len() > 1) else { return Ok(None) };
-        let carrier = Carrier::new(problem, LiftOffSettings::default())?;
-        TaskCells::of(&carrier, &segments, self.carry_end(problem)?.as_ref())
+        match segments.ok().filter(|segments| segments.len() > 1).zip(carrier) {
+            Some((segments, carrier)) => TaskCells::of(carrier, &segments, self.carry_end(problem)?.as_ref()),
+            None => Ok(None),
+        }
+    }
+
+    /// The target in the closing hand, where it is carried: some 20 ms for a mesh.
+    pub(crate) fn carrier(&self, problem: &Problem) -> Result<Option<Carrier>, PlanError> {
+        self.is_task().then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()
     }
 
     fn timing_asked(&self) -> Timing {
@@ -91,8 +105,16 @@ impl PlanFile {
     /// # Errors
     /// As [`audit_segments`].
     pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
-        let carries = self.is_task();
-        let carrier = carries.then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()?;
+        self.audit_by(self.carrier(problem)?.as_ref(), problem, settings)
+    }
+
+    pub(crate) fn audit_by(
+        &self,
+        carrier: Option<&Carrier>,
+        problem: &Problem,
+        settings: AuditSettings,
+    ) -> Result<Option<Audit>, PlanError> {
+        let carries = carrier.is_some();
         let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
         let audit = match (self.waypoints.is_empty(), segments) {
             (true, _) => return Ok(None),
@@ -100,7 +122,7 @@ impl PlanFile {
             (false, Ok(segments)) if carries && segments.len() == 1 => return Err(PlanError::Segments),
             (false, Ok(segments)) if carries => {
                 let end = self.carry_end(problem)?;
-                audit_segments(problem, carrier.as_ref(), &segments, end.as_ref(), settings)?
+                audit_segments(problem, carrier, &segments, end.as_ref(), settings)?
             }
             _ => audit_with(problem, &self.waypoints, settings)?,
         };
