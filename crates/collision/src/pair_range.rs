@@ -1,9 +1,10 @@
 use std::collections::VecDeque;
 
 use cranny_robot::{JointKind, LinkFrames, Robot};
-use cranny_shape::{Solid, overlap};
+use cranny_shape::{Solid, TriangleSoup, overlap};
 use cranny_spatial::{CONTACT_M, Pose, ROUNDING_M, Rotation, Vector};
 
+use crate::extent::is_round;
 use crate::link_body::{LinkBody, group_separation};
 use crate::travel::{Travel, shared_joints};
 
@@ -230,19 +231,30 @@ impl<'a> PairRanges<'a> {
     }
 }
 
+/// Triangles around a convex solid: its tessellation, grown from its middle until each face of it is beyond the solid.
+fn around(solid: &Solid) -> TriangleSoup {
+    let mut soup = solid.tessellation().unwrap_or_default();
+    if is_round(solid) {
+        let growth = (0..soup.triangles.len()).filter_map(|triangle| {
+            let [a, b, c] = soup.corners(triangle);
+            let outwards = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+            Some(outwards.dot(&solid.support_point(&outwards)?.coords) / outwards.dot(&a.coords))
+        });
+        let growth = growth.fold(1.0, f64::max);
+        soup.vertices.iter_mut().for_each(|vertex| *vertex *= growth);
+    }
+    soup
+}
+
 /// Sides of the prism that stands for a cylinder.
 const SIDES: u32 = 12;
 
 /// The surface of a solid, at a pose against an axis through the origin, outside the prism around a cylinder about that: in
-/// as many pieces as sides, in the frame of the solid.
+/// as many pieces as sides, in the frame of the solid. That of a round one is around it.
 fn beyond_axis(solid: &Solid, pose: &Pose, axis: &Vector, radius_m: f64) -> Vec<Solid> {
     let is_mesh = solid.support_point(&Vector::x()).is_none();
-    let surface = if is_mesh {
-        Some(solid.clone())
-    } else {
-        solid.tessellation().and_then(|soup| Solid::mesh(&soup).ok())
-    };
-    let Some(surface) = surface else { return Vec::new() };
+    let surface =
+        if is_mesh { solid.clone() } else { Solid::mesh(&around(solid)).expect("a closed surface") };
     let across = axis.cross(&Vector::ith(axis.iamin(), 1.0)).normalize();
     let sides = (0..SIDES).filter_map(|side| {
         let angle = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
@@ -295,6 +307,26 @@ mod tests {
         }
         Robot::from_urdf_text(&(text + "</robot>"), "chain.urdf", None, &RobotOptions::default())
             .expect("a good URDF")
+    }
+
+    #[test]
+    fn triangles_around_what_is_round_leave_nothing_out() {
+        for solid in [Solid::sphere(0.05), Solid::capsule(0.3, 0.05), Solid::cylinder(0.3, 0.05)] {
+            let solid = solid.unwrap();
+            let (soup, mut random) = (around(&solid), Stream::new(5, 0));
+            for _ in 0..1000 {
+                let way = Vector::from_fn(|_, _| random.uniform_between(-1.0, 1.0)).normalize();
+                let point = solid.support_point(&way).unwrap();
+                for triangle in 0..soup.triangles.len() {
+                    let [a, b, c] = soup.corners(triangle);
+                    let beyond_m = (b - a).cross(&(c - a)).normalize().dot(&(point - a));
+                    assert!(beyond_m < 1e-12, "{beyond_m}");
+                }
+            }
+            let growth = soup.vertices.iter().map(|vertex| vertex.coords.norm()).fold(0.0, f64::max)
+                / solid.tessellation().unwrap().vertices.iter().map(|v| v.coords.norm()).fold(0.0, f64::max);
+            assert!(growth < 1.01, "{growth}");
+        }
     }
 
     #[test]
