@@ -71,7 +71,8 @@ impl PlanFile {
     /// # Errors
     /// As [`Carrier::new`] and [`Self::carry_end`].
     pub fn task_cells(&self, problem: &Problem) -> Result<Option<TaskCells>, PlanError> {
-        self.task_cells_by(self.carrier(problem)?.as_ref(), problem)
+        let carrier = if self.segments.len() > 1 { self.carrier(problem)? } else { None };
+        self.task_cells_by(carrier.as_ref(), problem)
     }
 
     pub(crate) fn task_cells_by(
