@@ -26,8 +26,8 @@ use crate::{Answer, output_file, text};
 
 The format is told by the content. Poses become those of the gripper frame here: z the approach, y the axis along which the
 fingers close, the origin between the pads. ACRONYM and GraspGen close along x and count from the base of the Franka
-hand, 105 mm behind; of another gripper they need --closing and --offset. GraspNet approaches along x, and its depth is that of the fingertips, 7.2 mm ahead. Without --scenario
-the poses stay in the frame of the file, mostly that of the object's mesh.")]
+hand, 105 mm behind; of another gripper they need --closing and --offset. GraspNet approaches along x, and its depth is that
+of the fingertips, 7.2 mm ahead. Without --scenario the poses stay in the frame of the file, mostly that of the object's mesh.")]
 pub struct ImportArguments {
     #[arg(
         value_name = "FILE",

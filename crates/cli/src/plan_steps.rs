@@ -78,7 +78,7 @@ fn page(planned: &Planned, steps: &[Step]) -> String {
     page
 }
 
-/// What came of a step that picks an object.
+/// Outcome of a step that picks an object.
 fn step(object: &str, plan: &PlanFile) -> String {
     let place = plan.place.as_ref().map_or("", |place| &place.name);
     let took = text::seconds(plan.statistics.planning_time_s);

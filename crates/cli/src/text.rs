@@ -123,7 +123,7 @@ pub fn only_so_many(count: usize, noun: &str) -> String {
     format!("there {verb} {}, counted from 0", counted(count, noun))
 }
 
-/// The two things that limit a clearance, where the margin that applies to them is not the one between any two things.
+/// The two things that limit a clearance, where the smaller grasp margin applies to them.
 pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
     let Margins { margin_m, grasp_margin_m, .. } = margins;
     match limit {

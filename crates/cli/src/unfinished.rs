@@ -64,8 +64,8 @@ impl Unfinished {
         let fault = |problem: String| Failure::File { path: self.file.clone(), problem };
         let text =
             cranny_file::TABLE.argument().text(&self.file).map_err(|reason| fault(reason.to_string()))?;
-        let content: Content<Vec<Row>> =
-            cranny_file::json(text.as_bytes()).map_err(|reason| fault(reason.problem))?;
+        let content: Content<Vec<Row>> = cranny_file::json(text.as_bytes())
+            .map_err(|reason| fault(format!("{}; remove it to begin anew", reason.problem)))?;
         if content.format != FORMAT || content.identity != self.identity {
             return Err(fault("it holds rows of another command; remove it to begin anew".to_owned()));
         }

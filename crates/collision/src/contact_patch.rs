@@ -17,7 +17,7 @@ pub(crate) struct Seen {
     heights_m: [f64; 3],
 }
 
-/// Where a triangle of a body is above one of what may carry it: the corners of a convex polygon, which may be a line or a
+/// Region in which a triangle of a body is above one of what may carry it: the corners of a convex polygon, which may be a line or a
 /// point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overlap {
@@ -99,7 +99,7 @@ impl Seen {
         i + of_b * (j - i) + of_c * (k - i)
     }
 
-    /// Where it is above another triangle, wherever that is lower than `ceiling_m` and the gap within a range, both in metres.
+    /// Region in which it is above another triangle, wherever that is lower than `ceiling_m` and the gap within a range, both in metres.
     pub fn above(&self, surface: &Self, ceiling_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corner = |index: usize| surface.corners[index % 3];
         let mut rest: Vec<[f64; 3]> =
@@ -119,7 +119,7 @@ impl Seen {
             .within(gaps_m[1])
     }
 
-    /// Where it is above a plane at a height, both in metres.
+    /// Region in which it is above a plane at a height, within a range of gaps, all in metres.
     pub fn above_plane(&self, height_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corners = self.corners.iter().zip(self.heights_m).map(|(at, of_corner_m)| OverlapCorner {
             at: *at,

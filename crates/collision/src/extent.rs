@@ -31,7 +31,7 @@ struct ExtentPart {
     corners: Vec<Point>,
     /// Its surface.
     triangles: Vec<[Point; 3]>,
-    /// Whether its surface lies within it: it is round.
+    /// True if its tessellation lies within it: it is round.
     is_round: bool,
 }
 
@@ -39,7 +39,7 @@ struct ExtentPart {
 const MOST_NORMALS: usize = 24;
 /// Facets of a hull are of one plane whose normals, as a chord, and heights (m) differ by less: rounding.
 const SAME_PLANE: f64 = 1e-9;
-/// Normals that are told apart, by the area of the greatest triangle of each.
+/// Maximum number of distinct normals, by the area of the greatest triangle of each.
 const MOST_KNOWN: usize = 192;
 /// Normals of faces that are closer are one, as a chord.
 pub(crate) const ONE_NORMAL: f64 = 1e-3;
@@ -187,13 +187,13 @@ impl ExtentPart {
     }
 }
 
-/// Whether the tessellation of a solid lies within it.
+/// Returns true if the tessellation of a solid lies within it.
 pub(crate) fn is_round(solid: &Solid) -> bool {
     matches!(solid.outline(), Outline::Segment { .. } | Outline::Cylinder { .. })
 }
 
-/// Whether a normal of the tessellation of a solid, in its frame, is that of a face of the solid: those of what is round stand
-/// for curves.
+/// Returns true if a normal of the tessellation of a solid, in its frame, is that of a face of the solid: those of what is
+/// round stand for curves.
 pub(crate) fn is_flat(solid: &Solid, normal: &Vector) -> bool {
     match solid.outline() {
         Outline::Segment { .. } => false,

@@ -101,15 +101,10 @@ impl Face {
     fn body_at(&self, corner: &OverlapCorner) -> Point {
         self.across.point(corner.at, corner.surface_m + corner.gap_m)
     }
-
-    /// Height along the direction above which the part no longer counts as the face, in metres.
-    fn cut_m(&self) -> f64 {
-        cut_m(self.top_m)
-    }
 }
 
 /// Height above which a part no longer counts as its face, whose height is `top_m`, both in metres.
-pub(crate) fn cut_m(top_m: f64) -> f64 {
+fn cut_m(top_m: f64) -> f64 {
     top_m + CONTACT_ALLOWANCE_M
 }
 
@@ -192,7 +187,7 @@ impl Ground<'_> {
         let overlaps = overlaps.filter(|overlap| !overlap.corners.is_empty()).collect();
         let face = Face { direction, top_m, separation_m: low_m - top_m, gap_m, overlaps, across };
         // 4.
-        let is_higher = |corner: &Point| direction.dot(&corner.coords) > face.cut_m();
+        let is_higher = |corner: &Point| direction.dot(&corner.coords) > cut_m(top_m);
         if self.surface.iter().flatten().any(is_higher)
             && let Some(lip) = lip(self.part, &direction, top_m)
         {

@@ -40,7 +40,7 @@ impl TooWide {
 impl fmt::Display for TooWide {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { narrowest_m, opening_m, clearance_m } = self;
-        let left_m = opening_m - 2.0 * clearance_m;
+        let left_m = (opening_m - 2.0 * clearance_m).max(0.0);
         let [narrowest, left] = distinct([narrowest_m, &left_m].map(|metres| metres * 1e3), 1);
         let hand = if is_zero(clearance_m) {
             format!("opens {left} mm")

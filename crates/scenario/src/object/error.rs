@@ -42,7 +42,7 @@ pub enum ObjectError {
     },
     /// A figure of an `object.yaml` is not that of the meshes.
     #[error(
-        "{}: {figures} by the meshes and the mass (`cranny object add` with --mass writes the folder anew)",
+        "{}: {figures} (`cranny object add` with --mass writes the folder anew)",
         path.display()
     )]
     Stated {

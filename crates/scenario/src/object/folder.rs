@@ -101,7 +101,7 @@ impl ObjectType {
         settings.least_probability = 0.0;
         let measured = Self::of_parts(mesh, parts, &settings)?;
         file.check(&measured).map_err(|(key, stated, expected)| {
-            let figures = format!("{key} is {stated}, but {expected}");
+            let figures = format!("{key} is {stated}; meshes and mass demand {expected}");
             ObjectError::Stated { path: path.clone(), figures }
         })?;
         let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
@@ -163,7 +163,7 @@ impl ObjectFile {
             && moments.sum() >= least;
         if !is_possible {
             let expected = format!(
-                "of principal moments of at most {most:.3e}, of {least:.3e} or more in all, none greater than the sum \
+                "principal moments of at most {most:.3e}, of {least:.3e} or more in all, none greater than the sum \
                  of the others"
             );
             return Err(("inertia_kg_m2", format!("{:?}", self.inertia_kg_m2), expected));
