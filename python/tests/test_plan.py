@@ -53,8 +53,9 @@ def test_a_target_is_carried_home(scenario: cranny.Scenario, tmp_path: Path) -> 
     assert np.array_equal(cranny.plan(scenario, carry=aside).path[-1], aside)
     with pytest.raises(ValueError, match="carry is 'away'"):
         cranny.plan(scenario, carry="away")
-    with pytest.raises(ValueError, match="only `reach`"):
-        cranny.plan(scenario, "ik-rrt", carry="home")
+    assert cranny.plan(scenario, "ik-rrt", carry="home").verify()
+    with pytest.raises(ValueError, match="ask for the exact one"):
+        cranny.plan(cranny.Scenario("021", criterion="paper"), "ik-rrt", carry="home")
 
 
 def test_a_plan_makes_a_grasp_of_its_own_where_no_set_is_given(

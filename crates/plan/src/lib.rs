@@ -39,13 +39,17 @@ pub use search::goal_pool::GoalPool;
 pub use search::jacobian_search::GraspChoice;
 pub use search::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use search::no_grasp::{NoGrasp, ReachMiss};
-pub use search::planner::{Budget, Observer, Outcome, PlanReport, Planner, Statistics, Unobserved, search};
+pub use search::path_search::{begin_search, search};
+pub use search::planner::{
+    Budget, Observer, Outcome, PathSearch, PlanReport, Planner, Statistics, Unobserved,
+};
 pub use search::ranges::Ranges;
 pub use search::roadmap::{Roadmap, RoadmapFile};
 pub use search::search_state::Search;
 pub use task::carry::{Carrier, CarryEnd, Grip, LiftOffSettings};
 pub use task::configuration_fault::ConfigurationFault;
 pub use task::grasp_failure::{FailureReason, GraspFailure};
+pub use task::grasp_filter::GraspFilter;
 pub use task::grasp_measure::GraspMeasure;
 pub use task::hand_filter::{APPROACH_M, HandFilter, robot_hand};
 pub use task::ik_annotation::{

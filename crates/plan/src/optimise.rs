@@ -154,11 +154,10 @@ pub fn better(
             problem,
             cost.metric().clone(),
             (Clock::new(&rest), other_seed(seed, 1)),
-            &mut offset,
         )?;
         lanes.know_goals();
         lanes.set_grasp_costs(cost.of_grasps(problem));
-        best.improve(&mut lanes, pool.as_mut(), settings, seed)?;
+        best.improve((&mut lanes, &mut offset), pool.as_mut(), settings, seed)?;
         report.path = best.judged()?;
     }
     let Best { steps, iterations, searches, .. } = best;
@@ -245,7 +244,7 @@ impl Best<'_> {
     /// Steps 2 and 3, until the time of the search is spent, or so many iterations are.
     fn improve(
         &mut self,
-        lanes: &mut LaneSearch,
+        (lanes, observer): (&mut LaneSearch, &mut dyn Observer),
         mut pool: Option<&mut GoalPool>,
         settings: OptimiseSettings,
         seed: u64,
@@ -264,9 +263,9 @@ impl Best<'_> {
             let iterations = lanes.iterations();
             let patience = PATIENCE.min(most_iterations.saturating_sub(self.iterations));
             let along = self.searches.is_multiple_of(2) || !has_found;
-            let found = lanes.run_below(bound, patience, along.then_some(&best.path));
+            let found = lanes.run_below(bound, patience, along.then_some(&best.path), observer);
             self.iterations += 1 + lanes.iterations() - iterations;
-            if self.is_over() || lanes.is_stopped() || self.iterations >= most_iterations {
+            if self.is_over() || observer.should_stop() || self.iterations >= most_iterations {
                 break;
             }
             has_found = found.is_ok();

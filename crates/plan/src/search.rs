@@ -17,6 +17,7 @@ pub(crate) mod jacobian_search;
 pub(crate) mod near_set;
 pub(crate) mod nearest;
 pub(crate) mod no_grasp;
+pub(crate) mod path_search;
 pub(crate) mod planner;
 pub(crate) mod ranges;
 pub(crate) mod roadmap;

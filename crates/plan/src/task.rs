@@ -4,6 +4,7 @@ pub(crate) mod carry;
 pub(crate) mod closing_hand;
 pub(crate) mod configuration_fault;
 pub(crate) mod grasp_failure;
+pub(crate) mod grasp_filter;
 pub(crate) mod grasp_measure;
 pub(crate) mod grasp_poses;
 pub(crate) mod hand_filter;

@@ -62,7 +62,7 @@ impl PutDown {
     ///    far as it is free; where that fails, directly.
     /// 3. A way off the object for the open hand, and back, if it is to go back.
     pub fn find(
-        &mut self,
+        &self,
         ways_out: &mut WaysOut,
         grip: &Grip,
         off: &[f64],

@@ -91,7 +91,7 @@ impl Request {
     /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or where a trajectory is
     /// demanded of a robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
-        let planner = self.planner_for(problem)?;
+        self.planner_for(problem)?;
         self.asked(problem)?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
         let is_paper = problem.criterion() == Criterion::Paper;
@@ -127,15 +127,9 @@ impl Request {
         }
         if let Some(carry) = &self.carry {
             check_end(&carry.end, problem)?;
-            if is_paper || !planner.asks_about_goals() {
-                let carriers = self.registry.carriers().join("`, `");
-                let field = if is_paper { "criterion" } else { "planner" };
-                return refuse(
-                    field,
-                    format!(
-                        "only `{carriers}` under the exact criterion look for a way on with the object in the hand"
-                    ),
-                );
+            if is_paper {
+                let problem = "nothing is carried under it, which proves nothing; ask for the exact one";
+                return refuse("criterion", problem.to_owned());
             }
             if self.optimise.is_some() {
                 let problem = "the way on with the object in the hand is not bettered; leave this out";

@@ -99,16 +99,18 @@ fn solve_asked(
     let planner = request.planner_for(problem)?;
     // 1.
     let (budget, seed) = (&request.budget, request.seed);
-    let (mut task, mut watch) = match &request.carry {
-        Some(carry) => (Some(Task::new(problem, carry, (seed, budget.time), observer)?), None),
-        None => (None, Some(observer)),
+    let carry = request.carry.as_ref();
+    let mut task = carry.map(|carry| Task::new(problem, carry, (seed, budget.time))).transpose()?;
+    let (report, optimisation, onward) = match &mut task {
+        None => {
+            let (report, optimisation) = searched(planner.as_ref(), problem, request, observer)?;
+            (report, optimisation, Vec::new())
+        }
+        Some(task) => {
+            let (report, onward) = task.search(planner.as_ref(), problem, (budget, seed), observer)?;
+            (report, None, onward)
+        }
     };
-    let observer: &mut dyn Observer = match (&mut task, &mut watch) {
-        (Some(task), _) => task,
-        (None, Some(observer)) => *observer,
-        (None, None) => &mut Unobserved,
-    };
-    let (report, optimisation) = searched(planner.as_ref(), problem, request, observer)?;
     observer.search_ended();
     // 2.
     let is_shortened =
@@ -119,21 +121,17 @@ fn solve_asked(
     } else {
         (report, None)
     };
-    let PlanReport { outcome, path, statistics, mut failures } = report;
+    let PlanReport { outcome, path, statistics, failures } = report;
     // 3.
     let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
     let (mut carrier, mut carry_to) = (None, None);
     if let Some(task) = task {
-        task.tell_failures(problem, &mut failures);
         (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.end()));
-        let onward = task.into_onward(is_shortened)?;
-        if onward.is_empty() && outcome == Outcome::Solved {
-            return Err(SolveError::Request {
-                field: "carry",
-                problem: format!("`{}` ends at a goal that it did not ask about", planner.name()),
-            });
+        if is_shortened {
+            segments.extend(task.shortened(onward)?);
+        } else {
+            segments.extend(onward.into_iter().map(|(segment, _)| segment));
         }
-        segments.extend(onward);
     }
     let mut audit = match &segments[..] {
         [] => None,

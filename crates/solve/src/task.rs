@@ -1,8 +1,9 @@
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use cranny_plan::{
-    Carrier, CarryEnd, FailureReason, GraspFailure, Grip, LiftOffSettings, Observer, PlanError, Problem,
-    ShortcutSettings, shortcut,
+    Budget, Carrier, CarryEnd, FailureReason, GraspFailure, GraspFilter, Grip, LiftOffSettings, Observer,
+    Outcome, PlanError, PlanReport, Planner, Problem, ShortcutSettings, begin_search, shortcut,
 };
 use cranny_spatial::Pose;
 
@@ -20,40 +21,73 @@ pub struct Carry {
     pub lift_off: LiftOffSettings,
 }
 
-/// Looks at every grasp that a search has reached whether the object can be carried from there to where it is to go: a
-/// grasp that is good for nothing is none.
-pub(crate) struct Task<'a> {
+/// A piece of a path, and the problem that it solves where it can be shortened.
+pub(crate) type Piece = (Segment, Option<Problem>);
+
+/// The task of grasping an object and carrying it on: a search for ways to grasps, and from each grasp that it reaches one
+/// for the way on. A grasp from which there is none is left out.
+pub(crate) struct Task {
     pub carrier: Carrier,
     end: CarryEnd,
     ways_out: WaysOut,
     /// Where the object is put down, if it is.
-    put_down: Option<PutDown>,
-    observer: &'a mut dyn Observer,
-    /// The way on from the grasp that was taken: off what the object rests on, and to where it is to go, each piece with the
-    /// problem that it solves where it can be shortened.
-    onward: Option<Vec<Piece>>,
-    /// With the gripper where the others failed, and why.
+    put_down: Option<Arc<PutDown>>,
+    /// The tip where a way on failed, and why.
     failures: Vec<(Pose, FailureReason)>,
 }
 
-/// A piece of a path, and the problem that it solves where it can be shortened.
-pub(crate) type Piece = (Segment, Option<Problem>);
-
-impl<'a> Task<'a> {
-    pub fn new(
-        problem: &Problem,
-        carry: &Carry,
-        (seed, time): (u64, Duration),
-        observer: &'a mut dyn Observer,
-    ) -> Result<Self, PlanError> {
+impl Task {
+    pub fn new(problem: &Problem, carry: &Carry, (seed, time): (u64, Duration)) -> Result<Self, PlanError> {
         let carrier = Carrier::new(problem, carry.lift_off)?;
         let ways_out = WaysOut::new(problem, &carrier, &carry.end, (seed, time))?;
         let put_down = match &carry.end {
-            CarryEnd::Place(place) => Some(PutDown::new(problem, &carrier, place, seed)?),
+            CarryEnd::Place(place) => Some(Arc::new(PutDown::new(problem, &carrier, place, seed)?)),
             _ => None,
         };
-        let (end, onward, failures) = (carry.end.clone(), None, Vec::new());
-        Ok(Self { carrier, end, ways_out, put_down, observer, onward, failures })
+        Ok(Self { carrier, end: carry.end.clone(), ways_out, put_down, failures: Vec::new() })
+    }
+
+    /// Searches with a planner: the report of the way to a grasp, and the way on from there, if there are any.
+    pub fn search(
+        &mut self,
+        planner: &dyn Planner,
+        problem: &Problem,
+        (budget, seed): (&Budget, u64),
+        observer: &mut dyn Observer,
+    ) -> Result<(PlanReport, Vec<Piece>), PlanError> {
+        let begin = Instant::now();
+        let filtered = problem.clone().with_grasp_filter(self.grasp_filter());
+        let mut search = begin_search(planner, &filtered, budget, seed)?;
+        loop {
+            let mut report = search.next(observer)?;
+            if report.outcome != Outcome::Solved {
+                self.tell_failures(problem, &mut report.failures);
+                return Ok((report, Vec::new()));
+            }
+            match self.find_onward(&report.path, observer) {
+                Ok(onward) => {
+                    report.statistics.planning_time_s = begin.elapsed().as_secs_f64();
+                    return Ok((report, onward));
+                }
+                Err(reason) => {
+                    let grasp = report.path.last();
+                    self.failures.extend(grasp.map(|grasp| (self.carrier.gripper(grasp), reason)));
+                    search.reject();
+                }
+            }
+        }
+    }
+
+    /// The filter of grasps with which the object cannot be where it is to go.
+    fn grasp_filter(&self) -> GraspFilter {
+        let (carrier, put_down, ends) =
+            (self.carrier.clone(), self.put_down.clone(), self.carrier.ends(&self.end));
+        GraspFilter::new(move |world_from_tip| {
+            put_down.as_ref().and_then(|put_down| put_down.blocked_at(world_from_tip)).or_else(|| {
+                let [first, second] = carrier.blocked_at(world_from_tip, ends.as_deref()?)?;
+                Some(FailureReason::EndBlocked { first, second })
+            })
+        })
     }
 
     /// Where the object is to go, home as the configuration that this is.
@@ -61,9 +95,9 @@ impl<'a> Task<'a> {
         self.carrier.ends(&self.end).map_or_else(|| self.end.clone(), CarryEnd::Configurations)
     }
 
-    /// Says of each grasp that will not do why that is so.
-    pub fn tell_failures(&self, problem: &Problem, failures: &mut Vec<GraspFailure>) {
-        let Some(grasps) = problem.grasps().filter(|_| self.onward.is_none()) else { return };
+    /// Gives each grasp from which there is no way on the reason.
+    fn tell_failures(&self, problem: &Problem, failures: &mut Vec<GraspFailure>) {
+        let Some(grasps) = problem.grasps() else { return };
         for (gripper, reason) in &self.failures {
             let Some((grasp, _)) = grasps.nearest(gripper) else { continue };
             match failures.iter_mut().find(|failure| failure.grasp == grasp) {
@@ -73,31 +107,35 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The way on from the grasp that was taken, its free pieces shortened from this seed; nothing if no grasp was.
-    pub fn into_onward(self, shortened: bool) -> Result<Vec<Segment>, PlanError> {
+    /// The segments of a way on, its free ones shortened.
+    pub fn shortened(&self, onward: Vec<Piece>) -> Result<Vec<Segment>, PlanError> {
         let settings = ShortcutSettings { seed: self.ways_out.seed, ..ShortcutSettings::default() };
-        let pieces = self.onward.into_iter().flatten().map(|(segment, problem)| match problem {
-            Some(problem) if shortened => {
+        let pieces = onward.into_iter().map(|(segment, problem)| match problem {
+            Some(problem) => {
                 let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
                 Ok(Segment { waypoints, ..segment })
             }
-            _ => Ok(segment),
+            None => Ok(segment),
         });
         pieces.collect()
     }
 
     /// The way on from a grasp, proven.
-    fn find_onward(&mut self, reach: &[Vec<f64>]) -> Result<Vec<Piece>, FailureReason> {
+    fn find_onward(
+        &mut self,
+        reach: &[Vec<f64>],
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Piece>, FailureReason> {
         let grasp = reach.last().ok_or(FailureReason::NotTried)?;
         let grip = self.carrier.close(grasp)?;
         let lift_off = self.carrier.lift_off(&grip, grasp)?;
         let off = lift_off[lift_off.len() - 1].clone();
         let lift_off = (self.held(&grip, Mode::LiftOff, lift_off), None);
-        let Some(put_down) = &mut self.put_down else {
-            let (carry, problem) = self.ways_out.find(&grip, &off, reach, self.observer)?;
+        let Some(put_down) = &self.put_down else {
+            let (carry, problem) = self.ways_out.find(&grip, &off, reach, observer)?;
             return Ok(vec![lift_off, (self.held(&grip, Mode::Carry, carry), Some(problem))]);
         };
-        let way = put_down.find(&mut self.ways_out, &grip, &off, reach, self.observer)?;
+        let way = put_down.find(&mut self.ways_out, &grip, &off, reach, observer)?;
         let mut pieces = vec![
             lift_off,
             (self.held(&grip, Mode::Carry, way.carry.0), Some(way.carry.1)),
@@ -116,49 +154,5 @@ impl<'a> Task<'a> {
             uneven_m: Some(grip.uneven_m),
             ..Segment::empty(mode, waypoints)
         }
-    }
-}
-
-impl Observer for Task<'_> {
-    fn node_added(&mut self, tree: usize, q: &[f64], parent: Option<usize>) {
-        self.observer.node_added(tree, q, parent);
-    }
-
-    fn node_cut(&mut self, tree: usize, node: usize) {
-        self.observer.node_cut(tree, node);
-    }
-
-    fn progress(&mut self, iterations: u64) {
-        self.observer.progress(iterations);
-    }
-
-    fn search_ended(&mut self) {
-        self.observer.search_ended();
-    }
-
-    fn accepts_grasp(&mut self, world_from_tip: &Pose) -> bool {
-        if let Some(reason) = self.put_down.as_ref().and_then(|put_down| put_down.blocked_at(world_from_tip))
-        {
-            self.failures.push((*world_from_tip, reason));
-            return false;
-        }
-        let Some(ends) = self.carrier.ends(&self.end) else { return true };
-        let Some([first, second]) = self.carrier.blocked_at(world_from_tip, &ends) else { return true };
-        self.failures.push((*world_from_tip, FailureReason::EndBlocked { first, second }));
-        false
-    }
-
-    fn accepts_goal(&mut self, path: &[Vec<f64>]) -> bool {
-        match self.find_onward(path) {
-            Ok(onward) => self.onward = Some(onward),
-            Err(reason) => {
-                self.failures.extend(path.last().map(|grasp| (self.carrier.gripper(grasp), reason)));
-            }
-        }
-        self.onward.is_some()
-    }
-
-    fn should_stop(&self) -> bool {
-        self.observer.should_stop()
     }
 }

@@ -1,9 +1,10 @@
 use serde::{Deserialize, Serialize};
 
+use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
 use crate::search::grasp_source::GraspSource;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
+use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
 
 /// [`Reach`] without a set of grasps: it samples them on the target while it searches.
 ///
@@ -49,10 +50,6 @@ impl Planner for GraspReach {
         true
     }
 
-    fn asks_about_goals(&self) -> bool {
-        true
-    }
-
     fn plan(
         &self,
         problem: &Problem,
@@ -60,10 +57,30 @@ impl Planner for GraspReach {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
+        self.search(problem, budget, seed)?.next(observer)
+    }
+
+    fn begin<'a>(
+        &self,
+        problem: &'a Problem,
+        budget: &Budget,
+        seed: u64,
+    ) -> Result<Option<Box<dyn PathSearch + 'a>>, PlanError> {
+        Ok(Some(Box::new(self.search(problem, budget, seed)?)))
+    }
+}
+
+impl GraspReach {
+    fn search<'a>(
+        &self,
+        problem: &'a Problem,
+        budget: &Budget,
+        seed: u64,
+    ) -> Result<LaneSearch<'a>, PlanError> {
         let clock = Clock::new(budget);
         let measure = problem.own_grasp_measure(self.name())?;
         let source = GraspSource::new(measure, self.first_score)?;
         let pool = GoalPool::sampling(problem, problem.exact_cell(self.name())?, source);
-        self.search.search(problem, Some(pool), clock, seed, observer)
+        self.search.search_in(problem, Some(pool), clock, seed)
     }
 }

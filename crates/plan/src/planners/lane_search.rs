@@ -1,3 +1,5 @@
+use std::collections::VecDeque;
+
 use cranny_collision::{Cell, Scratch};
 use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
@@ -10,7 +12,9 @@ use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::goal_pool::GoalPool;
 use crate::wall_clock::now;
-use crate::{GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem, Reach, Statistics};
+use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Problem, Reach, Statistics};
+
+mod below;
 
 /// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
 const ITERATIONS_PER_DETOUR: u64 = 100;
@@ -58,9 +62,26 @@ pub(crate) struct LaneSearch<'a> {
     shares: EvenSequence,
     clock: Clock,
     laps: Laps,
-    observer: &'a mut dyn Observer,
     statistics: Statistics,
-    failures: Vec<GraspFailure>,
+    /// Pool of the goals of [`PathSearch::next`], if they are grasps.
+    pool: Option<GoalPool<'a>>,
+    /// Goals that are free and not yet added, with what each costs by itself.
+    waiting: VecDeque<(Vec<f64>, f64)>,
+    stage: Stage,
+    /// The nodes of either side at which the last path was joined.
+    joined: Option<[usize; 2]>,
+    is_rejected: bool,
+}
+
+/// Point at which a search goes on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Before its first iteration.
+    New,
+    /// Between two iterations.
+    Between,
+    /// In an iteration, before either side has grown.
+    Growing,
 }
 
 /// How a growth follows on the way that led to where it begins.
@@ -88,7 +109,6 @@ impl<'a> LaneSearch<'a> {
         problem: &'a Problem,
         metric: JointMetric,
         (clock, seed): (Clock, u64),
-        observer: &'a mut dyn Observer,
     ) -> Result<Self, PlanError> {
         let cell = problem.exact_cell("reach")?;
         let forest = Forest::new(problem.robot().dof(), metric);
@@ -115,55 +135,74 @@ impl<'a> LaneSearch<'a> {
             shares,
             clock,
             laps: Laps::default(),
-            observer,
             statistics: Statistics::default(),
-            failures: Vec::new(),
+            pool: None,
+            waiting: VecDeque::new(),
+            stage: Stage::New,
+            joined: None,
+            is_rejected: false,
         })
     }
 
-    /// The report of how it ended.
-    pub fn report(self, ended: Result<Path, Outcome>) -> PlanReport {
+    /// The same for the grasps of a pool.
+    pub fn with_pool(self, pool: Option<GoalPool<'a>>) -> Self {
+        Self { pool, ..self }
+    }
+
+    fn report(&mut self, ended: Result<Path, Outcome>) -> PlanReport {
+        let failures = match &self.pool {
+            Some(pool) if ended.is_err() && self.stage != Stage::New => pool.failures(&mut self.scratch),
+            _ => Vec::new(),
+        };
         let mut statistics = self.statistics;
         statistics.nodes = self.sides.iter().map(|side| side.added() as u64).sum();
         statistics.planning_time_s = self.clock.elapsed_s();
         let share = self.laps.share_of(statistics.iterations);
         statistics.collision_time_s *= share;
         statistics.nearest_time_s *= share;
-        PlanReport { failures: self.failures, ..PlanReport::of(ended, statistics) }
+        PlanReport { failures, ..PlanReport::of(ended, statistics) }
     }
 
-    /// Looks for a path to the goals of the problem, or of a pool.
-    pub fn run(&mut self, pool: Option<GoalPool>) -> Result<Path, Outcome> {
+    /// Adds the start, and the goal configurations that are free to those that wait.
+    fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Outcome> {
         // Start and goals in one check.
         let start = self.problem.start();
         let mut free = Vec::new();
-        let ends = [start, &self.problem.goal_configurations().concat()].concat();
+        let goals = self.problem.goal_configurations();
+        let ends = [start, &goals.concat()].concat();
         self.cell.are_free(&ends, &mut self.scratch, &mut free);
         if !free[0] {
             return Err(Outcome::StartInvalid);
         }
-        self.add_root(0, start, 0.0);
-        let goals = self.problem.goal_configurations();
-        for (goal, _) in goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free) {
-            if let Some(path) = self.add_goal(goal, 0.0) {
-                return Ok(path);
-            }
-        }
-        let Some(mut pool) = pool else { return self.search(None) };
-        let ended = self.search(Some(&mut pool));
-        if ended.is_err() {
-            self.failures = pool.failures(&mut self.scratch);
-        }
-        ended
+        self.add_root(0, start, 0.0, observer);
+        let goals = goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free);
+        self.waiting.extend(goals.map(|(goal, _)| (goal.clone(), 0.0)));
+        self.stage = Stage::Between;
+        Ok(())
     }
 
-    fn search(&mut self, mut pool: Option<&mut GoalPool>) -> Result<Path, Outcome> {
+    fn search(&mut self, observer: &mut dyn Observer) -> Result<Path, Outcome> {
         loop {
+            while let Some((goal, cost)) = self.waiting.pop_front() {
+                if let Some(path) = self.add_goal(&goal, cost, observer) {
+                    return Ok(path);
+                }
+            }
+            // 3.
+            if self.stage == Stage::Growing {
+                self.stage = Stage::Between;
+                let smaller = usize::from(self.sides[1].len() < self.sides[0].len());
+                if !self.goals.is_empty()
+                    && let Some(path) = self.grow_both(smaller, observer)
+                {
+                    return Ok(path);
+                }
+            }
             // With no goal that is free, or will do, there is nothing to search for.
-            if self.goals.is_empty() && pool.is_none() {
+            if self.goals.is_empty() && self.pool.is_none() {
                 return Err(Outcome::GoalsInvalid);
             }
-            if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
+            if let Some(outcome) = self.clock.verdict(self.statistics.iterations, observer) {
                 return Err(outcome);
             }
             if self.statistics.iterations >= self.last {
@@ -171,136 +210,41 @@ impl<'a> LaneSearch<'a> {
             }
             self.laps.choose(self.statistics.iterations);
             self.statistics.iterations += 1;
+            self.stage = Stage::Growing;
             // 1. and 2.
             // Goals that the search does not come to may all be cut off from the start: later there are more.
             let most = self.settings.goals + (self.statistics.iterations / ITERATIONS_PER_GOAL) as usize;
-            if let Some(pool) = pool.as_mut().filter(|_| self.goals.len() < most) {
+            if let Some(pool) = self.pool.as_mut().filter(|_| self.goals.len() < most) {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }
-                let found =
-                    pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics, self.observer);
-                for (grasp, goal) in found {
-                    let cost = self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
-                    if let Some(path) = self.add_goal(&goal, cost) {
-                        return Ok(path);
-                    }
-                }
-            }
-            if self.goals.is_empty() {
-                continue;
-            }
-            // 3.
-            let smaller = usize::from(self.sides[1].len() < self.sides[0].len());
-            if let Some(path) = self.grow_both(smaller) {
-                return Ok(path);
-            }
-        }
-    }
-
-    /// Takes the trees away, but for the start and the goals that are known.
-    fn begin_anew(&mut self) {
-        self.sides.iter_mut().for_each(Forest::clear);
-        self.domains = [Vec::new(), Vec::new()];
-        self.add_root(0, self.problem.start(), 0.0);
-        self.goals.clear();
-        for (goal, cost) in std::mem::take(&mut self.known) {
-            self.remember_goal(&goal, cost);
-        }
-    }
-
-    /// Iterations so far.
-    pub fn iterations(&self) -> u64 {
-        self.statistics.iterations
-    }
-
-    /// Whether whoever watches asked to stop.
-    pub fn is_stopped(&self) -> bool {
-        self.observer.should_stop()
-    }
-
-    /// What paths to each grasp cost beside their length.
-    pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
-        self.grasp_costs = costs;
-    }
-
-    /// Makes the goal configurations of the problem known that are free.
-    pub fn know_goals(&mut self) {
-        let goals = self.problem.goal_configurations();
-        self.known.extend(
-            goals
-                .iter()
-                .filter(|goal| self.cell.is_free(goal, &mut self.scratch))
-                .map(|goal| (goal.clone(), 0.0)),
-        );
-    }
-
-    /// Draws goals of one more batch, about a path that is known, for the next search: those to which a path may cost less
-    /// than `bound`.
-    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
-        let Self { random, scratch, statistics, observer, .. } = self;
-        let found = pool.draw_batch(path, random, scratch, statistics, *observer);
-        let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
-        self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
-        let least = |goal: &[f64]| self.sides[0].distance(self.problem.start(), goal);
-        self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
-    }
-
-    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
-    /// the straight line costs more are forgotten. The tree from the start begins with the way points of `along`, if any,
-    /// but for its goal: what is found leaves that path somewhere.
-    pub fn run_below(
-        &mut self,
-        bound: f64,
-        iterations: u64,
-        along: Option<&[Vec<f64>]>,
-    ) -> Result<Path, Outcome> {
-        self.bound = bound;
-        self.began = self.statistics.iterations;
-        self.last = self.began.saturating_add(iterations);
-        let drawn = std::mem::take(&mut self.drawn);
-        self.known.extend(drawn);
-        self.begin_anew();
-        if let Some((_, path)) = along.and_then(<[_]>::split_last) {
-            self.add_path(path);
-        }
-        self.search(None)
-    }
-
-    /// Adds a path that begins at the start to its tree, with nodes as far apart as a growth sets them.
-    fn add_path(&mut self, path: &[Vec<f64>]) {
-        let mut node = 0;
-        for edge in path.windows(2) {
-            let steps = (self.sides[0].distance(&edge[0], &edge[1]) / self.settings.step).ceil().max(1.0);
-            let mut way = Way::Turns;
-            for step in 1..=as_count(steps) {
-                let q: Vec<f64> = between(&edge[0], &edge[1], step as f64 / steps).collect();
-                node = self.add_node(0, &q, node, way);
-                way = Way::GoesOn;
+                let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
+                let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
+                self.waiting.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
             }
         }
     }
 
     /// Adds a goal to those that are known, and as a root, unless every path to it costs too much.
-    fn remember_goal(&mut self, goal: &[f64], cost: f64) -> Option<usize> {
+    fn remember_goal(&mut self, goal: &[f64], cost: f64, observer: &mut dyn Observer) -> Option<usize> {
         let least = self.sides[0].distance(self.problem.start(), goal) + cost;
         (least < self.bound).then(|| {
             self.known.push((goal.to_vec(), cost));
-            let root = self.add_root(1, goal, cost);
+            let root = self.add_root(1, goal, cost, observer);
             self.goals.push(root);
             root
         })
     }
 
     /// Adds a root to the goal forest, and checks whether the edge to it is free.
-    fn add_goal(&mut self, goal: &[f64], cost: f64) -> Option<Path> {
-        let root = self.remember_goal(goal, cost)?;
+    fn add_goal(&mut self, goal: &[f64], cost: f64, observer: &mut dyn Observer) -> Option<Path> {
+        let root = self.remember_goal(goal, cost, observer)?;
         self.laps.begin();
-        self.meet(1, root)
+        self.meet(1, root, observer)
     }
 
     /// Growth of one side towards a random configuration, and the other side's way to where it ended.
-    fn grow_both(&mut self, side: usize) -> Option<Path> {
+    fn grow_both(&mut self, side: usize, observer: &mut dyn Observer) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.sample);
         self.draw(&mut sample);
         self.laps.begin();
@@ -311,7 +255,7 @@ impl<'a> LaneSearch<'a> {
             self.sample = sample;
             return None;
         }
-        let Growth { node, .. } = self.grow(side, nearest, Way::Turns, &sample);
+        let Growth { node, .. } = self.grow(side, (nearest, Way::Turns), &sample, observer);
         self.sample = sample;
         if node == nearest {
             let domains = &mut self.domains[side];
@@ -321,7 +265,7 @@ impl<'a> LaneSearch<'a> {
             domains[nearest] = self.settings.domain;
             return None;
         }
-        self.meet(side, node)
+        self.meet(side, node, observer)
     }
 
     /// A random configuration about the box between the start and a random goal.
@@ -357,18 +301,18 @@ impl<'a> LaneSearch<'a> {
     }
 
     /// The other side's way to a node, as far as it goes; a path if it gets there.
-    fn meet(&mut self, side: usize, node: usize) -> Option<Path> {
+    fn meet(&mut self, side: usize, node: usize, observer: &mut dyn Observer) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
-        let mut other = self.grow(1 - side, from, Way::Turns, &meeting);
+        let mut other = self.grow(1 - side, (from, Way::Turns), &meeting, observer);
         while other.is_open && !other.is_target {
-            other = self.grow(1 - side, other.node, Way::GoesOn, &meeting);
+            other = self.grow(1 - side, (other.node, Way::GoesOn), &meeting, observer);
         }
         let cost = self.sides[side].cost(node) + self.sides[1 - side].cost(other.node);
         if !other.is_target || cost >= SLACK * self.bound {
             return None;
         }
-        self.proven_path(if side == 0 { [node, other.node] } else { [other.node, node] })
+        self.proven_path(if side == 0 { [node, other.node] } else { [other.node, node] }, observer)
     }
 
     fn nearest(&mut self, side: usize, q: &[f64]) -> usize {
@@ -379,7 +323,13 @@ impl<'a> LaneSearch<'a> {
 
     /// Grows from a node towards `target` as far as one pass of checks goes, or to the first that is not free;
     /// adds a node for each whole step, and at the target.
-    fn grow(&mut self, side: usize, from: usize, mut way: Way, target: &[f64]) -> Growth {
+    fn grow(
+        &mut self,
+        side: usize,
+        (from, mut way): (usize, Way),
+        target: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Growth {
         let Reach { step, looks, .. } = self.settings;
         let forest = &self.sides[side];
         self.from.clear();
@@ -404,7 +354,7 @@ impl<'a> LaneSearch<'a> {
                 return Growth { node, is_target: false, is_open: false };
             }
             let q = std::mem::take(&mut self.q);
-            node = self.add_node(side, &q, node, way);
+            node = self.add_node(side, &q, (node, way), observer);
             self.q = q;
             way = Way::GoesOn;
         }
@@ -412,7 +362,7 @@ impl<'a> LaneSearch<'a> {
     }
 
     /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
-    fn proven_path(&mut self, ends: [usize; 2]) -> Option<Path> {
+    fn proven_path(&mut self, ends: [usize; 2], observer: &mut dyn Observer) -> Option<Path> {
         let begin = now();
         let mut refuted = None;
         'sides: for (side, end) in ends.into_iter().enumerate() {
@@ -433,7 +383,7 @@ impl<'a> LaneSearch<'a> {
         }
         self.statistics.proof_time_s += begin.elapsed().as_secs_f64();
         if let Some((side, node)) = refuted {
-            self.observer.node_cut(side, node);
+            observer.node_cut(side, node);
             self.sides[side].cut(node);
             return None;
         }
@@ -445,44 +395,68 @@ impl<'a> LaneSearch<'a> {
         path.reverse();
         // Both ways end where they meet: it stands in the path once.
         path.extend(way(1).skip(1));
-        if self.observer.accepts_goal(&path) {
-            return Some(path);
-        }
-        self.refuse(ends);
-        None
+        self.joined = Some(ends);
+        Some(path)
     }
 
     /// Cuts off a goal that will not do, where both sides have met. What led to it is of use for its neighbours: it grows
     /// on from the start.
-    fn refuse(&mut self, ends: [usize; 2]) {
+    fn refuse(&mut self, ends: [usize; 2], observer: &mut dyn Observer) {
         let goals = &self.sides[1];
         let (nodes, turns) = (goals.nodes_to_root(ends[1]), goals.turns_to_root(ends[1]));
         let mut last = ends[0];
         for pair in nodes.windows(2) {
             let q = self.sides[1].q(pair[1]).to_vec();
             let way = if turns.contains(&pair[0]) { Way::Turns } else { Way::GoesOn };
-            last = self.add_node(0, &q, last, way);
+            last = self.add_node(0, &q, (last, way), observer);
         }
         if let Some(root) = nodes.last() {
             let goals = &mut self.sides[1];
             self.goals.retain(|goal| goal != root);
             self.known.retain(|(goal, _)| goal != goals.q(*root));
             goals.cut(*root);
-            self.observer.node_cut(1, *root);
+            observer.node_cut(1, *root);
         }
     }
 
-    fn add_node(&mut self, side: usize, q: &[f64], parent: usize, way: Way) -> usize {
-        self.observer.node_added(side, q, Some(parent));
+    fn add_node(
+        &mut self,
+        side: usize,
+        q: &[f64],
+        (parent, way): (usize, Way),
+        observer: &mut dyn Observer,
+    ) -> usize {
+        observer.node_added(side, q, Some(parent));
         match way {
             Way::Turns => self.sides[side].add(q, Some(parent)),
             Way::GoesOn => self.sides[side].prolong(q, parent),
         }
     }
 
-    fn add_root(&mut self, side: usize, q: &[f64], cost: f64) -> usize {
-        self.observer.node_added(side, q, None);
+    fn add_root(&mut self, side: usize, q: &[f64], cost: f64, observer: &mut dyn Observer) -> usize {
+        observer.node_added(side, q, None);
         self.sides[side].add_root(q, cost)
+    }
+}
+
+impl PathSearch for LaneSearch<'_> {
+    fn next(&mut self, observer: &mut dyn Observer) -> Result<PlanReport, PlanError> {
+        if self.is_rejected
+            && let Some(ends) = self.joined.take()
+        {
+            self.refuse(ends, observer);
+        }
+        self.is_rejected = false;
+        let ended = match self.stage {
+            Stage::New => self.begin(observer),
+            Stage::Between | Stage::Growing => Ok(()),
+        };
+        let ended = ended.and_then(|()| self.search(observer));
+        Ok(self.report(ended))
+    }
+
+    fn reject(&mut self) {
+        self.is_rejected = true;
     }
 }
 

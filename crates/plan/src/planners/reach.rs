@@ -2,7 +2,7 @@ use crate::path::joint_metric::JointMetric;
 use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
-use crate::{Budget, Goal, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
+use crate::{Budget, Goal, Observer, PathSearch, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
 
 impl Planner for Reach {
     fn name(&self) -> &'static str {
@@ -18,10 +18,6 @@ impl Planner for Reach {
         Ok(())
     }
 
-    fn asks_about_goals(&self) -> bool {
-        true
-    }
-
     fn plan(
         &self,
         problem: &Problem,
@@ -29,29 +25,44 @@ impl Planner for Reach {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError> {
+        self.search(problem, budget, seed)?.next(observer)
+    }
+
+    fn begin<'a>(
+        &self,
+        problem: &'a Problem,
+        budget: &Budget,
+        seed: u64,
+    ) -> Result<Option<Box<dyn PathSearch + 'a>>, PlanError> {
+        Ok(Some(Box::new(self.search(problem, budget, seed)?)))
+    }
+}
+
+impl Reach {
+    fn search<'a>(
+        &self,
+        problem: &'a Problem,
+        budget: &Budget,
+        seed: u64,
+    ) -> Result<LaneSearch<'a>, PlanError> {
         let clock = Clock::new(budget);
         let cell = problem.exact_cell(self.name())?;
         let pool = match problem.some_goal()? {
             Goal::Grasps(grasps) => Some(GoalPool::new(problem, cell, grasps)),
             Goal::Configurations(_) => None,
         };
-        self.search(problem, pool, clock, seed, observer)
+        self.search_in(problem, pool, clock, seed)
     }
-}
 
-impl Reach {
     /// The search for a way to the goals of a pool, or to those of the problem.
-    pub(crate) fn search(
+    pub(crate) fn search_in<'a>(
         &self,
-        problem: &Problem,
-        pool: Option<GoalPool>,
+        problem: &'a Problem,
+        pool: Option<GoalPool<'a>>,
         clock: Clock,
         seed: u64,
-        observer: &mut dyn Observer,
-    ) -> Result<PlanReport, PlanError> {
+    ) -> Result<LaneSearch<'a>, PlanError> {
         let metric = JointMetric::by_reach(problem.robot());
-        let mut search = LaneSearch::new(self.clone(), problem, metric, (clock, seed), observer)?;
-        let ended = search.run(pool);
-        Ok(search.report(ended))
+        Ok(LaneSearch::new(self.clone(), problem, metric, (clock, seed))?.with_pool(pool))
     }
 }

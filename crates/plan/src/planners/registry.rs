@@ -100,12 +100,6 @@ impl Registry {
         makers.map(|entry| entry.default.name()).collect()
     }
 
-    /// The names of those from whose grasps an object can be carried on ([`Planner::asks_about_goals`]).
-    pub fn carriers(&self) -> Vec<&'static str> {
-        let askers = self.entries.iter().filter(|entry| entry.default.asks_about_goals());
-        askers.map(|entry| entry.default.name()).collect()
-    }
-
     /// The planner of that name, with its default settings.
     ///
     /// # Errors

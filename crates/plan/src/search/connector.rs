@@ -117,11 +117,7 @@ impl Goals<'_> {
                 Err(outcome) => (self.connector.best(), Some(outcome)),
             };
             match (found, spent) {
-                (Some((path, _)), _) if search.observer.accepts_goal(&path) => return Ok(path),
-                (Some((_, goal)), _) => {
-                    self.connector.remove_goal(goal, search);
-                    self.removed += 1;
-                }
+                (Some((path, _)), _) => return Ok(path),
                 (None, Some(outcome)) => return Err(outcome),
                 (None, None) => {}
             }
@@ -136,7 +132,7 @@ impl Goals<'_> {
 
 /// The goals that one more iteration brings, unless there can be none.
 fn draw(pool: &mut GoalPool, scratch: &mut Scratch, search: &mut Search) -> Result<Path, Outcome> {
-    let goals = pool.draw(&mut search.random, scratch, &mut search.statistics, search.observer);
+    let goals = pool.draw(&mut search.random, scratch, &mut search.statistics);
     if pool.is_hopeless() {
         Err(Outcome::NoReachableGrasp)
     } else {

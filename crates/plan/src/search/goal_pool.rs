@@ -4,9 +4,10 @@ use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
 use cranny_spatial::{Pose, Stream};
 
 use crate::search::grasp_source::GraspSource;
+use crate::task::grasp_filter::GraspFilter;
 use crate::task::grasp_poses::poses;
 use crate::wall_clock::now;
-use crate::{FailureReason, GraspFailure, Observer, PlanError, Problem, Statistics};
+use crate::{FailureReason, GraspFailure, PlanError, Problem, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is checked: so many cost
 /// as much as looking at poses until the hand is free at one.
@@ -38,6 +39,7 @@ pub struct GoalPool<'a> {
     /// Where more grasps come from; `None` where all are given. Of its grasps no account is kept: all are number 0.
     source: Option<GraspSource<'a>>,
     batch: IkBatch<'a>,
+    filter: Option<&'a GraspFilter>,
     attempts: u64,
     goals: u64,
     /// Iterations since the last batch.
@@ -55,7 +57,7 @@ struct Record {
     hand_contacts: usize,
     hand_contact: Option<Contact>,
     blocked: Vec<f64>,
-    /// Why it is left out from the beginning.
+    /// Why it is left out: from the beginning, or by the filter of the problem.
     excluded: Option<FailureReason>,
 }
 
@@ -95,6 +97,7 @@ impl<'a> GoalPool<'a> {
             poses: Vec::new(),
             open: 0,
             source: None,
+            filter: problem.grasp_filter(),
             batch: IkBatch::new(problem.robot(), IkSettings::default()),
             attempts: 0,
             goals: 0,
@@ -115,13 +118,12 @@ impl<'a> GoalPool<'a> {
         random: &mut Stream,
         scratch: &mut Scratch,
         statistics: &mut Statistics,
-        observer: &mut dyn Observer,
     ) -> Vec<(usize, Vec<f64>)> {
         self.waited += 1;
         if !self.is_due() {
             return Vec::new();
         }
-        self.draw_batch(&[], random, scratch, statistics, observer)
+        self.draw_batch(&[], random, scratch, statistics)
     }
 
     /// The goals of one more batch, each with its grasp; with a path, every other attempt starts at a random point of it.
@@ -131,12 +133,11 @@ impl<'a> GoalPool<'a> {
         random: &mut Stream,
         scratch: &mut Scratch,
         statistics: &mut Statistics,
-        observer: &mut dyn Observer,
     ) -> Vec<(usize, Vec<f64>)> {
         let begin = now();
         self.waited = 0;
         // 1.
-        self.open_poses(random, scratch, observer);
+        self.open_poses(random, scratch);
         if self.open == 0 {
             return Vec::new();
         }
@@ -194,7 +195,7 @@ impl<'a> GoalPool<'a> {
     }
 
     /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
-    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch, observer: &mut dyn Observer) {
+    fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch) {
         let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
         if let Some(source) = &mut self.source {
             source.begin_batch(self.goals);
@@ -211,7 +212,8 @@ impl<'a> GoalPool<'a> {
                 record.hand_contacts += 1;
                 record.hand_contact = Some(contact);
                 self.poses.swap_remove(drawn);
-            } else if !observer.accepts_grasp(&pose) {
+            } else if let Some(reason) = self.filter.and_then(|filter| filter.fault_of(&pose)) {
+                self.records[grasp].excluded = Some(reason);
                 self.poses.swap_remove(drawn);
             } else {
                 self.poses.swap(drawn, self.open);

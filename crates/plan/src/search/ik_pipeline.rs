@@ -89,7 +89,7 @@ impl Pipeline<'_> {
                 loop {
                     for goal in &free {
                         search.statistics.goals_tried += 1;
-                        if let Some(path) = self.accepted_path(goal, search)? {
+                        if let Some(path) = self.connect(goal, search)? {
                             return Ok(path);
                         }
                     }
@@ -115,17 +115,11 @@ impl Pipeline<'_> {
                 search.begin_iteration()?;
                 let Some(goal) = self.next_goal(solutions, search) else { continue };
                 search.statistics.goals_tried += 1;
-                if let Some(path) = self.accepted_path(&goal, search)? {
+                if let Some(path) = self.connect(&goal, search)? {
                     return Ok(path);
                 }
             }
         }
-    }
-
-    /// A path to the goal, if there is one and its end will do.
-    fn accepted_path(&mut self, goal: &[f64], search: &mut Search) -> Result<Option<Path>, Outcome> {
-        let path = self.connect(goal, search)?;
-        Ok(path.filter(|path| search.observer.accepts_goal(path)))
     }
 
     /// The next configuration for the grasp of `solutions` that is free.

@@ -1,10 +1,8 @@
 use std::time::Duration;
 
-use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-use crate::search::no_grasp::all_excluded;
 use crate::{GraspFailure, PlanError, Problem};
 
 /// How much a planner may spend.
@@ -133,16 +131,6 @@ pub trait Observer {
     /// The search is over: whatever follows does something else with its path.
     fn search_ended(&mut self) {}
 
-    /// Whether a grasp will do, with the gripper at this pose: if not, nobody looks for a configuration that holds it.
-    fn accepts_grasp(&mut self, _world_from_tip: &Pose) -> bool {
-        true
-    }
-
-    /// Whether a goal configuration will do to which a proven path was found: if not, the search goes on without it.
-    fn accepts_goal(&mut self, _path: &[Vec<f64>]) -> bool {
-        true
-    }
-
     /// Whether the search should end with [`Outcome::Cancelled`].
     fn should_stop(&self) -> bool {
         false
@@ -154,6 +142,22 @@ pub trait Observer {
 pub struct Unobserved;
 
 impl Observer for Unobserved {}
+
+/// A search for paths to the goals of a problem, one after another: the caller decides what each is good for.
+///
+/// Pull, not push: a task goes on from the end of a path (closing a hand, carrying what it holds) with searches of its own,
+/// which have a budget and an account; inside a callback of the first search they had neither.
+pub trait PathSearch {
+    /// The next path, or the reason for which there is none, with the statistics so far. Budget and time go on where the last
+    /// call ended.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    fn next(&mut self, observer: &mut dyn Observer) -> Result<PlanReport, PlanError>;
+
+    /// Leaves out the goal at which the last path ends.
+    fn reject(&mut self);
+}
 
 /// A planner: a pure function of problem, budget and seed. The same three give the same path, on any
 /// machine, unless time cuts the search short.
@@ -178,10 +182,18 @@ pub trait Planner: Send + Sync {
         false
     }
 
-    /// Whether it asks its observer about every grasp and every goal before it ends there ([`Observer::accepts_grasp`],
-    /// [`Observer::accepts_goal`]): an object can be carried on only from what such a planner finds.
-    fn asks_about_goals(&self) -> bool {
-        false
+    /// Its search, if that can go on from a path to others. Default: none, and for each further path it begins anew from
+    /// another seed ([`begin_search`](crate::begin_search)).
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    fn begin<'a>(
+        &self,
+        _problem: &'a Problem,
+        _budget: &Budget,
+        _seed: u64,
+    ) -> Result<Option<Box<dyn PathSearch + 'a>>, PlanError> {
+        Ok(None)
     }
 
     /// Looks for a path.
@@ -196,24 +208,4 @@ pub trait Planner: Send + Sync {
         seed: u64,
         observer: &mut dyn Observer,
     ) -> Result<PlanReport, PlanError>;
-}
-
-/// Runs a planner whose settings are good ([`Planner::check`]). Where every grasp is excluded beforehand, by its width or as
-/// beyond reach, no search is begun.
-///
-/// # Errors
-/// Those of the planner.
-pub fn search(
-    planner: &dyn Planner,
-    problem: &Problem,
-    budget: &Budget,
-    seed: u64,
-    observer: &mut dyn Observer,
-) -> Result<PlanReport, PlanError> {
-    planner.check()?;
-    if let Some(failures) = all_excluded(problem).filter(|_| problem.start_is_free()) {
-        let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
-        return Ok(PlanReport { failures, ..report });
-    }
-    planner.plan(problem, budget, seed, observer)
 }

@@ -7,6 +7,7 @@ use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
+use crate::task::grasp_filter::GraspFilter;
 use crate::{GraspMeasure, NotChecked, PlaceGoal, PlanError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
@@ -19,6 +20,7 @@ pub struct Problem {
     goal: Goal,
     /// What grasps are measured by, if no set of them is given.
     grasp_measure: Option<Arc<GraspMeasure>>,
+    grasp_filter: Option<GraspFilter>,
     /// Where the target can be put down.
     places: Arc<[PlaceGoal]>,
     validity: Validity,
@@ -88,7 +90,17 @@ impl Problem {
             None => Cell::new(robot.clone(), world, margins)?,
         };
         let validity = Validity::Exact(Arc::new(cell));
-        Self { robot, target, start, goal, grasp_measure: None, places: Arc::default(), validity }.checked()
+        Self {
+            robot,
+            target,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            validity,
+        }
+        .checked()
     }
 
     /// A problem under the `exact` criterion in a cell that there is already.
@@ -99,8 +111,17 @@ impl Problem {
     pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, PlanError> {
         let robot = cell.robot().clone();
         let validity = Validity::Exact(cell);
-        Self { robot, target: None, start, goal, grasp_measure: None, places: Arc::default(), validity }
-            .checked()
+        Self {
+            robot,
+            target: None,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            validity,
+        }
+        .checked()
     }
 
     /// A problem under the `paper` criterion: `check` decides; of distances to `world` planners may ask for how far to go.
@@ -112,8 +133,17 @@ impl Problem {
         let robot = check.robot().clone();
         let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
         let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
-        Self { robot, target: None, start, goal, grasp_measure: None, places: Arc::default(), validity }
-            .checked()
+        Self {
+            robot,
+            target: None,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            validity,
+        }
+        .checked()
     }
 
     /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
@@ -126,6 +156,16 @@ impl Problem {
     pub fn without_grasp_set(&self, friction: f64) -> Result<Self, PlanError> {
         let grasp_measure = Some(Arc::new(self.new_grasp_measure(friction)?));
         Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
+    }
+
+    /// The same problem without the grasps that a filter refuses: no configuration is looked for at them.
+    #[must_use]
+    pub fn with_grasp_filter(self, filter: GraspFilter) -> Self {
+        Self { grasp_filter: Some(filter), ..self }
+    }
+
+    pub(crate) fn grasp_filter(&self) -> Option<&GraspFilter> {
+        self.grasp_filter.as_ref()
     }
 
     /// The same problem whose target can be put down there.

@@ -1,0 +1,91 @@
+//! Searches for paths that cost less than a known one.
+
+use cranny_robot::between;
+
+use super::{LaneSearch, Stage, Way, as_count};
+use crate::search::connector::Path;
+use crate::search::forest::Forest;
+use crate::search::goal_pool::GoalPool;
+use crate::{Observer, Outcome};
+
+impl LaneSearch<'_> {
+    /// Takes the trees away, but for the start and the goals that are known.
+    fn begin_anew(&mut self, observer: &mut dyn Observer) {
+        self.sides.iter_mut().for_each(Forest::clear);
+        self.domains = [Vec::new(), Vec::new()];
+        self.add_root(0, self.problem.start(), 0.0, observer);
+        self.goals.clear();
+        self.stage = Stage::Between;
+        for (goal, cost) in std::mem::take(&mut self.known) {
+            self.remember_goal(&goal, cost, observer);
+        }
+    }
+
+    /// Iterations so far.
+    pub fn iterations(&self) -> u64 {
+        self.statistics.iterations
+    }
+
+    /// What paths to each grasp cost beside their length.
+    pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
+        self.grasp_costs = costs;
+    }
+
+    /// Makes the goal configurations of the problem known that are free.
+    pub fn know_goals(&mut self) {
+        let goals = self.problem.goal_configurations();
+        self.known.extend(
+            goals
+                .iter()
+                .filter(|goal| self.cell.is_free(goal, &mut self.scratch))
+                .map(|goal| (goal.clone(), 0.0)),
+        );
+    }
+
+    /// Draws goals of one more batch, about a path that is known, for the next search: those to which a path may cost less
+    /// than `bound`.
+    pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
+        let Self { random, scratch, statistics, .. } = self;
+        let found = pool.draw_batch(path, random, scratch, statistics);
+        let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
+        self.drawn.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
+        let least = |goal: &[f64]| self.sides[0].distance(self.problem.start(), goal);
+        self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
+    }
+
+    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
+    /// the straight line costs more are forgotten. The tree from the start begins with the way points of `along`, if any,
+    /// but for its goal: what is found leaves that path somewhere.
+    pub fn run_below(
+        &mut self,
+        bound: f64,
+        iterations: u64,
+        along: Option<&[Vec<f64>]>,
+        observer: &mut dyn Observer,
+    ) -> Result<Path, Outcome> {
+        self.bound = bound;
+        self.began = self.statistics.iterations;
+        self.last = self.began.saturating_add(iterations);
+        let drawn = std::mem::take(&mut self.drawn);
+        self.known.extend(drawn);
+        self.begin_anew(observer);
+        if let Some((_, path)) = along.and_then(<[_]>::split_last) {
+            self.add_path(path, observer);
+        }
+        self.search(observer)
+    }
+
+    /// Adds a path that begins at the start to its tree, with nodes as far apart as a growth sets them.
+    fn add_path(&mut self, path: &[Vec<f64>], observer: &mut dyn Observer) {
+        let mut node = 0;
+        for edge in path.windows(2) {
+            let steps = (self.sides[0].distance(&edge[0], &edge[1]) / self.settings.step).ceil().max(1.0);
+            let mut way = Way::Turns;
+            for step in 1..=as_count(steps) {
+                let q: Vec<f64> = between(&edge[0], &edge[1], step as f64 / steps).collect();
+                node = self.add_node(0, &q, (node, way), observer);
+                way = Way::GoesOn;
+            }
+        }
+    }
+}

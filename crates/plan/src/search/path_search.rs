@@ -1,0 +1,86 @@
+use cranny_spatial::other_seed;
+
+use crate::search::no_grasp::all_excluded;
+use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Problem, Statistics};
+
+/// Runs a planner whose settings are good ([`Planner::check`]). Where every grasp is excluded beforehand, by its width or as
+/// beyond reach, no search is begun.
+///
+/// # Errors
+/// Those of the planner.
+pub fn search(
+    planner: &dyn Planner,
+    problem: &Problem,
+    budget: &Budget,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<PlanReport, PlanError> {
+    planner.check()?;
+    match excluded(problem) {
+        Some(report) => Ok(report),
+        None => planner.plan(problem, budget, seed, observer),
+    }
+}
+
+/// The search of a planner for one path after another, as [`search`] runs it for one.
+///
+/// # Errors
+/// Those of the planner.
+pub fn begin_search<'a>(
+    planner: &'a dyn Planner,
+    problem: &'a Problem,
+    budget: &Budget,
+    seed: u64,
+) -> Result<Box<dyn PathSearch + 'a>, PlanError> {
+    planner.check()?;
+    if let Some(report) = excluded(problem) {
+        return Ok(Box::new(Ended(report)));
+    }
+    let own = planner.begin(problem, budget, seed)?;
+    Ok(own.unwrap_or_else(|| Box::new(Restarts { planner, problem, budget: *budget, seed, count: 0 })))
+}
+
+/// The report on a problem whose grasps are all excluded.
+fn excluded(problem: &Problem) -> Option<PlanReport> {
+    let failures = all_excluded(problem).filter(|_| problem.start_is_free())?;
+    let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
+    Some(PlanReport { failures, ..report })
+}
+
+/// The search of a planner that finds one path: for each further one it begins anew, from another seed.
+struct Restarts<'a> {
+    planner: &'a dyn Planner,
+    problem: &'a Problem,
+    budget: Budget,
+    seed: u64,
+    /// Searches that are over.
+    count: u64,
+}
+
+impl PathSearch for Restarts<'_> {
+    fn next(&mut self, observer: &mut dyn Observer) -> Result<PlanReport, PlanError> {
+        let report =
+            self.planner.plan(self.problem, &self.budget, other_seed(self.seed, self.count), observer)?;
+        self.count += 1;
+        let spent = &report.statistics;
+        self.budget.iterations = self.budget.iterations.saturating_sub(spent.iterations.max(1));
+        self.budget.time =
+            self.budget.time.saturating_sub(std::time::Duration::from_secs_f64(spent.planning_time_s));
+        Ok(report)
+    }
+
+    fn reject(&mut self) {}
+}
+
+/// A search that has ended before it began.
+struct Ended(PlanReport);
+
+impl PathSearch for Ended {
+    fn next(&mut self, _: &mut dyn Observer) -> Result<PlanReport, PlanError> {
+        Ok(self.0.clone())
+    }
+
+    fn reject(&mut self) {
+        self.0.outcome = Outcome::GaveUp;
+    }
+}
